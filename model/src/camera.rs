@@ -4,6 +4,7 @@
 //! x = X/Z, y = Y/Z, bends these by its distortion and scales them to pixels: u to the right, v down, the centre of the first pixel at
 //! (0, 0). One image does not show how far away a point is; a point of a known plane z = height has one pixel, and back.
 
+mod leave_one_out;
 mod lens;
 mod lens_fit;
 mod plane_pose;

@@ -1,6 +1,6 @@
 //! The lens from images of a plane grid.
 
-use finray_imaging::grid::{GridDot, LensOfGridsError, NoGrid, find_grid, lens_of_grids};
+use finray_imaging::grid::{Grid, LensOfGridsError, NoGrid, find_grid, lens_of_grids};
 use finray_imaging::render::{Disturbances, GridPlate, render_grid};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Distortion, LENS_PARAMETERS, Lens, Pose};
@@ -33,7 +33,7 @@ fn before_the_grid(number: u64, tilt: f64) -> Camera {
     Camera { lens: lens(), pose: Pose { rotation, translation_mm: middle.into() } }
 }
 
-fn grid_of(camera: &Camera, plate: &GridPlate, seed: u64) -> Result<Vec<GridDot>, NoGrid> {
+fn grid_of(camera: &Camera, plate: &GridPlate, seed: u64) -> Result<Grid, NoGrid> {
     // Something lies on a corner of the plate.
     let is_hidden = |at: &Vector| (at - Vector::new(60.0, -50.0)).norm() < 25.0;
     find_grid(&render_grid(camera, plate, is_hidden, Disturbances { seed, ..DISTURBED }))
@@ -43,9 +43,9 @@ fn grid_of(camera: &Camera, plate: &GridPlate, seed: u64) -> Result<Vec<GridDot>
 fn every_parameter_of_the_lens_is_within_its_standard_deviations() {
     let images = repetitions(5, 8);
     let cameras: Vec<Camera> = (0..images).map(|number| before_the_grid(number, 0.5)).collect();
-    let grids: Vec<Vec<GridDot>> =
+    let grids: Vec<Grid> =
         cameras.par_iter().enumerate().map(|(i, camera)| grid_of(camera, &PLATE, i as u64).expect("a grid")).collect();
-    let dots: usize = grids.iter().map(Vec::len).sum();
+    let dots: usize = grids.iter().map(|grid| grid.dots.len()).sum();
     assert!(dots as u64 > 180 * images, "{dots} dots");
     let (fit, _) = lens_of_grids([1600, 1400], PLATE.pitch_mm, &grids).expect("a lens");
     // A dot's middle is good to 0.02 px.
@@ -79,7 +79,7 @@ fn one_image_gives_what_it_shows() {
     assert!(!shown("fx") && shown("k1"), "{:?} {:?}", fit.is_shown, fit.lens);
     // In the plane of the grid positions hold all the same, in the grid's own numbering.
     let found = Camera { lens: fit.lens, pose: fit.poses[0] };
-    for dot in &grid {
+    for dot in &grid.dots {
         let position = Vector::new(f64::from(dot.index[0]), f64::from(dot.index[1])) * plate.pitch_mm;
         let seen = found.on_plane(&dot.pixel, 0.0).expect("the plane");
         assert!((seen - position).norm() < 0.05, "{position} {seen}");

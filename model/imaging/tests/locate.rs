@@ -1,10 +1,12 @@
 //! What is found in rendered images: centres, their stated standard deviations, names.
 
+mod elsewhere;
 mod rim_locator;
 
 use crate::kit::{DISTURBED, camera_of, rms, scene, tilted};
 use finray_imaging::locate::{LocateError, Located, Locator, NamingError, Rest};
 use finray_imaging::render::{Disturbances, RenderRequest, render};
+use finray_model::camera::Camera;
 use finray_model::mesh::FingerShape;
 use finray_model::scene::MarkerLook;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};

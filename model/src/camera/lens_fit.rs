@@ -1,5 +1,6 @@
 //! The lens from images of a plane grid.
 
+use super::leave_one_out;
 use super::plane_pose::{by_motion, homography, plane_pose};
 use super::usual_lens::{PARAMETERS, UsualLens};
 use super::{Distortion, ImpossibleLens, Lens, Pixel, PlanePoseError, Pose};
@@ -30,7 +31,8 @@ const LEAST_POINTS: usize = 12;
 pub struct LensFit {
     /// The lens.
     pub lens: Lens,
-    /// Standard deviations, in the order of [`LENS_PARAMETERS`].
+    /// Standard deviations, in the order of [`LENS_PARAMETERS`]: of independent noise of the residuals' size, or of the scatter from image to image where
+    /// that is larger.
     pub sds: [f64; PARAMETERS],
     /// By parameter, whether the images say more of it than what lenses are like anyway: its variance is less than half of that.
     pub is_shown: [bool; PARAMETERS],
@@ -121,11 +123,14 @@ pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<Len
     }
     let unknowns = &fitted.point;
     let covariance = fitted.covariance().ok_or(LensFitError::NotFound)?;
-    let sds = std::array::from_fn(|i| covariance[(i, i)].sqrt());
+    let of_noise: [f64; PARAMETERS] = std::array::from_fn(|i| covariance[(i, i)].sqrt());
+    let dots: Vec<usize> = views.iter().map(Vec::len).collect();
+    let of_images = leave_one_out::sds(&fitted.jacobian, &fitted.residual, &dots);
+    let sds = of_images.map_or(of_noise, |of_images| std::array::from_fn(|i| of_noise[i].max(of_images[i])));
     let prior_sds = problem.usual.sds(&unknowns.lens);
     Ok(LensFit {
         lens: lens_of(size_px, &unknowns.lens)?,
-        is_shown: std::array::from_fn(|i| 2.0 * sds[i] * sds[i] < prior_sds[i] * prior_sds[i]),
+        is_shown: std::array::from_fn(|i| 2.0 * of_noise[i] * of_noise[i] < prior_sds[i] * prior_sds[i]),
         sds,
         poses: unknowns.poses.clone(),
         residual_sd_px: problem.noise_px,

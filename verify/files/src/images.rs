@@ -1,7 +1,8 @@
 //! Image files: PNG and JPEG, by their content.
 
 use super::{FileError, read_bytes};
-use image::{ImageError, ImageFormat, ImageReader, Limits, RgbImage};
+use image::metadata::Orientation;
+use image::{ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, RgbImage};
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Component, Path, PathBuf};
@@ -11,27 +12,64 @@ const LARGEST_SIDE_PX: u32 = 20_000;
 const MOST_MEMORY: u64 = 1 << 30;
 
 /// Reads an image as red, green and blue of 8 bits: grey becomes three equal channels, 16 bits are rounded, and what is transparent is
-/// taken for opaque. `-` is standard input.
+/// taken for opaque. It is turned as its EXIF orientation says, as viewers show it. `-` is standard input.
 ///
 /// # Errors
 /// [`FileError`] for what is no PNG or JPEG file, is damaged, or is larger than 20 000 px a side.
 pub fn load_image(path: &Path) -> Result<RgbImage, FileError> {
+    load_turned_image(path).map(|(image, _)| image)
+}
+
+/// The same, with the turn that its EXIF orientation asked for.
+///
+/// # Errors
+/// As [`load_image`].
+pub fn load_turned_image(path: &Path) -> Result<(RgbImage, Orientation), FileError> {
     let bytes = read_bytes(path)?;
     let wrong = |message: String| FileError::content(path, message);
     let format = image::guess_format(&bytes)
         .ok()
         .filter(|format| matches!(format, ImageFormat::Png | ImageFormat::Jpeg))
         .ok_or_else(|| wrong("expected an image, PNG or JPEG".to_owned()))?;
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut reader = ImageReader::with_format(Cursor::new(&bytes), format);
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE_PX), Some(LARGEST_SIDE_PX));
     limits.max_alloc = Some(MOST_MEMORY);
     reader.limits(limits);
-    let image = reader.decode().map_err(|error| match error {
+    let mut image = reader.decode().map_err(|error| match error {
         ImageError::Limits(_) => wrong(format!("expected an image of at most {LARGEST_SIDE_PX} px a side")),
         _ => wrong("expected a whole image; this one is damaged or cut off".to_owned()),
     })?;
-    Ok(image.into_rgb8())
+    let orientation = orientation(&bytes, format);
+    image.apply_orientation(orientation);
+    Ok((image.into_rgb8(), orientation))
+}
+
+/// The EXIF orientation of an image file; none where there is none that can be read.
+fn orientation(bytes: &[u8], format: ImageFormat) -> Orientation {
+    let of_head = || ImageReader::with_format(Cursor::new(bytes), format).into_decoder().ok()?.orientation().ok();
+    match of_head() {
+        Some(Orientation::NoTransforms) | None if format == ImageFormat::Png => {
+            after_pixels(bytes).unwrap_or(Orientation::NoTransforms)
+        }
+        found => found.unwrap_or(Orientation::NoTransforms),
+    }
+}
+
+/// The orientation in a PNG file's chunk eXIf, which may stand behind the pixels, where the decoder does not look before it has them.
+fn after_pixels(png: &[u8]) -> Option<Orientation> {
+    const SIGNATURE: usize = 8;
+    // Around the data: its length, the name of the chunk, and a check sum behind it.
+    const AROUND: usize = 12;
+    let mut rest = png.get(SIGNATURE..)?;
+    loop {
+        let (head, data) = rest.split_first_chunk::<8>()?;
+        let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
+        if &head[4..] == b"eXIf" {
+            return Orientation::from_exif_chunk(data.get(..length)?);
+        }
+        rest = rest.get(AROUND.checked_add(length)?..)?;
+    }
 }
 
 /// What a table of several images calls them: the names of their files, each with as many of its folders, joined by `/`, as distinguish it from the

@@ -13,7 +13,7 @@ pub mod measurements;
 pub mod observations;
 pub mod views;
 
-pub use images::{image_named, image_names, load_image, to_png};
+pub use images::{image_named, image_names, load_image, load_turned_image, to_png};
 pub use networks::{load_network, load_network_and_digest};
 pub use origin::{Elsewhere, of_another_finger};
 pub use output::{

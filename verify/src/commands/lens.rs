@@ -1,18 +1,22 @@
 //! `finray lens`
 
 use crate::commands::prelude::*;
-use finray_imaging::grid::{find_grid, lens_of_grids};
+use finray_files::load_turned_image;
+use finray_imaging::grid::{Grid, GridKind, find_grid, lens_of_grids};
 use finray_model::camera::{LENS_PARAMETERS, LensFit, Pose};
 use finray_model::keys::{CAMERA, SceneTable};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::fmt::Write;
 
-/// Find the lens of a camera from images of a plane grid of dots or holes.
+/// Find the lens of a camera from images of a plane grid of dots or holes, or of a chessboard.
 ///
 /// Writes size_px, focal_px, principal_point_px and distortion as a scene's camera table has them
 /// (TOML), with standard deviations and the residual in comments. The grid is square, of dark or
-/// light dots; it is found without a guess, may be unevenly lit, slanted and partly hidden.
+/// light dots, or a chessboard, which a comment says; it is found without a guess, may be unevenly
+/// lit, slanted and partly hidden. --grid-mm is the distance between neighbouring dots, the side of
+/// a chessboard's squares, or the distance between rows of an asymmetric grid, whose rows are
+/// displaced by as much in turn, so that neighbours are diagonal.
 ///
 /// Take ten images or more that fill the frame, slanted by 20 to 40 degrees in different directions.
 /// What the images do not show (from one image or from images without slant: focal length and
@@ -28,7 +32,7 @@ use std::fmt::Write;
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
-    /// Distance between neighbouring dots, mm
+    /// Distance between neighbouring dots, side of a square, or distance between rows of an asymmetric grid, mm
     #[arg(long, value_name = "P", value_parser = positive)]
     grid_mm: f64,
     /// Image of the grid (PNG, JPEG); several of one camera
@@ -49,11 +53,12 @@ const SAME_DISTANCE: f64 = 0.005;
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let seen = arguments.image.par_iter().map(|path| {
         let wrong = |message: String| Failure::from(FileError::Content { path: path.clone(), message });
-        let image = load_image(path)?;
+        let (image, turn) = load_turned_image(path)?;
         let grid = find_grid(&image).map_err(|error| wrong(error.to_string()))?;
-        Ok(([image.width(), image.height()], grid))
+        Ok((([image.width(), image.height()], turn), grid))
     });
-    let (sizes, grids): (Vec<[u32; 2]>, Vec<_>) = seen.collect::<Result<Vec<_>, Failure>>()?.into_iter().unzip();
+    let (seen, grids): (Vec<_>, Vec<_>) = seen.collect::<Result<Vec<_>, Failure>>()?.into_iter().unzip();
+    let (sizes, turns): (Vec<[u32; 2]>, Vec<_>) = seen.into_iter().unzip();
     let size_px = sizes[0];
     if let Some(other) = sizes.iter().position(|size| *size != size_px) {
         let ([w, h], [x, y]) = (size_px, sizes[other]);
@@ -61,8 +66,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(FileError::Content { path: arguments.image[other].clone(), message }.into());
     }
     let (fit, left_out) = lens_of_grids(size_px, arguments.grid_mm, &grids).map_err(bad_input)?;
-    let dots = grids.iter().map(Vec::len).sum::<usize>() - left_out;
-    let mut text = to_toml(&fit, arguments, dots);
+    let dots = grids.iter().map(|grid| grid.dots.len()).sum::<usize>() - left_out;
+    let kind = Grid::common_kind(&grids).unwrap_or(GridKind::Dots);
+    let mut text = to_toml(&fit, arguments, kind, dots);
     if arguments.plane {
         let pose = pose_of_plane(&fit).map_err(bad_input)?;
         text += &format!(
@@ -74,6 +80,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         );
     }
     write_text(&arguments.out, &text)?;
+    if let Some(other) = turns.iter().position(|turn| *turn != turns[0]) {
+        print_message(format_args!(
+            "warning: {}: its EXIF orientation is not that of the first image: the camera was held otherwise, and the principal point is then elsewhere \
+             in the image",
+            arguments.image[other].display()
+        ));
+    }
+    if kind == GridKind::AsymmetricDots {
+        print_message(format_args!(
+            "note: the grid is asymmetric: its rows are taken to be {} mm apart, its neighbouring dots {:.3} mm",
+            arguments.grid_mm,
+            arguments.grid_mm * std::f64::consts::SQRT_2
+        ));
+    }
     if let Some(note) = not_shown(&fit) {
         print_message(format_args!("note: {note}"));
     }
@@ -108,7 +128,7 @@ fn pose_of_plane(fit: &LensFit) -> Result<Pose, String> {
     Ok(Pose::in_plane(&normal, &origin))
 }
 
-fn to_toml(fit: &LensFit, arguments: &Arguments, dots: usize) -> String {
+fn to_toml(fit: &LensFit, arguments: &Arguments, kind: GridKind, dots: usize) -> String {
     let lens = &fit.lens;
     let mut text = String::new();
     let images = arguments.image.len();
@@ -117,7 +137,9 @@ fn to_toml(fit: &LensFit, arguments: &Arguments, dots: usize) -> String {
     // Writing to a string does not fail.
     let _ = writeln!(
         text,
-        "# Lens from {images} image{plural} of a grid of {grid_mm} mm: {dots} dots, residual {residual:.3} px."
+        "# Lens from {images} image{plural} of {} of {grid_mm} mm: {dots} {}, residual {residual:.3} px.",
+        kind.name(),
+        if kind == GridKind::Chessboard { "corners" } else { "dots" },
     );
     let _ = writeln!(text, "# Standard deviations:");
     for (name, sd) in LENS_PARAMETERS.iter().zip(fit.sds) {

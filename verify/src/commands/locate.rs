@@ -3,7 +3,9 @@
 use crate::commands::prelude::*;
 use finray_files::{image_names, observations};
 use finray_imaging::locate::{Observer, ObserverError};
-use finray_model::observation::Observation;
+use finray_model::Finger;
+use finray_model::measurement::Marker;
+use finray_model::observation::{LargestClampedMotion, Observation};
 use finray_model::scene::MarkerLook;
 use rayon::prelude::*;
 
@@ -21,7 +23,9 @@ const SURE_REST_PX: f64 = 0.3;
 /// where its markers are.
 ///
 /// sigma_mm is the standard deviation of one coordinate of the displacement, from the noise of the
-/// image. It does not hold errors of the lens, nor of a pose that the scene states.
+/// image. It does not hold errors of the lens, nor of a pose that the scene states; a warning says
+/// where markers of clamped nodes are not where that pose has them. An image that shows the finger
+/// elsewhere, upside down, mirrored or in another size is refused. EXIF orientation is heeded.
 ///
 /// Several images are taken for a stream: markers are sought near where they were in the one before.
 /// Markers are named by their order along the plates and by what a finger can do; where two ways to
@@ -80,6 +84,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 path.display()
             ));
         }
+        if let Some(doubt) = doubt_of_pose(&scene.finger, seen) {
+            print_message(format_args!(
+                "warning: {}: {doubt}; --rest finds the pose in an image of the unloaded finger",
+                path.display()
+            ));
+        }
     }
     Ok(write_text(&arguments.out, &observations::to_csv(&observed)?)?)
 }
@@ -111,8 +121,41 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
     Ok(observer)
 }
 
+/// What the markers of clamped nodes say against the pose from which displacements count; `None` of a base that moves or has no markers.
+fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
+    let mut nodes = finger.clamped_nodes().into_iter().filter(|node| finger.has_marker(*node)).peekable();
+    if seen.base.is_some() || nodes.peek().is_none() {
+        return None;
+    }
+    let clamped: Vec<_> = nodes.filter_map(|node| seen.markers.iter().find(|marker| marker.node == node)).collect();
+    if clamped.is_empty() {
+        return Some(
+            "no marker of a clamped node is seen where the pose has it, so nothing shows that the pose holds"
+                .to_owned(),
+        );
+    }
+    let moved = clamped.iter().find_map(|seen| {
+        let marker = Marker { node: seen.node, displacement: seen.displacement?, weight: 1.0 };
+        LargestClampedMotion::of(Some(seen.sd_mm?), []).check(finger, &marker).err()?;
+        Some(marker)
+    })?;
+    Some(format!(
+        "the marker of clamped node {} is seen {:.2} mm from where the pose has it: displacements err by as much or more, which sigma_mm does not hold",
+        moved.node,
+        moved.displacement.norm()
+    ))
+}
+
 fn observed(observer: &mut Observer, path: &Path) -> Result<Observation, Failure> {
-    Ok(observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?)
+    let seen = observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?;
+    if let Some(blur_px) = observer.motion_blur_px() {
+        print_message(format_args!(
+            "warning: {}: markers are blurred in one direction, by {blur_px:.1} px (standard deviation), as of a motion while the shutter was open; sigma_mm \
+             holds what that leaves in steady motion",
+            path.display()
+        ));
+    }
+    Ok(seen)
 }
 
 fn refused(path: &Path, error: &dyn std::fmt::Display) -> Failure {

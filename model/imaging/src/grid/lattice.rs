@@ -1,7 +1,6 @@
 //! Which dots are neighbours: a lattice that grows from a dot, step by step, along with its slant.
 
-use super::GridDot;
-use super::dots::Dot;
+use super::patches::Dot;
 use finray_model::camera::Pixel;
 use std::collections::{HashMap, VecDeque};
 
@@ -17,18 +16,24 @@ const STEPS: f64 = 1.25;
 const LEAST_SINE: f64 = 0.9;
 /// Ratio of the radii of neighbours.
 const ALIKE: f64 = 1.6;
+/// Room that a dot needs to be seen as one before the border of the image, in its longer half axes and px.
+const ROOM: (f64, f64) = (1.2, 4.0);
+
+/// Numbers of dots by their column and row, counted from some dot.
+pub(super) type Lattice = HashMap<[i32; 2], usize>;
+
+/// How irregular the surroundings of a dot are, its number, and the steps to two of its neighbours.
+pub(super) type Seed = (f64, usize, [Pixel; 2]);
 
 /// The largest lattice among dots.
-pub(super) fn largest(dots: &[Dot]) -> Vec<GridDot> {
-    let mut seeds: Vec<(f64, usize, [Pixel; 2])> =
-        (0..dots.len()).filter_map(|seed| steps_at(dots, seed).map(|(off, steps)| (off, seed, steps))).collect();
+pub(super) fn largest(dots: &[Dot], mut seeds: Vec<Seed>) -> Lattice {
     seeds.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best: Vec<GridDot> = Vec::new();
+    let mut best = Lattice::new();
     for (_, seed, steps) in seeds.into_iter().take(SEEDS) {
         if best.len() as f64 > ENOUGH * dots.len() as f64 {
             break;
         }
-        if best.iter().any(|dot| dot.pixel == dots[seed].pixel) {
+        if best.values().any(|dot| *dot == seed) {
             continue;
         }
         let found = grown(dots, seed, steps);
@@ -37,6 +42,12 @@ pub(super) fn largest(dots: &[Dot]) -> Vec<GridDot> {
         }
     }
     best
+}
+
+/// Dots from which a lattice may grow.
+pub(super) fn seeds(dots: &[Dot]) -> Vec<Seed> {
+    let seed = |seed| steps_at(dots, seed).map(|(off, steps)| (off, seed, steps));
+    (0..dots.len()).filter_map(seed).collect()
 }
 
 /// The steps from a dot to two neighbours that have counterparts on the other side, and how far these are off. Slant is taken out by the
@@ -77,12 +88,11 @@ fn is_alike(a: &Dot, b: &Dot) -> bool {
 }
 
 /// The lattice from a dot and its two steps.
-fn grown(dots: &[Dot], seed: usize, steps: [Pixel; 2]) -> Vec<GridDot> {
-    let mut at: HashMap<[i32; 2], usize> = HashMap::new();
-    let mut index_of: Vec<Option<[i32; 2]>> = vec![None; dots.len()];
+fn grown(dots: &[Dot], seed: usize, steps: [Pixel; 2]) -> Lattice {
+    let mut at = Lattice::from([([0, 0], seed)]);
+    let mut is_taken = vec![false; dots.len()];
     let mut open = VecDeque::from([(seed, [0, 0], steps)]);
-    at.insert([0, 0], seed);
-    index_of[seed] = Some([0, 0]);
+    is_taken[seed] = true;
     while let Some((dot, index, steps)) = open.pop_front() {
         for (axis, sign) in [(0, 1), (0, -1), (1, 1), (1, -1)] {
             let mut next = index;
@@ -92,18 +102,41 @@ fn grown(dots: &[Dot], seed: usize, steps: [Pixel; 2]) -> Vec<GridDot> {
             }
             let step = steps[axis] * f64::from(sign);
             let expected = dots[dot].pixel + step;
-            let near = (0..dots.len()).filter(|&i| index_of[i].is_none() && is_alike(&dots[i], &dots[dot]));
+            let near = (0..dots.len()).filter(|&i| !is_taken[i] && is_alike(&dots[i], &dots[dot]));
             let near = near.map(|i| ((dots[i].pixel - expected).norm(), i)).min_by(|a, b| a.0.total_cmp(&b.0));
             let Some((_, found)) = near.filter(|(off, _)| *off < OFF * step.norm()) else { continue };
             at.insert(next, found);
-            index_of[found] = Some(next);
+            is_taken[found] = true;
             let mut steps = steps;
             steps[axis] = (dots[found].pixel - dots[dot].pixel) * f64::from(sign);
             open.push_back((found, next, steps));
         }
     }
-    let dot = |(i, index): (usize, &Option<[i32; 2]>)| {
-        index.map(|index| GridDot { index, pixel: dots[i].pixel, radius_px: dots[i].radius_px })
-    };
-    index_of.iter().enumerate().filter_map(dot).collect()
+    at
+}
+
+/// Dots of a lattice's outline, where the image would show more of it: those that lack one neighbour, as along a row, and those that lack two which are
+/// not opposite, as along a diagonal.
+pub(super) fn outline(dots: &[Dot], lattice: &Lattice, size_px: [u32; 2]) -> [usize; 2] {
+    let mut counts = [0; 2];
+    for (&[i, k], &number) in lattice {
+        let dot = &dots[number];
+        let room = ROOM.0 * dot.longer_px() + ROOM.1;
+        let is_inside =
+            |at: Pixel| (0..2).all(|axis| (room..f64::from(size_px[axis]) - 1.0 - room).contains(&at[axis]));
+        // Whether one of two opposite neighbours is missing where the other one says that it would be in the image; `None` where that is not known.
+        let lacks_one = |ends: [[i32; 2]; 2]| match ends.map(|end| lattice.get(&end)) {
+            [Some(_), Some(_)] => Some(false),
+            [Some(&other), None] | [None, Some(&other)] => {
+                is_inside(2.0 * dot.pixel - dots[other].pixel).then_some(true)
+            }
+            [None, None] => None,
+        };
+        match (lacks_one([[i + 1, k], [i - 1, k]]), lacks_one([[i, k + 1], [i, k - 1]])) {
+            (Some(true), Some(true)) => counts[1] += 1,
+            (Some(true), Some(false)) | (Some(false), Some(true)) => counts[0] += 1,
+            _ => {}
+        }
+    }
+    counts
 }

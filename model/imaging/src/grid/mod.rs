@@ -1,178 +1,142 @@
-//! A plane grid of dots or holes in an image, found without a guess: where its dots are and which are neighbours.
+//! A plane grid in an image, found without a guess: dots or holes, or the corners of a chessboard, and which are neighbours.
 //!
 //! Dots may be dark or light, unevenly lit, and partly hidden; the grid may be seen at a slant and through a lens that bends it.
 
+mod corners;
 mod dots;
 mod lattice;
+mod lens;
+mod patches;
+mod ring;
 
-use dots::{Dot, dots};
+pub use lens::{LensOfGridsError, lens_of_grids};
+
 use finray_model::Vector;
-use finray_model::camera::{Camera, Lens, LensFit, LensFitError, Pixel, Pose, fit_lens};
+use finray_model::camera::Pixel;
 use image::{GrayImage, RgbImage};
+use lattice::Lattice;
+use patches::{Dot, Patches, patches};
 
 /// Dots that a grid must have.
 const LEAST_DOTS: usize = 12;
 /// Half the side of the blocks over which brightness is averaged for the threshold, px: a dot and its surroundings, for small and large ones.
 const BLOCKS_PX: [u32; 4] = [10, 25, 60, 120];
-/// Residuals beyond so many medians of their size are no dots of the grid.
-const OUTLIER: f64 = 6.0;
-/// Largest residual of a grid, as a share of the distance between neighbours: what is farther off is no plane grid.
-const LARGEST_RESIDUAL: f64 = 0.1;
-/// Rounds in which the centres of the dots' images are corrected for perspective.
-const ROUNDS: usize = 3;
-/// Corners by which a dot's outline is projected.
-const OUTLINE: usize = 48;
 
-/// A dot of a grid.
+/// Fewest dots of an outline along the diagonals, and how many of them there must be for one of an outline along rows and columns: a rectangle
+/// has four at its corners.
+const LEAST_DIAGONAL: usize = 3;
+const DIAGONAL: usize = 2;
+
+/// What a grid is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GridKind {
+    /// Dots or holes in rows and columns, a pitch apart.
+    Dots,
+    /// Dots or holes in rows a pitch apart, every other row displaced by a pitch, dots of a row two pitches apart: neighbours are diagonal.
+    AsymmetricDots,
+    /// The inner corners of a chessboard; the pitch is the side of a square.
+    Chessboard,
+}
+
+impl GridKind {
+    /// Its name, with an article.
+    pub fn name(self) -> &'static str {
+        match self {
+            GridKind::Dots => "a grid",
+            GridKind::AsymmetricDots => "an asymmetric grid",
+            GridKind::Chessboard => "a chessboard",
+        }
+    }
+
+    /// Where a dot is, in pitches.
+    fn position(self, [column, row]: [i32; 2]) -> Vector {
+        let [column, row] = [column, row].map(f64::from);
+        match self {
+            GridKind::Dots | GridKind::Chessboard => Vector::new(column, row),
+            GridKind::AsymmetricDots => Vector::new(column + row, column - row),
+        }
+    }
+}
+
+/// The grid of an image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// Its dots, or the corners of its squares.
+    pub dots: Vec<GridDot>,
+    is_chessboard: bool,
+    /// Dots where it ends along its rows and columns, and along its diagonals.
+    outline: [usize; 2],
+}
+
+impl Grid {
+    /// What grids of one board are made of; `None` if some are chessboards and some are not. Where a grid of dots ends tells whether it is asymmetric:
+    /// one image may not show that, so all are asked.
+    pub fn common_kind(grids: &[Grid]) -> Option<GridKind> {
+        let boards = grids.iter().filter(|grid| grid.is_chessboard).count();
+        let [straight, diagonal] = [0, 1].map(|way| grids.iter().map(|grid| grid.outline[way]).sum::<usize>());
+        match boards {
+            0 if diagonal >= LEAST_DIAGONAL && diagonal > DIAGONAL * straight => Some(GridKind::AsymmetricDots),
+            0 => Some(GridKind::Dots),
+            _ => (boards == grids.len()).then_some(GridKind::Chessboard),
+        }
+    }
+
+    fn large_enough(self, others: usize) -> Result<Grid, NoGrid> {
+        if self.dots.len() < LEAST_DOTS { Err(NoGrid { found: self.dots.len().max(others) }) } else { Ok(self) }
+    }
+}
+
+/// A dot of a grid, or a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridDot {
-    /// Column and row, counted from some dot.
+    /// Column and row, counted from some dot along the directions in which neighbours are nearest.
     pub index: [i32; 2],
     /// The middle of its light.
     pub pixel: Pixel,
-    /// Radius of a disc of its area, px.
+    /// Radius of a disc of its area, px; 0 for a corner.
     pub radius_px: f64,
 }
 
 /// No grid is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("expected a plane grid of round dots or holes, at least {LEAST_DOTS} of which are neighbours; found {found}")]
+#[error(
+    "expected a plane grid of round dots or holes, or a chessboard, at least {LEAST_DOTS} dots or corners of which are neighbours; found {found}"
+)]
 pub struct NoGrid {
-    /// Dots of the largest lattice.
+    /// Dots or corners of the largest lattice.
     pub found: usize,
 }
 
-/// Why grids give no lens.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum LensOfGridsError {
-    /// No lens fits.
-    #[error(transparent)]
-    Fit(#[from] LensFitError),
-    /// The dots of one image are no grid before any lens.
-    #[error(
-        "image {image}: expected a plane grid, found dots that are off it by {residual_px:.1} px (root mean square) where neighbours are \
-         {pitch_px:.0} px apart"
-    )]
-    Uneven {
-        /// Its number, from 1.
-        image: usize,
-        /// Root mean square distance of the dots from where the lens projects them, px.
-        residual_px: f64,
-        /// Distance of neighbours, px.
-        pitch_px: f64,
-    },
-}
-
-/// Finds the grid: of all ways to tell dots from their surroundings, the one with the largest lattice.
+/// Finds the grid: of all ways to tell dots from their surroundings, the one with the largest lattice. The squares of a chessboard are such dots as
+/// well, unless they are large or cut by the border: then, and where no dots are found, its corners are sought.
 ///
 /// # Errors
 /// [`NoGrid`] for an image without one.
-pub fn find_grid(image: &RgbImage) -> Result<Vec<GridDot>, NoGrid> {
+pub fn find_grid(image: &RgbImage) -> Result<Grid, NoGrid> {
     let grey: GrayImage = image::imageops::grayscale(image);
-    let mut best: Vec<GridDot> = Vec::new();
+    let (mut seen, mut lattice) = (Patches::default(), Lattice::new());
     for block_px in BLOCKS_PX {
         for are_dark in [true, false] {
-            let dots: Vec<Dot> = dots(&grey, block_px, are_dark);
-            let found = lattice::largest(&dots);
-            if found.len() > best.len() {
-                best = found;
+            let patches = patches(&grey, block_px, are_dark);
+            let found = lattice::largest(&patches.dots, lattice::seeds(&patches.dots));
+            if found.len() > lattice.len() {
+                (seen, lattice) = (patches, found);
             }
         }
     }
-    if best.len() < LEAST_DOTS { Err(NoGrid { found: best.len() }) } else { Ok(best) }
-}
-
-/// The lens that sees grids of a pitch (mm) in images of one size. A slanted dot's middle is not where its centre is seen; that is
-/// corrected, with the dots taken for discs. Returns the fit and the dots left out as no dots of their grid.
-///
-/// # Errors
-/// [`LensOfGridsError`].
-pub fn lens_of_grids(
-    size_px: [u32; 2],
-    pitch_mm: f64,
-    grids: &[Vec<GridDot>],
-) -> Result<(LensFit, usize), LensOfGridsError> {
-    let position = |dot: &GridDot| Vector::new(f64::from(dot.index[0]), f64::from(dot.index[1])) * pitch_mm;
-    let mut grids = grids.to_vec();
-    let mut shifts: Vec<Vec<Pixel>> = grids.iter().map(|grid| vec![Pixel::zeros(); grid.len()]).collect();
-    let mut left_out = 0;
-    let mut found: Option<LensFit> = None;
-    for round in 0..ROUNDS {
-        let views: Vec<Vec<(Vector, Pixel)>> = grids
-            .iter()
-            .zip(&shifts)
-            .map(|(grid, shifts)| {
-                grid.iter().zip(shifts).map(|(dot, shift)| (position(dot), dot.pixel - shift)).collect()
-            })
-            .collect();
-        let fit = fit_lens(size_px, &views)?;
-        if round == 0 {
-            for ((grid, pose), shifts) in grids.iter_mut().zip(&fit.poses).zip(&mut shifts) {
-                left_out += drop_outliers(grid, &fit.lens, pose, position);
-                *shifts = vec![Pixel::zeros(); grid.len()];
-            }
-        }
-        for ((grid, pose), shifts) in grids.iter().zip(&fit.poses).zip(&mut shifts) {
-            for (dot, shift) in grid.iter().zip(shifts.iter_mut()) {
-                *shift = shift_of_middle(&fit.lens, pose, &position(dot), dot.radius_px).unwrap_or_default();
-            }
-        }
-        found = Some(fit);
+    let too_few = if lattice.len() < LEAST_DOTS { lattice.len() } else { 0 };
+    if too_few == lattice.len() || corners::are_squares(&grey, &seen.dots, &lattice) {
+        let corner = |(index, pixel)| GridDot { index, pixel, radius_px: 0.0 };
+        let dots: Vec<GridDot> = corners::board(&grey).into_iter().map(corner).collect();
+        return Grid { dots, is_chessboard: true, outline: [0; 2] }.large_enough(too_few);
     }
-    let fit = found.ok_or(LensFitError::NotFound)?;
-    for (image, (grid, pose)) in grids.iter().zip(&fit.poses).enumerate() {
-        let camera = Camera { lens: fit.lens, pose: *pose };
-        let squares: f64 = grid.iter().map(|dot| residual_px(&camera, dot, position(dot)).powi(2)).sum();
-        let residual_px = (squares / grid.len() as f64).sqrt();
-        let pitch_px = pitch_px(grid);
-        if residual_px > LARGEST_RESIDUAL * pitch_px {
-            return Err(LensOfGridsError::Uneven { image: image + 1, residual_px, pitch_px });
-        }
-    }
-    Ok((fit, left_out))
-}
-
-/// How far a dot is from where a camera projects its position in the plane.
-fn residual_px(camera: &Camera, dot: &GridDot, position: Vector) -> f64 {
-    camera.project(&position.push(0.0)).map_or(f64::INFINITY, |pixel| (pixel - dot.pixel).norm())
-}
-
-/// Mean distance of neighbours along the rows; infinite where a grid has none.
-fn pitch_px(grid: &[GridDot]) -> f64 {
-    let at: std::collections::HashMap<[i32; 2], Pixel> = grid.iter().map(|dot| (dot.index, dot.pixel)).collect();
-    let next = |dot: &GridDot| Some((at.get(&[dot.index[0] + 1, dot.index[1]])? - dot.pixel).norm());
-    let distances: Vec<f64> = grid.iter().filter_map(next).collect();
-    if distances.is_empty() { f64::INFINITY } else { distances.iter().sum::<f64>() / distances.len() as f64 }
-}
-
-fn drop_outliers(grid: &mut Vec<GridDot>, lens: &Lens, pose: &Pose, position: impl Fn(&GridDot) -> Vector) -> usize {
-    let camera = Camera { lens: *lens, pose: *pose };
-    let residual = |dot: &GridDot| residual_px(&camera, dot, position(dot));
-    let mut residuals: Vec<f64> = grid.iter().map(residual).collect();
-    let middle = residuals.len() / 2;
-    let median = *residuals.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let before = grid.len();
-    grid.retain(|dot| residual(dot) <= OUTLIER * median.max(1e-3));
-    before - grid.len()
-}
-
-/// How far the middle of a disc's image is from the image of its centre, px.
-fn shift_of_middle(lens: &Lens, pose: &Pose, centre: &Vector, radius_px: f64) -> Option<Pixel> {
-    let camera = Camera { lens: *lens, pose: *pose };
-    let (at, by_point) = camera.project_with_derivatives(&centre.push(0.0)).ok()?;
-    let in_plane = by_point.fixed_columns::<2>(0).into_owned();
-    let radius_mm = radius_px / in_plane.determinant().abs().sqrt();
-    let corner = |k: usize| {
-        let (sine, cosine) = (std::f64::consts::TAU * k as f64 / OUTLINE as f64).sin_cos();
-        camera.project(&(centre + Vector::new(cosine, sine) * radius_mm).push(0.0)).ok().map(|pixel| pixel - at)
+    let outline = lattice::outline(&seen.dots, &lattice, [grey.width(), grey.height()]);
+    let all: Vec<Dot> = seen.dots.iter().chain(&seen.others).copied().collect();
+    let measured = |(&index, &number): (&[i32; 2], &usize)| {
+        let (pixel, radius_px) = dots::measured(&grey, &seen.dots[number], &all)?;
+        Some(GridDot { index, pixel, radius_px })
     };
-    let corners = (0..OUTLINE).map(corner).collect::<Option<Vec<Pixel>>>()?;
-    let (mut area, mut moment) = (0.0, Pixel::zeros());
-    for (k, from) in corners.iter().enumerate() {
-        let to = corners[(k + 1) % OUTLINE];
-        let cross = from.perp(&to);
-        area += cross / 2.0;
-        moment += (from + to) * (cross / 6.0);
-    }
-    Some(moment / area)
+    let mut dots: Vec<GridDot> = lattice.iter().filter_map(measured).collect();
+    dots.sort_by_key(|dot| dot.index);
+    Grid { dots, is_chessboard: false, outline }.large_enough(0)
 }

@@ -48,8 +48,8 @@ pub(super) fn blobs(image: &RgbImage, colours: &Colours, radius_px: f64) -> Vec<
     blobs.into_iter().map(|(_, blob)| blob).collect()
 }
 
-/// The radius that most patches have, px, as if they were discs; `None` without patches of a disc's size.
-pub(super) fn commonest_radius(image: &RgbImage, colours: &Colours) -> Option<f64> {
+/// The radius that most patches have, px, as if they were discs, and how many; `None` without patches of a disc's size.
+pub(super) fn commonest_radius(image: &RgbImage, colours: &Colours) -> Option<(f64, usize)> {
     const STRIDE: u32 = 2;
     let radius = |patch: &Patch| (f64::from(patch.cells) / std::f64::consts::PI).sqrt() * f64::from(STRIDE);
     let mut radii: Vec<f64> =
@@ -58,7 +58,7 @@ pub(super) fn commonest_radius(image: &RgbImage, colours: &Colours) -> Option<f6
     // Those alike; the middle of the largest such group.
     let group = |from: usize| radii[from..].partition_point(|radius| *radius < ALIKE * radii[from]);
     let (from, count) = (0..radii.len()).map(|from| (from, group(from))).max_by_key(|(_, count)| *count)?;
-    Some(radii[from + count / 2])
+    Some((radii[from + count / 2], count))
 }
 
 /// Patches of a colour on the grid of every `stride`-th pixel.

@@ -6,6 +6,9 @@
 mod blobs;
 mod colour;
 mod disc;
+mod elsewhere;
+mod error;
+mod motion;
 mod naming;
 mod observer;
 mod pattern;
@@ -15,20 +18,24 @@ mod rim_locator;
 mod together;
 
 pub use colour::GreyMarker;
+pub use elsewhere::Elsewhere;
+pub use error::{LocateError, LocatorError};
 pub use naming::NamingError;
 pub use observer::{Observer, ObserverError};
 pub use rest::{Rest, RestError};
 pub use rim_locator::{RimLocator, SeenBase, SeenFinger};
 
-use blobs::{Blob, LEAST_RADIUS_PX, blobs, middle_of_colour};
+use blobs::{Blob, LEAST_RADIUS_PX, blobs, commonest_radius, middle_of_colour};
 use colour::{Colours, Side};
-use disc::{Buffers, Disc, LARGEST_BLUR, View};
-use finray_model::camera::{Camera, Lens, Pixel, ViewError};
+use disc::{Buffers, Disc, View};
+use elsewhere::Scenery;
+use finray_model::camera::{Camera, Lens, Pixel};
 use finray_model::finger::Plate;
 use finray_model::scene::{MarkerLook, Markers};
 use finray_model::{Finger, NodeId, Vector};
 use image::RgbImage;
-use naming::{Candidate, Marked, Names, name, name_likely};
+use motion::motion_blur_px;
+use naming::{Candidate, Marked, name, name_likely};
 use together::{Common, located, measure_together};
 
 /// A marker is sought within so many of its radii of where it was in the image before.
@@ -37,6 +44,10 @@ const NEAR: f64 = 1.6;
 const FOUND_AGAIN: f64 = 0.8;
 /// Images after which a stream in which a marker is missing is searched again.
 const SEARCH_AGAIN: usize = 10;
+/// One of so many markers is looked at for the blur of a motion.
+const FEW: usize = 5;
+/// Ratio of the radius of patches to that of markers from which on they are another camera's.
+const OTHER_SIZE: f64 = 1.2;
 
 /// A marker in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,47 +61,6 @@ pub struct Located {
     /// Standard deviation of one coordinate of the position, mm: noise of the image, and what shading and the model of the edge leave in
     /// rendered images. The errors of lens and pose are not in it.
     pub sd_mm: f64,
-}
-
-/// Why an image shows no finger.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum LocateError {
-    /// It has another size than the camera's.
-    #[error("expected an image of {} x {} px as the scene's camera takes, found {} x {} px", expected[0], expected[1], found[0], found[1])]
-    Size {
-        /// Width and height of the scene's camera, px.
-        expected: [u32; 2],
-        /// Of the image.
-        found: [u32; 2],
-    },
-    /// Markers would be too small.
-    #[error(
-        "markers of this camera have a radius of {radius_px:.1} px, of which at least {LEAST_RADIUS_PX} px are needed"
-    )]
-    TooSmall {
-        /// Their radius, px.
-        radius_px: f64,
-    },
-    /// The finger is not before the camera.
-    #[error("the camera does not see the finger: its middle {0}")]
-    View(#[from] ViewError),
-    /// The finger lies outside the image.
-    #[error("the camera does not see the finger: its middle is outside the image")]
-    Outside,
-    /// Nothing of a marker shows its own light.
-    #[error(
-        "markers are out of focus: their edge is blurred by {blur_px:.1} px (standard deviation), of which at most {LARGEST_BLUR} of their \
-         radius of {radius_px:.1} px can be measured"
-    )]
-    Blurred {
-        /// Standard deviation of the blur, px.
-        blur_px: f64,
-        /// Their radius, px.
-        radius_px: f64,
-    },
-    /// Nodes have no names.
-    #[error("no finger is seen: {0}")]
-    Naming(#[from] NamingError),
 }
 
 /// Finds the coloured markers of one finger with one camera.
@@ -146,11 +116,21 @@ impl<'f> Locator<'f> {
         &self.camera
     }
 
+    /// Standard deviation of the blur, px, by which the finger or the camera moved in the last image that was searched whole; `None` of a round blur.
+    pub fn motion_blur_px(&self) -> Option<f64> {
+        self.common.and_then(|common| common.motion_px)
+    }
+
     /// Markers in an image, in the order of the nodes; hidden ones are left out. Nothing is assumed of the shape.
     ///
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or more than one way to name the markers fits.
     pub fn locate(&mut self, image: &RgbImage) -> Result<Vec<Located>, LocateError> {
+        self.locate_about(image, true)
+    }
+
+    /// The same; `pose_holds`: whether the finger must be where the pose has it, not only about there.
+    fn locate_about(&mut self, image: &RgbImage, pose_holds: bool) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let mut buffers = std::mem::take(&mut self.buffers);
         let view = self.view(image, [1.0; 2], Vector::zeros());
@@ -158,11 +138,15 @@ impl<'f> Locator<'f> {
             |blob: &Blob| Some((blob.side, view.measure(self.markers.radius_mm, &blob.centre, &mut buffers)?));
         let discs: Vec<(Side, Disc)> =
             blobs(image, &self.colours, self.radius_px).iter().filter_map(measured).collect();
-        let mut named = self.named(&discs)?;
+        let mut named = self.named(&discs, pose_holds).map_err(|error| match error {
+            LocateError::Naming(_) => self.other_size(image).unwrap_or(error),
+            _ => error,
+        })?;
         let common = measure_together(view, &self.markers, self.radius_px, &mut named, &mut buffers);
         self.buffers = buffers;
-        self.common = Some(common?);
-        self.last = located(&named, &self.on_front);
+        let common = common?;
+        self.common = Some(common);
+        self.last = located(&named, &self.on_front, &common);
         (self.searched, self.tracked, self.seen) = (self.last.len(), 0, self.last.len());
         Ok(self.last.clone())
     }
@@ -176,9 +160,10 @@ impl<'f> Locator<'f> {
     pub fn track(&mut self, image: &RgbImage) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let reach = NEAR * self.radius_px;
-        let Some(Common { outline, weights, colour_shift_px }) = self.common.filter(|_| !self.last.is_empty()) else {
+        let Some(common) = self.common.filter(|_| !self.last.is_empty()) else {
             return self.locate(image);
         };
+        let Common { outline, weights, colour_shift_px, .. } = common;
         self.tracked += 1;
         if self.seen < marker_count(self.finger) && self.tracked.is_multiple_of(SEARCH_AGAIN) {
             return self.locate(image);
@@ -210,7 +195,13 @@ impl<'f> Locator<'f> {
         if (named.len() as f64) < FOUND_AGAIN * self.searched as f64 {
             return self.locate(image);
         }
-        let found = located(&named, &self.on_front);
+        // A few markers show whether something moved, in the image before or in this one: by how much, a full search finds.
+        let few = named.iter().step_by(FEW).map(|(_, disc)| disc);
+        let blur_px = motion_blur_px(image, few, self.radius_px, outline.blurs_px[0]);
+        if blur_px.or(common.motion_px).is_some() {
+            return self.locate(image);
+        }
+        let found = located(&named, &self.on_front, &common);
         for last in &mut self.last {
             if let Some(now) = found.iter().find(|now| now.node == last.node) {
                 *last = *now;
@@ -220,7 +211,16 @@ impl<'f> Locator<'f> {
         Ok(found)
     }
 
-    fn named(&self, discs: &[(Side, Disc)]) -> Result<Vec<(NodeId, Disc)>, LocateError> {
+    /// Whether patches of the markers' colours have another size than the camera's.
+    fn other_size(&self, image: &RgbImage) -> Option<LocateError> {
+        let expected_px = self.radius_px;
+        let (found_px, count) = commonest_radius(image, &self.colours)?;
+        let is_other = (found_px / expected_px).ln().abs() > OTHER_SIZE.ln();
+        (is_other && 2 * count > marker_count(self.finger)).then_some(LocateError::OtherSize { expected_px, found_px })
+    }
+
+    /// The discs that have a name; `pose_holds`: see [`Locator::locate_about`].
+    fn named(&self, discs: &[(Side, Disc)], pose_holds: bool) -> Result<Vec<(NodeId, Disc)>, LocateError> {
         let alike = self.colours.are_alike();
         let candidate = |(side, disc): &(Side, Disc)| Candidate {
             sides: [Side::Front, Side::Back].map(|other| alike || other == *side),
@@ -229,32 +229,23 @@ impl<'f> Locator<'f> {
             cost: 0.0,
         };
         let candidates: Vec<Candidate> = discs.iter().map(candidate).collect();
-        let names: Names = name(Marked::at_base(self.finger), &candidates)?;
-        let named = names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), discs[(*name)?].1)));
-        Ok(named.collect())
+        let names = name(Marked::at_base(self.finger), &candidates);
+        if pose_holds {
+            let seen: Vec<_> =
+                candidates.iter().zip(discs).map(|(candidate, (_, disc))| (*candidate, disc.pixel)).collect();
+            let (finger, camera, height_mm) = (self.finger, &self.camera, self.markers.height_mm);
+            if let Some(error) = (Scenery { finger, camera, height_mm, seen: &seen }).elsewhere(&names) {
+                return Err(error);
+            }
+        }
+        let named = |(i, name): (usize, &Option<usize>)| Some((NodeId(i + 1), discs[(*name)?].1));
+        Ok(names?.iter().enumerate().filter_map(named).collect())
     }
 
     fn view<'a>(&'a self, image: &'a RgbImage, weights: [f64; 2], colour_shift_px: Vector) -> View<'a> {
         let height_mm = self.markers.height_mm;
         View { image, camera: &self.camera, height_mm, grey_inner_mm: None, weights, colour_shift_px }
     }
-}
-
-/// Why no locator can be made.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum LocatorError {
-    /// Grey markers are not found by their colour.
-    #[error("markers: expected front_rgb and back_rgb, found shade")]
-    NotColoured,
-    /// Coloured markers are not found by their rims.
-    #[error("markers: expected shade, found front_rgb and back_rgb")]
-    NotGrey,
-    /// The markers' colours.
-    #[error(transparent)]
-    Colour(#[from] GreyMarker),
-    /// The camera.
-    #[error(transparent)]
-    Camera(#[from] LocateError),
 }
 
 /// Markers of a finger, those of clamped nodes included.

@@ -94,6 +94,14 @@ impl<'f> Observer<'f> {
         self.rest_residual_px
     }
 
+    /// See [`Locator::motion_blur_px`]; `None` of grey markers.
+    pub fn motion_blur_px(&self) -> Option<f64> {
+        match &self.locator {
+            AnyLocator::Coloured(locator) => locator.motion_blur_px(),
+            AnyLocator::Grey(_) => None,
+        }
+    }
+
     /// Whether markers are sought near where they were in the image before, so that the order of images matters.
     pub fn is_tracking(&self) -> bool {
         matches!(self.locator, AnyLocator::Coloured(_))

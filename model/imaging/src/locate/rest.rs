@@ -69,7 +69,7 @@ impl Rest {
         // Where markers are named by their pattern, a pose that the scene states adds nothing, and may be off.
         let pose = pose_of_pattern(finger, lens, markers, image)?.or(pose).ok_or(RestError::NoPattern)?;
         let mut camera = Camera { lens: *lens, pose };
-        let mut located = Locator::new(finger, &camera, markers)?.locate(image)?;
+        let mut located = Locator::new(finger, &camera, markers)?.locate_about(image, false)?;
         let mut residual_sd_px = f64::INFINITY;
         for _ in 0..ROUNDS {
             let points: Vec<_> =
@@ -97,7 +97,7 @@ fn pose_of_pattern(
         return Err(LocatorError::NotColoured.into());
     };
     let colours = Colours::new([front_rgb, back_rgb]).map_err(LocatorError::from)?;
-    let Some(radius_px) = commonest_radius(image, &colours) else { return Ok(None) };
+    let Some((radius_px, _)) = commonest_radius(image, &colours) else { return Ok(None) };
     let blobs = blobs(image, &colours, radius_px);
     let Some(named) = at_rest(finger, lens, &blobs, (radius_px, colours.are_alike())) else { return Ok(None) };
     let points: Vec<_> = named.iter().map(|(node, pixel)| (finger.marker_position(*node), *pixel)).collect();

@@ -3,6 +3,7 @@
 //! Of many round rims in an image some are markers: those that one finger can have. Where the base is not known, every pair of rims that could be
 //! two references on it, or the two ends of a rib, proposes a place for it; the place from which the markers are named at the least cost is it.
 
+use super::elsewhere::Scenery;
 use super::naming::{Candidate, Marked, Names, NamingError, name, name_at_cost};
 use super::rim::{GreyView, Rim, RimShape, rims};
 use super::together::wider;
@@ -127,9 +128,15 @@ impl<'f> RimLocator<'f> {
         let view = GreyView::new(&self.camera, image);
         let rims = rims(&view, &self.shape, self.radius_px);
         let Some(base) = &self.base else {
-            let names = name(Marked::at_base(self.finger), &self.candidates(&rims, &Isometry2::identity()))?;
+            let candidates = self.candidates(&rims, &Isometry2::identity());
+            let names = name(Marked::at_base(self.finger), &candidates);
+            let seen: Vec<_> = candidates.into_iter().zip(rims.iter().map(|rim| rim.pixel)).collect();
+            let (finger, camera, height_mm) = (self.finger, &self.camera, self.shape.height_mm);
+            if let Some(error) = (Scenery { finger, camera, height_mm, seen: &seen }).elsewhere(&names) {
+                return Err(error);
+            }
             let base = SeenBase::fixed();
-            let named = named(&rims, &names);
+            let named = named(&rims, &names?);
             return Ok(SeenFinger { located: located(&named, &base, widening(&named)), base });
         };
         let marks: Vec<Vec<Rim>> = self.marks(&view, base);

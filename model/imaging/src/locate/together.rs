@@ -1,6 +1,7 @@
 //! What the markers of an image have in common: outline, blur, noise, and what compression and lenses do to colours.
 
 use super::disc::{Buffers, ColourShift, Disc, LARGEST_BLUR, Outline, View};
+use super::motion::motion_blur_px;
 use super::{LocateError, Located};
 use finray_model::scene::Markers;
 use finray_model::{NodeId, Vector};
@@ -14,6 +15,10 @@ const UNEVEN: f64 = 3.0;
 /// found to first order.
 const COLOUR_SIGMAS: f64 = 4.0;
 const COLOUR_ROUNDS: usize = 4;
+/// Standard deviation of a coordinate that a motion's blur leaves, as a share of that blur: edges are taken to be as blurred in all directions.
+const MOTION_SD: f64 = 0.1;
+/// Largest blur of a motion, as a share of the radius: a larger one, of which up to half is not seen, is not held by that standard deviation.
+pub(super) const LARGEST_MOTION: f64 = 0.2;
 
 /// What the discs of an image have in common: their outline, and what brightness and colour count.
 #[derive(Debug, Clone, Copy)]
@@ -23,6 +28,9 @@ pub(super) struct Common {
     pub weights: [f64; 2],
     /// See [`View`].
     pub colour_shift_px: Vector,
+    /// Blur of a motion, px, see [`motion_blur_px`], and the standard deviation that it adds to a coordinate, mm.
+    pub motion_px: Option<f64>,
+    pub motion_sd_mm: f64,
 }
 
 /// Measures the centres once more. Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly
@@ -62,7 +70,13 @@ pub(super) fn measure_together(
         let sigmas = shift.dot(&gradient).max(0.0).sqrt() / wider(named.iter().map(|(_, disc)| disc.excess_variances));
         rounds += 1;
         if rounds == COLOUR_ROUNDS || sigmas < COLOUR_SIGMAS {
-            return Ok(Common { outline, weights: view.weights, colour_shift_px: view.colour_shift_px });
+            let (weights, colour_shift_px) = (view.weights, view.colour_shift_px);
+            let motion_px = motion_blur_px(view.image, named.iter().map(|(_, disc)| disc), radius_px, blur_px);
+            if let Some(blur_px) = motion_px.filter(|motion_px| *motion_px > LARGEST_MOTION * radius_px) {
+                return Err(LocateError::Moved { blur_px, radius_px });
+            }
+            let motion_sd_mm = MOTION_SD * motion_px.unwrap_or(0.0) * outline.radius_mm / radius_px;
+            return Ok(Common { outline, weights, colour_shift_px, motion_px, motion_sd_mm });
         }
         view.colour_shift_px += shift;
     }
@@ -93,7 +107,7 @@ fn mean(named: &[(NodeId, Disc)], of: impl Fn(&Disc) -> f64) -> f64 {
 }
 
 /// Markers from their discs. Those of the front plate share a colour, those of the back plate another one.
-pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId]) -> Vec<Located> {
+pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId], common: &Common) -> Vec<Located> {
     let [front, back] = [true, false].map(|is_front| {
         let of_plate = named.iter().filter(|(node, _)| on_front.contains(node) == is_front);
         wider(of_plate.map(|(_, disc)| disc.excess_variances))
@@ -102,7 +116,7 @@ pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId]) -> Vec<Loca
         node,
         pixel: disc.pixel,
         position: disc.centre,
-        sd_mm: disc.sd_mm * if on_front.contains(&node) { front } else { back },
+        sd_mm: (disc.sd_mm * if on_front.contains(&node) { front } else { back }).hypot(common.motion_sd_mm),
     };
     named.iter().map(located).collect()
 }

@@ -88,3 +88,63 @@ fn damaged_images_do_no_harm() {
         }
     }
 }
+
+/// The bytes of an EXIF block that says no more than an orientation.
+fn exif(orientation: u8) -> Vec<u8> {
+    [b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0".as_slice(), &[orientation, 0, 0, 0, 0, 0, 0]].concat()
+}
+
+/// A PNG file with an EXIF chunk before or behind the pixels.
+fn png_with_exif(png: &[u8], exif: &[u8], is_before: bool) -> Vec<u8> {
+    let data = [b"eXIf", exif].concat();
+    // The check sum of the format: CRC-32.
+    let sum = data.iter().fold(u32::MAX, |sum, byte| {
+        (0..8).fold(sum ^ u32::from(*byte), |sum, _| (sum >> 1) ^ if sum & 1 == 1 { 0xedb8_8320 } else { 0 })
+    });
+    let chunk = [&(exif.len() as u32).to_be_bytes(), data.as_slice(), &(!sum).to_be_bytes()].concat();
+    // The first chunk ends after 33 bytes; the last one has 12.
+    let at = if is_before { 33 } else { png.len() - 12 };
+    [&png[..at], &chunk, &png[at..]].concat()
+}
+
+/// Viewers turn such an image, and so did not `locate`: nodes had other nodes' names.
+#[test]
+fn an_orientation_in_exif_is_not_heeded() {
+    let folder = Folder::new();
+    let (image, shape) = image_of(&folder, "image.png", "80:2", &[]);
+    let upright = image::open(&image).expect("the image");
+    let upside_down = encoded(&upright.rotate180(), ImageFormat::Png);
+    let jpeg = encoded(&upright.rotate180(), ImageFormat::Jpeg);
+    let block = [b"Exif\0\0", exif(3).as_slice()].concat();
+    let segment = [&[0xff, 0xe1], &(block.len() as u16 + 2).to_be_bytes()[..], &block].concat();
+    for (name, bytes) in [
+        ("before.png", png_with_exif(&upside_down, &exif(3), true)),
+        ("behind.png", png_with_exif(&upside_down, &exif(3), false)),
+        ("left.png", png_with_exif(&encoded(&upright.rotate270(), ImageFormat::Png), &exif(6), true)),
+        ("turned.jpg", [&jpeg[..2], &segment, &jpeg[2..]].concat()),
+    ] {
+        let located = Csv::of(&finray(&["locate", CAMERA, "--image", &folder.put(name, bytes)]).done());
+        assert_eq!(located.rows.len(), 25, "{name}");
+        if name.ends_with("png") {
+            assert_located(&located, name, &shape);
+        }
+    }
+    let plain = folder.put("plain.png", upside_down);
+    assert_says(&finray(&["locate", CAMERA, "--image", &plain]).refused(), &["plain.png", "upside down", "EXIF"]);
+    let left = folder.put("left.png", encoded(&upright.rotate270(), ImageFormat::Png));
+    assert_says(&finray(&["locate", CAMERA, "--image", &left]).refused(), &["1400 x 1600 px", "turned by 90 degrees"]);
+}
+
+/// A pose that is a little off displaces every node; what nothing held was stated as 0.002 mm.
+#[test]
+fn clamped_markers_that_are_off_are_not_looked_at() {
+    let folder = Folder::new();
+    let (image, _) = image_of(&folder, "image.png", "80:2", &[]);
+    let scene = finray_fixtures::CAMERA_SCENE;
+    let off = folder.put("off.toml", scene.replace("[-75.0, 0.0, 170.0]", "[-75.0, 0.4, 170.0]"));
+    let (_, warnings) = finray(&["locate", &off, "--image", &image]).warned();
+    assert_says(&warnings.join(" "), &["image.png", "clamped node", "0.40 mm"]);
+    let (hidden, _) = image_of(&folder, "hidden.png", "80:2", &["--hide", "1", "25"]);
+    let (_, warnings) = finray(&["locate", CAMERA, "--image", &hidden]).warned();
+    assert_says(&warnings.join(" "), &["hidden.png", "no marker of a clamped node"]);
+}

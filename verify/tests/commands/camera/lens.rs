@@ -61,7 +61,7 @@ fn images_without_a_grid_give_no_lens() {
 /// `lens --plane` gives the pose of the grid's plane: origin in the middle of the image, z towards the camera. It takes images of one place alone.
 #[test]
 fn the_plane_of_a_grid_is_written() {
-    use finray_model::camera::Pose;
+    use finray_model::camera::{Camera, Lens, Pose};
     use nalgebra::Vector3;
     let folder = Folder::new();
     let images = [("1.png", 0.3), ("2.png", 0.3), ("3.png", -0.3)].map(|(name, slant)| grid(&folder, name, slant));
@@ -75,9 +75,14 @@ fn the_plane_of_a_grid_is_written() {
     let [z, true_z] = [found, truth].map(|pose| pose.rotation * Vector3::z());
     // Two images in one place leave the focal length at its usual value, and with it slant and distance.
     assert!(z.dot(&true_z).abs() > 0.03_f64.cos() && z.z < 0.0, "{z} {true_z}");
-    let along = true_z.dot(&truth.translation_mm) / true_z.dot(&found.translation_mm);
-    let focal = scene.camera.expect("a camera").lens.focal_px()[0] / 1360.0;
-    assert!((along * focal - 1.0).abs() < 0.005, "{along} {focal}");
+    // What pixels are apart in the plane holds all the same.
+    let apart = |lens: Lens, pose: Pose| {
+        let [a, b] = [[300.0, 400.0], [1300.0, 1000.0]]
+            .map(|pixel| Camera { lens, pose }.on_plane(&pixel.into(), 0.0).expect("the plane"));
+        (a - b).norm()
+    };
+    let true_lens = finray_model::Scene::from_toml(CAMERA_SCENE).expect("the fixture").camera.expect("a camera").lens;
+    assert_close(&[apart(scene.camera.expect("a camera").lens, found)], &[apart(true_lens, truth)], 0.001);
     assert_says(
         &lens(&[&images[0], &images[2]]).refused(),
         &["--plane: expected images of a grid in one place", "image"],

@@ -1,0 +1,133 @@
+//! The lens that sees plane grids.
+
+use super::{Grid, GridDot};
+use finray_model::Vector;
+use finray_model::camera::{Camera, Lens, LensFit, LensFitError, Pixel, Pose, fit_lens};
+
+/// Residuals beyond so many medians of their size are no dots of the grid.
+const OUTLIER: f64 = 6.0;
+/// Largest residual of a grid, as a share of the distance between neighbours: what is farther off is no plane grid.
+const LARGEST_RESIDUAL: f64 = 0.1;
+/// Rounds in which the centres of the dots' images are corrected for perspective.
+const ROUNDS: usize = 3;
+/// Corners by which a dot's outline is projected.
+const OUTLINE: usize = 48;
+
+/// Why grids give no lens.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LensOfGridsError {
+    /// No lens fits.
+    #[error(transparent)]
+    Fit(#[from] LensFitError),
+    /// The dots of one image are no grid before any lens.
+    #[error(
+        "image {image}: expected a plane grid, found dots that are off it by {residual_px:.1} px (root mean square) where neighbours are \
+         {pitch_px:.0} px apart"
+    )]
+    Uneven {
+        /// Its number, from 1.
+        image: usize,
+        /// Root mean square distance of the dots from where the lens projects them, px.
+        residual_px: f64,
+        /// Distance of neighbours, px.
+        pitch_px: f64,
+    },
+    /// Grids of two kinds.
+    #[error("expected images of one board, found some of a chessboard and some of dots")]
+    Kinds,
+}
+
+/// The lens that sees grids of a pitch (mm) in images of one size. A slanted dot's middle is not where its centre is seen; that is
+/// corrected, with the dots taken for discs. Returns the fit and the dots left out as no dots of their grid. `pitch_mm`: see [`GridKind`].
+///
+/// # Errors
+/// [`LensOfGridsError`].
+pub fn lens_of_grids(size_px: [u32; 2], pitch_mm: f64, grids: &[Grid]) -> Result<(LensFit, usize), LensOfGridsError> {
+    let kind = Grid::common_kind(grids).ok_or(LensOfGridsError::Kinds)?;
+    let position = |dot: &GridDot| kind.position(dot.index) * pitch_mm;
+    let mut grids: Vec<Vec<GridDot>> = grids.iter().map(|grid| grid.dots.clone()).collect();
+    let mut shifts: Vec<Vec<Pixel>> = grids.iter().map(|grid| vec![Pixel::zeros(); grid.len()]).collect();
+    let mut left_out = 0;
+    let mut found: Option<LensFit> = None;
+    for round in 0..ROUNDS {
+        let views: Vec<Vec<(Vector, Pixel)>> = grids
+            .iter()
+            .zip(&shifts)
+            .map(|(grid, shifts)| {
+                grid.iter().zip(shifts).map(|(dot, shift)| (position(dot), dot.pixel - shift)).collect()
+            })
+            .collect();
+        let fit = fit_lens(size_px, &views)?;
+        if round == 0 {
+            for ((grid, pose), shifts) in grids.iter_mut().zip(&fit.poses).zip(&mut shifts) {
+                left_out += drop_outliers(grid, &fit.lens, pose, position);
+                *shifts = vec![Pixel::zeros(); grid.len()];
+            }
+        }
+        for ((grid, pose), shifts) in grids.iter().zip(&fit.poses).zip(&mut shifts) {
+            for (dot, shift) in grid.iter().zip(shifts.iter_mut()) {
+                *shift = shift_of_middle(&fit.lens, pose, &position(dot), dot.radius_px).unwrap_or_default();
+            }
+        }
+        found = Some(fit);
+    }
+    let fit = found.ok_or(LensFitError::NotFound)?;
+    for (image, (grid, pose)) in grids.iter().zip(&fit.poses).enumerate() {
+        let camera = Camera { lens: fit.lens, pose: *pose };
+        let squares: f64 = grid.iter().map(|dot| residual_px(&camera, dot, position(dot)).powi(2)).sum();
+        let residual_px = (squares / grid.len() as f64).sqrt();
+        let pitch_px = pitch_px(grid);
+        if residual_px > LARGEST_RESIDUAL * pitch_px {
+            return Err(LensOfGridsError::Uneven { image: image + 1, residual_px, pitch_px });
+        }
+    }
+    Ok((fit, left_out))
+}
+
+/// How far a dot is from where a camera projects its position in the plane.
+fn residual_px(camera: &Camera, dot: &GridDot, position: Vector) -> f64 {
+    camera.project(&position.push(0.0)).map_or(f64::INFINITY, |pixel| (pixel - dot.pixel).norm())
+}
+
+/// Mean distance of neighbours along the rows; infinite where a grid has none.
+fn pitch_px(grid: &[GridDot]) -> f64 {
+    let at: std::collections::HashMap<[i32; 2], Pixel> = grid.iter().map(|dot| (dot.index, dot.pixel)).collect();
+    let next = |dot: &GridDot| Some((at.get(&[dot.index[0] + 1, dot.index[1]])? - dot.pixel).norm());
+    let distances: Vec<f64> = grid.iter().filter_map(next).collect();
+    if distances.is_empty() { f64::INFINITY } else { distances.iter().sum::<f64>() / distances.len() as f64 }
+}
+
+fn drop_outliers(grid: &mut Vec<GridDot>, lens: &Lens, pose: &Pose, position: impl Fn(&GridDot) -> Vector) -> usize {
+    let camera = Camera { lens: *lens, pose: *pose };
+    let residual = |dot: &GridDot| residual_px(&camera, dot, position(dot));
+    let mut residuals: Vec<f64> = grid.iter().map(residual).collect();
+    let middle = residuals.len() / 2;
+    let median = *residuals.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let before = grid.len();
+    grid.retain(|dot| residual(dot) <= OUTLIER * median.max(1e-3));
+    before - grid.len()
+}
+
+/// How far the middle of a disc's image is from the image of its centre, px; `None` for a corner, which has no extent.
+fn shift_of_middle(lens: &Lens, pose: &Pose, centre: &Vector, radius_px: f64) -> Option<Pixel> {
+    if radius_px == 0.0 {
+        return None;
+    }
+    let camera = Camera { lens: *lens, pose: *pose };
+    let (at, by_point) = camera.project_with_derivatives(&centre.push(0.0)).ok()?;
+    let in_plane = by_point.fixed_columns::<2>(0).into_owned();
+    let radius_mm = radius_px / in_plane.determinant().abs().sqrt();
+    let corner = |k: usize| {
+        let (sine, cosine) = (std::f64::consts::TAU * k as f64 / OUTLINE as f64).sin_cos();
+        camera.project(&(centre + Vector::new(cosine, sine) * radius_mm).push(0.0)).ok().map(|pixel| pixel - at)
+    };
+    let corners = (0..OUTLINE).map(corner).collect::<Option<Vec<Pixel>>>()?;
+    let (mut area, mut moment) = (0.0, Pixel::zeros());
+    for (k, from) in corners.iter().enumerate() {
+        let to = corners[(k + 1) % OUTLINE];
+        let cross = from.perp(&to);
+        area += cross / 2.0;
+        moment += (from + to) * (cross / 6.0);
+    }
+    Some(moment / area)
+}

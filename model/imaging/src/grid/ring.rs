@@ -1,0 +1,122 @@
+//! Where corners of a chessboard may be: by the light on a ring about each pixel of an image, which may be made smaller.
+
+use finray_model::camera::Pixel;
+use image::GrayImage;
+
+/// The ring, px.
+const RING: [(i32, i32); 16] = [
+    (5, 0),
+    (5, 2),
+    (3, 3),
+    (2, 5),
+    (0, 5),
+    (-2, 5),
+    (-3, 3),
+    (-5, 2),
+    (-5, 0),
+    (-5, -2),
+    (-3, -3),
+    (-2, -5),
+    (0, -5),
+    (2, -5),
+    (3, -3),
+    (5, -2),
+];
+const REACH: u32 = 5;
+/// Smallest contrast of a ring, grey levels, and smallest response in contrasts: a sharp corner has about 7.
+pub(super) const LEAST_CONTRAST: f32 = 20.0;
+const LEAST_RESPONSE: f32 = 3.0;
+/// Other corners are this far away, px.
+const APART: u32 = 4;
+/// Corners beyond this many, the first in the image, are left: an image of something else.
+const MOST_CORNERS: usize = 6000;
+
+/// A corner, and the directions of its two edges.
+pub(super) struct Corner {
+    pub pixel: Pixel,
+    pub edges: [Pixel; 2],
+}
+
+/// An image made smaller by a whole factor.
+pub(super) struct Shrunk {
+    factor: u32,
+    width: u32,
+    height: u32,
+    light: Vec<f32>,
+}
+
+impl Shrunk {
+    pub fn new(grey: &GrayImage, factor: u32) -> Shrunk {
+        let (width, height) = (grey.width() / factor, grey.height() / factor);
+        let mut light = vec![0.0; (width * height) as usize];
+        let share = 1.0 / (factor * factor) as f32;
+        for (v, row) in grey.rows().take((height * factor) as usize).enumerate() {
+            let start = (v as u32 / factor * width) as usize;
+            for (u, pixel) in row.take((width * factor) as usize).enumerate() {
+                light[start + u / factor as usize] += share * f32::from(pixel.0[0]);
+            }
+        }
+        Shrunk { factor, width, height, light }
+    }
+
+    fn ring(&self, at: usize) -> [f32; 16] {
+        RING.map(|(u, v)| self.light[(at as i64 + i64::from(v) * i64::from(self.width) + i64::from(u)) as usize])
+    }
+
+    /// Changes of light around the ring, less what opposite pixels and the middle differ.
+    fn response(&self, at: usize) -> f32 {
+        let ring = self.ring(at);
+        let turns: f32 = (0..4).map(|i| (ring[i] + ring[i + 8] - ring[i + 4] - ring[i + 12]).abs()).sum();
+        let across: f32 = (0..8).map(|i| (ring[i] - ring[i + 8]).abs()).sum();
+        let width = self.width as usize;
+        let middle = [at, at - 1, at + 1, at - width, at + width].map(|at| self.light[at]).iter().sum::<f32>() / 5.0;
+        turns - across - (16.0 * middle - ring.iter().sum::<f32>()).abs()
+    }
+
+    /// The corners, at the middle of a pixel.
+    pub fn corners(&self) -> Vec<Corner> {
+        let (width, height) = (self.width, self.height);
+        if width <= 2 * REACH || height <= 2 * REACH {
+            return Vec::new();
+        }
+        let mut response = vec![0.0_f32; self.light.len()];
+        let inner = |v: u32| (REACH..width - REACH).map(move |u| (v * width + u) as usize);
+        for at in (REACH..height - REACH).flat_map(inner) {
+            response[at] = self.response(at);
+        }
+        let is_peak = |at: &usize| {
+            let value = response[*at];
+            let (u, v) = (*at as u32 % width, *at as u32 / width);
+            value > LEAST_RESPONSE * LEAST_CONTRAST
+                && (v.saturating_sub(APART)..=(v + APART).min(height - 1)).all(|row| {
+                    let start = row * width;
+                    let columns = start + u.saturating_sub(APART)..=start + (u + APART).min(width - 1);
+                    columns
+                        .map(|other| other as usize)
+                        .all(|other| response[other] < value || (response[other] == value && other >= *at))
+                })
+        };
+        let peaks = (REACH..height - REACH).flat_map(inner).filter(is_peak);
+        peaks.filter_map(|at| self.corner(at, response[at])).take(MOST_CORNERS).collect()
+    }
+
+    /// The corner at a pixel; `None` where light does not change four times around it.
+    fn corner(&self, at: usize, response: f32) -> Option<Corner> {
+        let ring = self.ring(at);
+        let (least, most) = ring.iter().fold((f32::MAX, f32::MIN), |(a, b), light| (a.min(*light), b.max(*light)));
+        if most - least < LEAST_CONTRAST || response < LEAST_RESPONSE * (most - least) {
+            return None;
+        }
+        let above = ring.map(|light| f64::from(light - (least + most) / 2.0));
+        let point = |i: usize| Pixel::new(f64::from(RING[i].0), f64::from(RING[i].1));
+        let change = |i: usize| {
+            let (from, to) = (above[i], above[(i + 1) % 16]);
+            ((from > 0.0) != (to > 0.0)).then(|| (point(i) * to - point((i + 1) % 16) * from) / (to - from))
+        };
+        let changes: Vec<Pixel> = (0..16).filter_map(change).collect();
+        let [a, b, c, d] = changes[..] else { return None };
+        let of_pixel = |index: u32| (f64::from(index) + 0.5) * f64::from(self.factor) - 0.5;
+        let pixel = Pixel::new(of_pixel(at as u32 % self.width), of_pixel(at as u32 / self.width));
+        Some(Corner { pixel, edges: [(a - c).normalize(), (b - d).normalize()] })
+    }
+}

@@ -1,0 +1,104 @@
+//! Why images show no finger.
+
+use super::blobs::LEAST_RADIUS_PX;
+use super::disc::LARGEST_BLUR;
+use super::together::LARGEST_MOTION;
+use super::{Elsewhere, GreyMarker, NamingError};
+use finray_model::camera::ViewError;
+
+/// Why an image shows no finger.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LocateError {
+    /// It has another size than the camera's.
+    #[error("expected an image of {} x {} px as the scene's camera takes, found {} x {} px{}",
+        expected[0], expected[1], found[0], found[1], turned(*expected, *found))]
+    Size {
+        /// Width and height of the scene's camera, px.
+        expected: [u32; 2],
+        /// Of the image.
+        found: [u32; 2],
+    },
+    /// Markers would be too small.
+    #[error(
+        "markers of this camera have a radius of {radius_px:.1} px, of which at least {LEAST_RADIUS_PX} px are needed"
+    )]
+    TooSmall {
+        /// Their radius, px.
+        radius_px: f64,
+    },
+    /// The finger is not before the camera.
+    #[error("the camera does not see the finger: its middle {0}")]
+    View(#[from] ViewError),
+    /// The finger lies outside the image.
+    #[error("the camera does not see the finger: its middle is outside the image")]
+    Outside,
+    /// Nothing of a marker shows its own light.
+    #[error(
+        "markers are out of focus: their edge is blurred by {blur_px:.1} px (standard deviation), of which at most {LARGEST_BLUR} of their \
+         radius of {radius_px:.1} px can be measured"
+    )]
+    Blurred {
+        /// Standard deviation of the blur, px.
+        blur_px: f64,
+        /// Their radius, px.
+        radius_px: f64,
+    },
+    /// The finger or the camera moved while the shutter was open.
+    #[error(
+        "markers are blurred by a motion: by {blur_px:.1} px (standard deviation), of which at most {LARGEST_MOTION} of their radius of {radius_px:.1} px \
+         can be measured; is the shutter open too long?"
+    )]
+    Moved {
+        /// Standard deviation of the blur, px.
+        blur_px: f64,
+        /// Their radius, px.
+        radius_px: f64,
+    },
+    /// The image was turned or mirrored.
+    #[error(
+        "the image shows the finger {0}: turn it as the camera held it (EXIF orientation), or state the pose that the camera had"
+    )]
+    Flipped(&'static str),
+    /// The finger is not where the scene's camera has it.
+    #[error(
+        "the finger is not where the scene's camera has it: {0}; is the image turned, mirrored or resized, or the pose another one? (--rest finds the pose \
+         in an image of the unloaded finger)"
+    )]
+    Elsewhere(Elsewhere),
+    /// Patches of the markers' colours have another size.
+    #[error(
+        "markers of this camera have a radius of {expected_px:.1} px, found patches of their colours with {found_px:.1} px: is the image resized, or the \
+         camera or its distance another one?"
+    )]
+    OtherSize {
+        /// Radius by the scene, px.
+        expected_px: f64,
+        /// Radius of most patches, px.
+        found_px: f64,
+    },
+    /// Nodes have no names.
+    #[error("no finger is seen: {0}")]
+    Naming(#[from] NamingError),
+}
+
+/// Why no locator can be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LocatorError {
+    /// Grey markers are not found by their colour.
+    #[error("markers: expected front_rgb and back_rgb, found shade")]
+    NotColoured,
+    /// Coloured markers are not found by their rims.
+    #[error("markers: expected shade, found front_rgb and back_rgb")]
+    NotGrey,
+    /// The markers' colours.
+    #[error(transparent)]
+    Colour(#[from] GreyMarker),
+    /// The camera.
+    #[error(transparent)]
+    Camera(#[from] LocateError),
+}
+
+/// A word on an image of the other format.
+fn turned([width, height]: [u32; 2], found: [u32; 2]) -> &'static str {
+    if width != height && found == [height, width] { ": is it turned by 90 degrees (EXIF orientation)?" } else { "" }
+}

@@ -1,0 +1,45 @@
+//! How far a lens scatters from image to image.
+
+use super::usual_lens::PARAMETERS;
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
+
+/// Images from which a scatter is known.
+const LEAST_IMAGES: usize = 3;
+
+/// Standard deviations of the lens's parameters by the jackknife: what the parameters do as one image after the other is left out. They hold errors that
+/// the dots of an image share, as those of a bent board or of dots that are not what their model says, which independent noise does not. `jacobian` has
+/// the columns of the lens, then six of each pose; its rows are two for each dot, image by image, and then the priors. `dots`: their numbers. `None` of
+/// fewer than three images, or where one alone shows a parameter.
+///
+/// # Reference
+/// B. Efron, The jackknife, the bootstrap and other resampling plans, SIAM (1982), sec. 3; left out to first order.
+pub(super) fn sds(jacobian: &DMatrix<f64>, residual: &DVector<f64>, dots: &[usize]) -> Option<[f64; PARAMETERS]> {
+    if dots.len() < LEAST_IMAGES {
+        return None;
+    }
+    let mut images: Vec<(Normal, SVector<f64, PARAMETERS>)> = Vec::with_capacity(dots.len());
+    let mut row = 0;
+    for (number, count) in dots.iter().enumerate() {
+        let by_lens = jacobian.view((row, 0), (2 * count, PARAMETERS));
+        let by_pose = jacobian.view((row, PARAMETERS + 6 * number), (2 * count, 6));
+        let mixed = by_pose.tr_mul(&by_lens);
+        // The pose goes along with the lens.
+        let eliminated = mixed.tr_mul(&by_pose.tr_mul(&by_pose).cholesky()?.solve(&mixed));
+        let normal = by_lens.tr_mul(&by_lens) - eliminated;
+        let gradient = by_lens.tr_mul(&residual.rows(row, 2 * count));
+        images.push((Normal::from_fn(|i, k| normal[(i, k)]), SVector::from_fn(|i, _| gradient[i])));
+        row += 2 * count;
+    }
+    let priors = jacobian.view((row, 0), (jacobian.nrows() - row, PARAMETERS));
+    let priors = priors.tr_mul(&priors);
+    let all = images.iter().fold(Normal::from_fn(|i, k| priors[(i, k)]), |sum, (normal, _)| sum + normal);
+    let mut squares = SVector::<f64, PARAMETERS>::zeros();
+    for (normal, gradient) in &images {
+        let change = (all - normal).cholesky()?.solve(gradient);
+        squares += change.component_mul(&change);
+    }
+    let share = 1.0 - 1.0 / dots.len() as f64;
+    Some(std::array::from_fn(|i| (share * squares[i]).sqrt()))
+}
