@@ -112,7 +112,7 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
 }
 
 fn observed(observer: &mut Observer, path: &Path) -> Result<Observation, Failure> {
-    Ok(observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?)
+    observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))
 }
 
 fn refused(path: &Path, error: &dyn std::fmt::Display) -> Failure {
