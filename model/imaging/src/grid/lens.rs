@@ -38,7 +38,7 @@ pub enum LensOfGridsError {
 }
 
 /// The lens that sees grids of a pitch (mm) in images of one size. A slanted dot's middle is not where its centre is seen; that is
-/// corrected, with the dots taken for discs. Returns the fit and the dots left out as no dots of their grid. `pitch_mm`: see [`GridKind`].
+/// corrected, with the dots taken for discs. Returns the fit and the dots left out as no dots of their grid. `pitch_mm`: see [`GridKind`](super::GridKind).
 ///
 /// # Errors
 /// [`LensOfGridsError`].
