@@ -1,5 +1,4 @@
-//! From an image to node positions: a search of the whole image, the next image of a stream, and on to the force; the grid of a lens.
-//! On one core each; the images are in memory.
+//! From an image to node positions: the whole image searched, the next of a stream; on to the force; a lens's grid. One core each.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_fixtures::CAMERA_SCENE;

@@ -1,5 +1,4 @@
-//! From force to shape on the paper's two meshes: the ladder beside the general sparse path, many loads at once beside one
-//! after the other, and the cost of finer meshes.
+//! From force to shape on the paper's two meshes: ladder and sparse path, many loads at once and in turn, finer meshes.
 //!
 //! The linear stiffness never changes, so the mesh keeps its factor; `linear` factorises each time nevertheless, `linear_kept`
 //! and `as_called` do not.
@@ -62,8 +61,7 @@ fn as_called(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Many loads on one mesh, 3 N at node 19 and its neighbours in many directions: one after the other, and several at once, both
-/// on one thread. Read off as shapes a second.
+/// Many loads, 3 N at node 19 and its neighbours in many directions: in turn and several at once, both on one thread.
 fn many_at_once(criterion: &mut Criterion) {
     let finger = paper();
     let thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");

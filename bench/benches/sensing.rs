@@ -40,8 +40,7 @@ fn sensing(criterion: &mut Criterion) {
     }
 }
 
-/// A moving force at one contact, seen with the camera's noise on the finger of 684 nodes, on one and four elements a member: each frame from a
-/// cold start, from the frame before, and the preparation for a new contact.
+/// A moving force at one contact, with noise, on 684 nodes, one and four elements a member: cold, warm, and preparing anew.
 fn nonlinear(criterion: &mut Criterion) {
     let finger = paper();
     let truth = fine_mesh(&finger).expect("a mesh of many nodes");

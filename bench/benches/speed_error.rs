@@ -1,9 +1,7 @@
-//! The points of the report's chart of time against error, under their own names: `finray report` takes these times in the place of
-//! its own where it finds them.
+//! The points of the report's chart of time against error: `finray report` takes these times in the place of its own.
 //!
-//! An iteration is one answer, to each load or frame in turn, so the median is that of all; frames of one contact follow each other, as a warm start
-//! needs it. Lattices that settle take seconds and
-//! are left to the report.
+//! An iteration is one answer, to each load or frame in turn; frames of one contact follow each other, as a warm start needs it. Lattices that
+//! settle take seconds: the report times them.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use finray_bench::paper;

@@ -46,8 +46,7 @@ impl Compliance {
 /// The linear finger solved once for forces and moments on its key nodes, for many loads.
 ///
 /// A load between two key nodes moves all key nodes as its equivalent loads on these two do (consistent nodal loads, exact
-/// for the cubic beam), so no further load needs a factorisation or a solution of its own. Each node is solved for when a
-/// load first needs it.
+/// for the cubic beam), so each node is solved for once, when a load first needs it.
 #[derive(Debug, Clone)]
 pub struct NodalCompliance {
     mesh: Mesh,
@@ -56,8 +55,7 @@ pub struct NodalCompliance {
     nodes: Vec<OnceLock<Result<Blocks, StaticsError>>>,
 }
 
-/// By key node: its displacement (mm) and rotation (rad), the rows, under 1 N along x, 1 N along y and 1 N mm on the loaded
-/// node, the columns.
+/// By key node: displacement (mm) and rotation (rad), the rows, under 1 N along x and y and 1 N mm on the loaded node.
 type Blocks = Vec<Matrix3<f64>>;
 
 /// A key node (from 0), and the force (x, y, N) and moment (N mm) on it.

@@ -46,9 +46,8 @@ impl Finger {
     /// Checks a description and places the key nodes.
     ///
     /// # Errors
-    /// [`ImpossibleFinger`] with the offending key: sizes that are not positive finite numbers, lengths that make no
-    /// triangle, ribs that cross, touch or lie off the plates, brackets that leave no room for the ribs, arms longer than
-    /// the members, zones off the plates.
+    /// [`ImpossibleFinger`] with the offending key: sizes not positive and finite, no triangle, ribs that cross, touch or
+    /// leave the plates, brackets without room for ribs, arms longer than the members, zones off the plates.
     pub fn new(description: FingerDescription) -> Result<Finger, ImpossibleFinger> {
         let d = &description;
         check_sizes(d)?;

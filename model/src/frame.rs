@@ -1,7 +1,6 @@
 //! A plane frame: nodes, supports and the beams between them, with rigid arms, pins and rigid links.
 //!
-//! This is what the solvers in [`crate::statics`] see; [`crate::mesh`] makes one from a finger, and verification
-//! problems build theirs by hand.
+//! The solvers in [`crate::statics`] see this; [`crate::mesh`] makes one from a finger, problems build theirs by hand.
 //!
 //! Translations belong to nodes. Rotations are separate: a node carries one, the *rotation slot* that its beams are
 //! clamped to, but a pin gives a beam end a slot of its own, and a rigid link lets two nodes share one. So hinges and

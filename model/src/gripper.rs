@@ -19,8 +19,7 @@ const SINGULAR_SINE: f64 = 1e-6;
 /// The lengths of the linkage.
 ///
 /// # Frame
-/// The mechanism frame has its origin in the fixed joint of one rocker, y along the screw; the nut is at (l4, l3), so the screw's axis, about
-/// which the other finger is the mirror image, is the line x = l4.
+/// The mechanism frame: origin in the fixed joint of one rocker, y along the screw, nut at (l4, l3); mirror axis x = l4.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GripperDescription {
     /// Way of the nut in one turn of the motor, mm; p_s of eq. (6).
@@ -90,8 +89,7 @@ impl LinkagePose {
         (self.phi1_rad + self.phi2_rad).sin().abs() < SINGULAR_SINE
     }
 
-    /// A point of the finger frame in the mechanism frame, mm. Eq. (9) has the finger's base line along x, towards the other finger, and its
-    /// tip along y: the two axes of the finger frame in the other order.
+    /// A point of the finger frame in the mechanism frame, mm: in eq. (9) its axes come in the other order.
     pub fn in_mechanism(&self, point: Vector) -> Vector {
         self.base + Rotation2::new(self.phi2_rad) * point.yx()
     }
@@ -166,8 +164,7 @@ impl Gripper {
         (square >= 0.0).then(|| square.sqrt())
     }
 
-    /// Where the two fingers stand in the gripper's frame, the left one first: origin on the screw's axis at the height of the fixed joints, x
-    /// across to the right finger, y along the screw to the fingertips.
+    /// Where the fingers stand in the gripper's frame, left first: origin on the screw's axis, x to the right, y to the tips.
     pub fn fingers(&self, pose: &LinkagePose) -> [Placement; 2] {
         let across = Vector::new(self.description.fixed_joint_mm, 0.0);
         let left = Placement { origin: pose.base - across, angle_rad: 0.5 * PI + pose.phi2_rad, mirrored: true };
@@ -205,8 +202,7 @@ impl Gripper {
         (!pose.is_singular()).then_some(by_turn_mm * turn_per_mm * self.description.screw_pitch_mm)
     }
 
-    /// The motor angle in degrees that opens the undeformed gripper by `opening_mm` from tip to tip; of several, the one nearest to 0. `None` if
-    /// none does.
+    /// The motor angle, deg, that opens the undeformed gripper by `opening_mm` from tip to tip: the nearest to 0, if any.
     ///
     /// # Reference
     /// With eq. (7), the x of the joint is l4 - l2 cos phi2, so that the distance from tip to tip is 2 ((l2 - y) cos phi2 + x sin phi2) for a tip at (x, y) of

@@ -1,7 +1,6 @@
 //! The keys of scene files: one entry a key, from which the reader, its errors, the reference and the checks of [`Finger`] follow.
 //!
-//! A table of the scene is a static ([`FINGER`], [`CAMERA`], ...) whose fields are its keys. A key is added by one entry in `tables` and one line
-//! where its value is read.
+//! A table of the scene is a static ([`FINGER`], [`CAMERA`], ...) of its keys. To add a key: an entry in `tables`, and a line where it is read.
 //!
 //! [`Finger`]: crate::Finger
 

@@ -42,9 +42,7 @@ pub mod gripper;
 pub mod keys;
 pub mod measurement;
 pub mod mesh;
-mod number;
 pub mod observation;
-pub mod optimise;
 pub mod registry;
 pub mod samples;
 pub mod scene;
@@ -59,6 +57,8 @@ pub use element::Kinematics;
 pub use finger::{Finger, NodeId};
 pub use mesh::{Load, Mesh};
 pub use scene::Scene;
+
+use finray_numerics::{number, optimise};
 
 /// A position, displacement or force in the plane of the finger (mm or N, finger frame).
 pub type Vector = nalgebra::Vector2<f64>;

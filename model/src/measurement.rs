@@ -157,8 +157,7 @@ impl Measurement {
         Measurement { markers: finger.marked_nodes().map(marker).collect(), base: None }
     }
 
-    /// The same measurement from a base that is not known exactly. The nonlinear estimator seeks where it is, together with the
-    /// forces; the others do not, and take all errors for those of single markers.
+    /// The same measurement from a base not known exactly, which the nonlinear estimator seeks with the forces; others do not.
     pub fn with_uncertain_base(mut self, base: BaseUncertainty) -> Measurement {
         self.base = Some(base);
         self

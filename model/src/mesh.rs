@@ -77,9 +77,8 @@ impl Mesh {
         Mesh::build(finger, &vec![1; line_lengths(finger).len()])
     }
 
-    /// A mesh of `nodes` nodes. The members and the base line share `nodes - key nodes + lines` elements in proportion
-    /// to their length, by largest remainder, at least one each; the base line lies between two clamps, so its elements
-    /// are only counted.
+    /// A mesh of `nodes` nodes. Members and base line share `nodes - key nodes + lines` elements by length (largest
+    /// remainder), at least one each; those of the base line, between two clamps, are only counted.
     ///
     /// # Errors
     /// [`MeshSizeError`] for fewer nodes than key nodes, or absurdly many.
@@ -164,8 +163,7 @@ impl Mesh {
         undeformed + motion.displacements[self.marker_node(node)] - motion.displacements[self.frame_node(node)]
     }
 
-    /// By how much the normal of the front plate is turned where a load acts, rad; the mean over a length of plate about it, as far as
-    /// the plate goes.
+    /// Turn of the front plate's normal where a load acts, rad: the mean over a length of plate about it, cut at its ends.
     ///
     /// # Errors
     /// [`LoadError`] as of [`frame_load`](Mesh::frame_load).

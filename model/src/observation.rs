@@ -36,8 +36,7 @@ pub struct ObservedMarker {
     pub pixel: Option<Pixel>,
     /// Its position, mm, if known.
     pub position: Option<Vector>,
-    /// Its displacement, mm, from where it is without load, if known: from there as an image of the unloaded finger shows it, or as the scene
-    /// has it.
+    /// Its displacement, mm, from where it is without load, by an image of the unloaded finger or by the scene; if known.
     pub displacement: Option<Vector>,
     /// Standard deviation of one coordinate, mm, all errors included; `None` if unknown.
     pub sd_mm: Option<f64>,
@@ -200,8 +199,7 @@ struct Reading {
 impl Reading {
     fn of(&self, seen: &Observation, scene: &Scene) -> Result<ObservedMeasurement, ObservationError> {
         let finger = &scene.finger;
-        // Without references the base is about where the camera's pose has it: displacements count from there, whatever base the markers were
-        // located on.
+        // Without references the base is about where the camera's pose has it, and displacements count from there.
         let is_of_pose = scene.base.as_ref().is_some_and(Base::is_of_pose);
         let pose = seen.base_pose();
         let frame = if is_of_pose { Isometry2::identity() } else { pose };

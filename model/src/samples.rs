@@ -91,8 +91,7 @@ impl SampleRecipe {
     /// Draws cases from a stream of the seed.
     ///
     /// # Errors
-    /// [`SamplesError`] for numbers of the recipe that are impossible, contacts that are not on the free front plate, and a
-    /// finger that carries no forces of the range.
+    /// [`SamplesError`] for impossible numbers, contacts off the free front plate, or a finger that carries no such forces.
     pub fn draw(&self, finger: &Finger, count: usize, seed: u64, stream: Stream) -> Result<Samples, SamplesError> {
         self.check()?;
         check_contacts(finger, &self.contacts)?;

@@ -69,8 +69,7 @@ pub struct SceneError {
 }
 
 impl Scene {
-    /// Reads a scene from TOML text. Every key is checked: unknown keys, missing keys, values of another type and
-    /// impossible geometry are refused.
+    /// Reads a scene from TOML. Unknown and missing keys, wrong types and impossible geometry are refused.
     ///
     /// # Errors
     /// [`SceneError`] with the line, the key and what was expected.

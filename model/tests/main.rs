@@ -1,4 +1,4 @@
-//! Tests of `finray-model`: each file tests the source file of its path. Most properties hold for random fingers; `finray_tests` draws them and
+//! Tests of `finray-model`: each file tests the source file of its path; those in `units` test what is private to it, and are part of it. Most properties hold for random fingers; `finray_tests` draws them and
 //! has what several modules share.
 
 mod calibration;
@@ -8,7 +8,6 @@ mod gripper;
 mod measurement {
     mod noise;
 }
-mod optimise;
 mod samples;
 mod scene_keys;
 mod sensing {

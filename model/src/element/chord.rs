@@ -5,8 +5,7 @@ use crate::number::{Number, arctangent};
 use nalgebra::{SMatrix, Vector2, Vector3};
 use std::f64::consts::PI;
 
-/// Natural deformations in their order: elongation of the chord (mm), rotation of the first and of the second end
-/// against the chord (rad).
+/// Natural deformations: elongation of the chord (mm), rotations of the first and second end against it (rad).
 pub(super) type Deformation<R = f64> = Vector3<R>;
 
 /// The chord of a beam in its current position.

@@ -27,11 +27,10 @@ impl Beam {
     /// Stations from the first end to the second, two for each segment between ends and loads: within a segment the axial
     /// strain is constant and the curvature linear, so nothing is larger anywhere else.
     ///
-    /// The ends' motion gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force
-    /// between the ends adds what it does to a beam that is clamped at both: with P across the chord at xi = p, q = 1 - p,
-    /// EI w'' = P L p q^2 at the first end, -2 P L p^2 q^2 at the force, P L p^2 q at the second end; with F along it, the
-    /// axial force F q before and -F p after it (Young and Budynas, Roark's Formulas, table 8.1, case 1d). For small displacements the
-    /// sum is exact, so it does not depend on the mesh.
+    /// The ends' motion gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force between the
+    /// ends adds what it does to a beam that is clamped at both: with P across the chord at xi = p, q = 1 - p, EI w'' = P L p q^2 at
+    /// the first end, -2 P L p^2 q^2 at the force, P L p^2 q at the second end; with F along it, the axial force F q before and -F p
+    /// after it (Young and Budynas, Roark's Formulas, table 8.1, case 1d). For small displacements the sum is exact.
     pub(crate) fn stations(
         &self,
         kinematics: Kinematics,

@@ -3,8 +3,7 @@
 use super::{Beam, Chord, ElementMatrix, ElementVector, EndMotion, Kinematics, Response};
 use crate::Vector;
 
-/// How far a point between the ends follows the ends: shares of their displacements, and the levers (mm) with which
-/// their rotations against the chord lift it.
+/// How far a point follows the ends: shares of displacements, and levers (mm) of rotations against the chord.
 #[derive(Debug, Clone, Copy)]
 struct Shape {
     shares: [f64; 2],
@@ -27,8 +26,7 @@ impl Shape {
 }
 
 impl Beam {
-    /// Work of a dead force at the fraction `xi` (0..1) of the undeformed length, with its derivatives: the
-    /// consistent nodal loads and their change with the motion.
+    /// Work of a dead force at the fraction `xi` of the undeformed length, with derivatives: consistent nodal loads.
     ///
     /// The loaded point lies at p = (1 - xi) p_a + xi p_b + w n, n across the chord, with the cubic deflection
     /// w = L (phi_a xi (1 - xi)^2 - phi_b xi^2 (1 - xi)). With linear kinematics the derivatives are the well-known

@@ -39,8 +39,7 @@ impl<R: Number> Beam<R> {
 
     /// eps = e / L + (2 phi_a^2 - phi_a phi_b + 2 phi_b^2) / 30.
     ///
-    /// The second part is the mean of w'^2 / 2 over the cubic deflection w (the shallow arch); without `bowing` it is
-    /// left out and the strain is the chord's.
+    /// The second part is the mean of w'^2 / 2 over the cubic w (the shallow arch), left out without `bowing`.
     #[inline(always)]
     fn axial_strain(&self, bowing: bool, deformation: &Deformation<R>) -> AxialStrain<R> {
         let (a, b) = (deformation[1], deformation[2]);
@@ -56,8 +55,7 @@ impl<R: Number> Beam<R> {
         self.axial_strain(bowing, deformation).strain
     }
 
-    /// U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2) and its gradient: axial force (N) and end moments
-    /// (N mm).
+    /// U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2); gradient: axial force, N, end moments, N mm.
     #[inline(always)]
     fn natural_forces(&self, axial: &AxialStrain<R>, deformation: &Deformation<R>) -> (R, Vector3<R>) {
         let (a, b) = (deformation[1], deformation[2]);
@@ -94,8 +92,7 @@ impl<R: Number> Beam<R> {
         NaturalResponse { energy, gradient, stiffness }
     }
 
-    /// Energy (N mm) and nodal forces of a beam with small displacements: what [`response`](Beam::response) gives beside
-    /// the tangent, which never changes.
+    /// Energy (N mm) and nodal forces for small displacements: [`response`](Beam::response) without its tangent.
     #[inline(always)]
     pub(crate) fn linear_forces(&self, motion: &[EndMotion<R>; 2]) -> (R, SVector<R, 6>) {
         let chord = Chord::at_rest(self);
@@ -122,10 +119,9 @@ impl<R: Number> NaturalResponse<R> {
     ///
     /// The energy depends on the displacement d of the second end against the first and on the two end rotations, so
     /// four coordinates carry everything: d along and across the chord, theta_a, theta_b. By them the chord's length
-    /// has the derivative (1, 0, 0, 0) and its rotation (0, 1 / l, 0, 0); with the end rotations against the chord,
-    /// phi = theta - rotation, that gives all first derivatives. The second derivatives are those of the length,
-    /// 1 / l across-across, and of the rotation, -1 / l^2 along-across; `curved` chooses whether they count (the
-    /// linear beam has none).
+    /// has the derivative (1, 0, 0, 0) and its rotation (0, 1 / l, 0, 0); with the end rotations against the chord, phi
+    /// = theta - rotation, that gives all first derivatives. The second derivatives are those of the length, 1 / l
+    /// across-across, and of the rotation, -1 / l^2 along-across; `curved`: whether they count.
     #[inline(always)]
     pub(super) fn on_chord(&self, chord: &Chord<R>, curved: bool) -> Response<R> {
         let (axial, a, b) = (self.gradient.x, self.gradient.y, self.gradient.z);

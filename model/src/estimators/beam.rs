@@ -1,12 +1,13 @@
 //! Estimators that rest on the beam model itself.
 
-use super::prepared_linear::{Linear, SolvedLinear};
-use super::prepared_nonlinear::Nonlinear;
-use super::{Estimator, EstimatorError, EstimatorId, PreparedEstimator};
+use super::{Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 use crate::Mesh;
 use crate::compliance::NodalCompliance;
 use crate::measurement::Measurement;
-use crate::sensing::{Contact, Discretisation, LinearEstimator, NonlinearEstimator, Prior};
+use crate::sensing::{
+    Contact, Discretisation, LinearEstimator, Linearisation, NonlinearEstimator, Prior, SensingError,
+};
+use nalgebra::{DMatrix, DVector};
 
 /// Elements a member of the co-rotational finger that shows the error of linearisation: its own is small beside it.
 const LINEARISATION_ELEMENTS: usize = 2;
@@ -23,8 +24,7 @@ pub struct BeamEstimator<'m> {
 }
 
 impl<'m> BeamEstimator<'m> {
-    /// Linear least squares; the linear finger is exact at its key nodes on any mesh. Its standard deviations hold the error of
-    /// linearisation.
+    /// Linear least squares, exact on any mesh at the key nodes. Its standard deviations hold the error of linearisation.
     pub fn least_squares(mesh: &'m Mesh) -> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::LeastSquares, Prior::None, mesh)
     }
@@ -80,5 +80,138 @@ impl Estimator for BeamEstimator<'_> {
         let solved = NodalCompliance::new(self.mesh.finger());
         let reference = self.reference.as_ref().filter(|_| !finger_is_linear);
         Some(Box::new(SolvedLinear { id: self.id, solved, prior, reference }))
+    }
+}
+
+/// A linear estimator on a finger that is solved once for all contacts.
+struct SolvedLinear<'m> {
+    id: EstimatorId,
+    solved: NodalCompliance,
+    prior: Prior,
+    reference: Option<&'m Mesh>,
+}
+
+impl Estimator for SolvedLinear<'_> {
+    fn id(&self) -> EstimatorId {
+        self.id
+    }
+
+    fn prepare<'a>(
+        &'a self,
+        contacts: &[Contact],
+        markers: &Measurement,
+    ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
+        let estimator = LinearEstimator::on(&self.solved, contacts, markers).or_else(|error| match error {
+            // Rounding may spoil a moment where it leaves the force alone.
+            SensingError::Statics(_) => LinearEstimator::new(self.solved.finger(), contacts, markers),
+            error => Err(error),
+        })?;
+        Ok(Box::new(Linear::new(estimator, self.prior, contacts, self.reference)))
+    }
+}
+
+/// A linear estimator that is ready to sense.
+struct Linear<'m> {
+    estimator: LinearEstimator,
+    prior: Prior,
+    sum: SumSigma,
+    linearisation: Option<Linearisation<'m>>,
+}
+
+impl<'m> Linear<'m> {
+    fn new(estimator: LinearEstimator, prior: Prior, contacts: &[Contact], reference: Option<&'m Mesh>) -> Linear<'m> {
+        let linearisation = reference.map(|mesh| Linearisation::new(mesh, contacts));
+        Linear { sum: SumSigma::of(&estimator, prior), estimator, prior, linearisation }
+    }
+}
+
+impl PreparedEstimator for Linear<'_> {
+    fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
+        let estimate = match &mut self.linearisation {
+            Some(linearisation) => self.estimator.estimate_on(linearisation, measurement, noise_mm, self.prior)?,
+            None => self.estimator.estimate(measurement, noise_mm, self.prior),
+        };
+        let sum_sigma_n = self.sum.sigma_n(estimate.noise_mm, self.prior);
+        let sum_error_n: f64 = estimate.model_error_n.iter().sum();
+        Ok(Sensed {
+            sum_sigma_n: sum_sigma_n.map(|sigma| sigma.hypot(sum_error_n)),
+            warned: estimate.warning.is_some(),
+            forces_n: estimate.forces_n,
+            sigmas_n: Some(estimate.sigmas_n),
+        })
+    }
+}
+
+/// Standard deviation of the sum of linearly sensed forces: sqrt(1^T P 1) with the covariance of the forces
+/// P = s^2 (C^T W^2 C + (s / p)^2)^-1, s the noise and p the prior's standard deviation (infinite for least squares).
+struct SumSigma {
+    /// C^T W^2 C, mm^2/N^2, beside a prior; `None` where rounding leaves nothing of it.
+    information: Option<DMatrix<f64>>,
+    /// That of least squares, a noise of 1 mm.
+    per_noise: f64,
+}
+
+impl SumSigma {
+    fn of(estimator: &LinearEstimator, prior: Prior) -> SumSigma {
+        // G of full rank with G C = 1: G G^T = (C^T W^2 C)^-1.
+        let gain = &estimator.inverse().gain;
+        let covariance = gain * gain.transpose();
+        let per_noise = covariance.sum().sqrt();
+        let information = if prior == Prior::None { None } else { covariance.try_inverse() };
+        SumSigma { information, per_noise }
+    }
+
+    fn sigma_n(&self, noise_mm: f64, prior: Prior) -> Option<f64> {
+        match prior {
+            Prior::Gaussian { force_n } if noise_mm > 0.0 && noise_mm.is_finite() => {
+                let mut information = self.information.clone()?;
+                let ridge = (noise_mm / force_n).powi(2);
+                for k in 0..information.nrows() {
+                    information[(k, k)] += ridge;
+                }
+                let ones = DVector::from_element(information.nrows(), 1.0);
+                Some(noise_mm * information.cholesky()?.solve(&ones).sum().sqrt())
+            }
+            _ => Some(noise_mm * self.per_noise),
+        }
+    }
+}
+
+/// A nonlinear estimator that is ready to sense.
+struct Nonlinear<'m> {
+    estimator: NonlinearEstimator<'m>,
+    discretisation: Option<Discretisation<'m>>,
+}
+
+impl PreparedEstimator for Nonlinear<'_> {
+    fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
+        // A stream's start from the last frame would be too easy: answers must not depend on the order of measurements.
+        self.estimator.reset();
+        let mut estimate = self.estimator.estimate(measurement, noise_mm)?;
+        if let Some(discretisation) = &mut self.discretisation {
+            discretisation.widen(&mut self.estimator, measurement, &mut estimate)?;
+        }
+        Ok(Sensed {
+            sum_sigma_n: Some(estimate.covariance_n2.sum().sqrt()),
+            warned: estimate.forces.warning.is_some(),
+            forces_n: estimate.forces.forces_n,
+            sigmas_n: Some(estimate.forces.sigmas_n),
+        })
+    }
+
+    fn expect_samples_of(&mut self, noise_free: &Measurement, noise_mm: f64, samples: usize) {
+        self.estimator.forget();
+        // One sample alone has nothing to share.
+        if samples < 2 {
+            return;
+        }
+        // Where the model contradicts the measurement there may be several minima, and a start decides between them.
+        if self.estimator.estimate(noise_free, Some(noise_mm)).is_ok_and(|found| found.forces.warning.is_none()) {
+            self.estimator.hold();
+        }
+    }
+
+    fn expect_forces(&mut self, forces_n: &[f64]) {
+        self.estimator.hold_at(forces_n);
     }
 }

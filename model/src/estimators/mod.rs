@@ -7,8 +7,6 @@ mod beam;
 mod linear;
 pub mod network;
 mod nonlinear;
-mod prepared_linear;
-mod prepared_nonlinear;
 
 pub use beam::BeamEstimator;
 
@@ -165,9 +163,8 @@ pub trait Estimator: Sync {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
 
-    /// The same estimator, to rounding, with what all contacts have in common worked out once, to prepare for many;
-    /// `None` where that gains nothing. If the true finger is linear, a linear estimator knows it, and seeks no
-    /// error of linearisation.
+    /// The same estimator, to rounding, with what all contacts have in common worked out once; `None` where that gains
+    /// nothing. If the true finger is linear, a linear estimator seeks no error of linearisation.
     fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
         None
     }
@@ -175,19 +172,16 @@ pub trait Estimator: Sync {
 
 /// An estimator that is ready to sense, measurement by measurement.
 pub trait PreparedEstimator {
-    /// Senses the forces from the displacements of the markers that it was prepared for. `noise_mm` is the standard
-    /// deviation of one coordinate, `None` if unknown.
+    /// Senses the forces from its markers' displacements. `noise_mm`: standard deviation of a coordinate, if known.
     ///
     /// # Errors
     /// [`EstimatorError`] when the estimator refuses to answer.
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError>;
 
-    /// Says what so many measurements to come are noise samples of: a search may start from what is sensed without the noise, where its
-    /// answers stay the same.
+    /// Announces that the next `samples` measurements are `noise_free` plus noise: a search may start from there.
     fn expect_samples_of(&mut self, _noise_free: &Measurement, _noise_mm: f64, _samples: usize) {}
 
-    /// Says near which forces those of the next measurements are, N: a search may start from there. For bounds, which belong to the true
-    /// forces; an estimator that is tested must find them itself.
+    /// Says near which forces (N) the next measurement's are, for a search to start. For bounds, at the true forces, alone.
     fn expect_forces(&mut self, _forces_n: &[f64]) {}
 }
 

@@ -48,8 +48,7 @@ pub struct RibDescription {
     /// Lengths of the rigid brackets that hold their ends off the front and the back plate, mm, zero or more: perpendicular to
     /// the undeformed plate, towards the other one, turning with the plate. Joints are at their ends.
     pub bracket_mm: BracketLengths,
-    /// Lengths of the rigid clips that hold the brackets on the front and the back plate, mm, zero or more: the plate does not bend there,
-    /// half of it on each side of the node.
+    /// Lengths of the rigid clips that hold the brackets on front and back plate, mm, zero or more: half on each side of the node.
     pub clip_mm: [f64; 2],
     /// Their material; `None` for ribs that do not deform (or if there are none).
     pub strip: Option<Strip>,

@@ -38,8 +38,7 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     check(&RIBS.clip_mm, &d.ribs.clip_mm)
 }
 
-/// The tip from the three sides of the triangle; its height by Kahan's form of Heron's formula, which keeps its digits
-/// for needle-thin and very obtuse triangles.
+/// The tip from the triangle's sides; height by Kahan's form of Heron's formula, precise for thin triangles too.
 pub(super) fn place_tip(d: &FingerDescription) -> Result<Vector, ImpossibleFinger> {
     let mut sides = [
         (d.base_width_mm, &FINGER.base_width_mm),

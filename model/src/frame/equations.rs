@@ -4,8 +4,7 @@ use super::{BeamEnd, FrameMotion, PlaneFrame};
 
 /// Most rigid levers in a row that carry a node: a bracket, a rib and a bracket.
 pub(super) const MOST_LEVERS: usize = 3;
-/// Coordinates on which the motion of a node may depend: its x and y (or its master's), its rotation, the rotations of
-/// the levers that carry it.
+/// Coordinates that may move a node: its x and y (or its master's), its rotation, those of the levers that carry it.
 pub(super) const NODE_COORDINATES: usize = 3 + MOST_LEVERS;
 /// Coordinates of two nodes.
 pub(crate) const MEMBER_COORDINATES: usize = 2 * NODE_COORDINATES;

@@ -38,8 +38,7 @@ impl RigidLink {
 impl PlaneFrame {
     /// Joins two free nodes by an undeformable bar. `hinged`: pinned at both nodes; otherwise they turn together.
     ///
-    /// The second node loses its translations, which follow from the first node's and the bar's rotation. The first one may
-    /// follow another node itself.
+    /// The second node follows the first one and the bar's rotation. The first one may follow another node itself.
     ///
     /// # Panics
     /// If there are then more than three bars in a row.

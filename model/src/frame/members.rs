@@ -131,8 +131,7 @@ impl<R: Number> Member<R> {
 }
 
 impl PlaneFrame {
-    /// Axial strain and curvature along a member's beam under forces (N) at fractions of its length; see
-    /// [`Beam::stations`](crate::element::Beam).
+    /// Axial strain and curvature of a member loaded at fractions of it: [`Beam::stations`](crate::element::Beam).
     pub(crate) fn stations(
         &self,
         motion: &FrameMotion,
@@ -145,8 +144,7 @@ impl PlaneFrame {
         member.beam.stations(kinematics, &motions, loads)
     }
 
-    /// Chain rule from two nodes to the coordinates of the frame, over the rigid links that may carry them; the second
-    /// derivatives are those of [`carry_over_arms`].
+    /// Chain rule from two nodes to the frame's coordinates, over rigid links; second derivatives: [`carry_over_arms`].
     pub(crate) fn carry_over_links(
         &self,
         motion: &FrameMotion,
@@ -177,8 +175,7 @@ impl PlaneFrame {
 
 /// Chain rule from the ends of the elastic part over the arms to the nodes; `rotations` are those of the ends.
 ///
-/// The end of an arm v moves on a circle about its node, so it adds -f . v to the second derivative by the
-/// rotation, f the gradient at the end.
+/// The end of an arm v moves on a circle: -f . v is added to the second derivative by the rotation, f the gradient.
 #[inline(always)]
 pub(crate) fn carry_over_arms<R: Number>(
     ends: &[BeamEnd<R>; 2],

@@ -33,8 +33,7 @@ pub struct NodeErrors {
 const STEP: f64 = 1e-6;
 
 impl Gripper {
-    /// Errors of the undeformed key nodes at a motor angle in degrees, to first order; `None` out of reach or where the linkage hardly closes. All
-    /// nodes of a finger err together, as a rigid body does.
+    /// Errors of the undeformed key nodes at a motor angle (deg), to first order, shared by a finger; `None` out of reach.
     pub fn node_errors(&self, finger: &Finger, motor_deg: f64, errors: &LinkageErrors) -> Option<NodeErrors> {
         let step = STEP * self.description.link_mm[1];
         // The largest movement of a node by a length, mm a mm.

@@ -5,7 +5,8 @@
 
 use super::Measurement;
 use crate::Vector;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::allocator::Allocator;
+use nalgebra::{Cholesky, DMatrix, DefaultAllocator, Dim, Dyn, OMatrix};
 
 /// Noise of the displacements of one measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,8 +21,7 @@ pub enum DisplacementNoise {
         /// Standard deviation of one coordinate in one image, mm.
         image_sd_mm: f64,
     },
-    /// The undeformed positions come from the motor angle, eqs (6)-(10) of Xu et al. (2021): the finger base is taken to be where
-    /// it is not quite, and turned.
+    /// The undeformed positions come from the motor angle, eqs (6)-(10) of Xu et al. (2021): with the error of the base's pose.
     Kinematic {
         /// Standard deviation of one coordinate in one image, mm.
         image_sd_mm: f64,
@@ -120,16 +120,12 @@ pub struct Whitening {
 }
 
 impl Whitening {
-    /// L^-1 of derivatives: a row a coordinate (mm), a column an unknown.
-    pub fn whitened(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    /// L^-1 of a residual or of derivatives: a row a coordinate (mm), a column an unknown.
+    pub fn whitened<C: Dim>(&self, columns: &OMatrix<f64, Dyn, C>) -> OMatrix<f64, Dyn, C>
+    where
+        DefaultAllocator: Allocator<Dyn, C>,
+    {
         let mut whitened = columns.clone();
-        self.factor.l_dirty().solve_lower_triangular_mut(&mut whitened);
-        whitened
-    }
-
-    /// L^-1 of a residual, mm.
-    pub fn whitened_residual(&self, residual_mm: &DVector<f64>) -> DVector<f64> {
-        let mut whitened = residual_mm.clone();
         self.factor.l_dirty().solve_lower_triangular_mut(&mut whitened);
         whitened
     }

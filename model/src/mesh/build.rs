@@ -177,8 +177,7 @@ fn link_rib(frame: &mut PlaneFrame, finger: &Finger, rib: usize) {
     }
 }
 
-/// Lengths of the lines that share the elements: back plate and front plate from base to tip, ribs from base to tip,
-/// base line.
+/// Lengths of the lines that share the elements, from base to tip: back plate, front plate, ribs; then the base line.
 pub(super) fn line_lengths(finger: &Finger) -> Vec<f64> {
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
         let positions = finger.plate_positions_mm(plate);

@@ -20,16 +20,14 @@ impl ElementPositions {
         self.free
     }
 
-    /// Where element `i` begins and the one before it ends. The last one ends where the member ends, without rounding: a
-    /// load at the tip must find it.
+    /// Where element `i` begins. The last one ends where the member does, not rounded: a load at the tip must find it.
     pub(super) fn start(&self, i: usize) -> f64 {
         let [from, to] = self.free;
         if i == self.elements { to } else { from + (to - from) * i as f64 / self.elements as f64 }
     }
 }
 
-/// Whether a zone covers a rib whose front end lies at a position. A rib on the border of two adjoining zones belongs to the
-/// one that begins there.
+/// Whether a zone covers a rib with its front end at a position; on a border the zone that begins there does.
 pub(super) fn holds_rib(zone: &Zone, position_mm: f64) -> bool {
     zone.part == Part::Ribs && zone.from_mm <= position_mm && position_mm < zone.to_mm
 }

@@ -67,8 +67,7 @@ fn note_lines(text: &str, path: &str, table: &DeTable, lines: &mut BTreeMap<Stri
     }
 }
 
-/// How near a key is to a known one: by letters in order and by letters to change, which see typing errors, and by pairs of letters,
-/// which sees a part that was left out.
+/// How near a key is to a known one: by letters in order and to change (typing errors), and by pairs of letters (parts left out).
 fn likeness(known: &str, key: &str) -> f64 {
     strsim::jaro_winkler(known, key)
         + strsim::normalized_damerau_levenshtein(known, key)

@@ -69,8 +69,7 @@ impl Contact {
 /// Direction of a force that is asked about.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Direction {
-    /// Known, degrees from the undeformed inward normal, positive towards the tip; of a base that is not known exactly, from where the
-    /// measurement has it.
+    /// Known, degrees from the undeformed inward normal, positive towards the tip; from where the measurement has the base.
     Angle(f64),
     /// The plate's inward normal, and what friction turns it by.
     Leaning(Lean),

@@ -2,8 +2,7 @@
 
 use super::ResidualTest;
 
-/// Share of the largest force below which an error of the model is part of the standard deviations but no reason to warn: the
-/// noise of the paper's camera leaves 0.13 % of 3 N at best (node 19).
+/// Share of the largest force up to which a model error is no reason to warn: noise leaves 0.13 % of 3 N at best.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// Why an estimate is worth less than noise alone would leave it. Its standard deviations are widened by what is known of the
@@ -48,11 +47,9 @@ pub struct ModelError {
 pub struct Estimate {
     /// Force of each contact along its direction, N, in the order of the contacts; may be negative.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N, with the model's own error as far as it is known. Infinite where the noise is
-    /// unknown and no residual is there to estimate it from.
+    /// Standard deviation of each force, N, with the model's known error. Infinite without noise and residual.
     pub sigmas_n: Vec<f64>,
-    /// The model's own error of each force that is part of its standard deviation (linearisation, mesh, training), N; signed
-    /// where its sign is known.
+    /// The model's own error in each standard deviation (linearisation, mesh, training), N; signed where that is known.
     pub model_error_n: Vec<f64>,
     /// Standard deviation of one measured coordinate that the sigmas rest on, mm: as stated, or the residual's (wider for few degrees of
     /// freedom where nothing was stated).
@@ -73,8 +70,7 @@ impl Estimate {
         }
     }
 
-    /// Adds an error of the model, N, to the standard deviations, which hold the noise's until then; warns where it is the
-    /// larger of the two and not negligible.
+    /// Adds an error of the model, N, to the noise's standard deviations; warns where it is the larger and not negligible.
     pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
         let largest_n = self.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let over = |i: usize| error_n[i].abs() / self.sigmas_n[i];

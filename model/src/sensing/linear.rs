@@ -107,8 +107,7 @@ impl LinearEstimator {
     ///
     /// `noise_mm` is the standard deviation of one coordinate; without it (or if it is zero), it is estimated from the
     /// residual. Where the residual contradicts it, the estimate warns, and its standard deviations rest on the residual.
-    /// They hold what noise does on the linear finger, not what the linear finger gets wrong: that is
-    /// [`estimate_on`](LinearEstimator::estimate_on)'s.
+    /// Errors of the linear finger are [`estimate_on`](LinearEstimator::estimate_on)'s.
     pub fn estimate(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> Estimate {
         self.solve(measurement, noise_mm, prior).0
     }
@@ -197,8 +196,7 @@ impl LinearEstimator {
 pub struct Inverse {
     /// Turns weighted displacements (2 a marker, mm) into forces (N): a row a force, N/mm.
     pub gain: DMatrix<f64>,
-    /// Standard deviation of each force per standard deviation of a coordinate, N/mm: square roots of the diagonal of
-    /// (C^T W^2 C + ridge^2)^-1.
+    /// Standard deviation of each force over a coordinate's, N/mm: roots of the diagonal of (C^T W^2 C + ridge^2)^-1.
     pub sigmas_per_noise: Vec<f64>,
 }
 

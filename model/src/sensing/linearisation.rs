@@ -8,15 +8,13 @@ use crate::statics::{Ladder, Statics, StaticsError};
 use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 
-/// Forces are looked up on a grid of this share of (a power of two below) the largest of them: from a grid point the error is
-/// extrapolated to first order, which leaves a few thousandths of it.
+/// Forces are looked up on a grid of about this share of the largest: extrapolation leaves thousandths of the error.
 const GRID: f64 = 0.05;
 /// Grid points that are kept; a stream of frames moves about a few.
 const MOST_POINTS: usize = 256;
 /// Newton steps; two or three are usual.
 const MAX_STEPS: usize = 30;
-/// A Newton step brings what is sensed closer to what it shall be if no more than this share is still missing. After one
-/// that does not, the next is halved: Newton's method may go to and fro.
+/// A Newton step comes closer if at most this share is still missing; otherwise the next one is halved.
 const CLOSER: f64 = 0.9;
 /// Newton steps that may bring it no closer.
 const MOST_ASTRAY: usize = 4;
@@ -104,8 +102,7 @@ impl<'m> Linearisation<'m> {
     /// The error of sensed forces, N.
     ///
     /// # Errors
-    /// [`SensingError::NotLinearised`] where the co-rotational finger carries no forces that the linear estimator would
-    /// answer so.
+    /// [`SensingError::NotLinearised`] where no forces on the co-rotational finger would be sensed so.
     pub(super) fn error(
         &mut self,
         model: LinearModel,

@@ -35,8 +35,7 @@ pub const LARGEST_SPAN: f64 = 1e8;
 const UNEXPLAINED_SIGMAS: f64 = 10.0;
 const UNEXPLAINED_SHARE: f64 = 0.3;
 
-/// The largest power of one half below the share of some forces that a finger carries: what halving them comes to, without
-/// trying those that are known to be too large.
+/// The largest power of one half below the carried share of some forces: what halving comes to, without the trials.
 fn halved_below(carried: f64) -> f64 {
     let mut share = 0.5;
     while share >= carried && carried > 0.0 {

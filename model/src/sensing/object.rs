@@ -123,21 +123,5 @@ impl From<Pad> for Meeting<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The point of an ellipse at a parameter has the normal that the gradient gives.
-    #[test]
-    fn points_of_an_outline_have_its_normal() {
-        let shape = ObjectShape::Ellipse { semi_axes_mm: [30.0, 12.0] };
-        let object =
-            TouchedObject { shape, pose: Isometry2::new(Vector::new(5.0, -3.0), 0.4), sd_mm: 0.0, sd_rad: 0.0 };
-        for step in 0..72 {
-            let (sin, cos) = (f64::from(step) * 5.0_f64.to_radians()).sin_cos();
-            let (on, normal) = (Vector::new(30.0 * cos, 12.0 * sin), Vector::new(cos / 30.0, sin / 12.0).normalize());
-            let turn = UnitComplex::new(0.5);
-            let found = object.point_facing(turn * normal, [1.0, 2.0, 0.1]);
-            assert!((found - (Vector::new(6.0, -1.0) + turn * on)).norm() < 1e-12, "{step}: {found}");
-        }
-    }
-}
+#[path = "../../tests/units/object.rs"]
+mod tests;

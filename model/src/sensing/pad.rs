@@ -9,8 +9,7 @@ use crate::mesh::{Load, LoadError, Mesh};
 /// before the plate. The part of the force along the plate so turns the plate about the contact. By default there is none.
 ///
 /// # Reference
-/// What the plate carries has the resultant, the moment and the second moment of an even pressure with shear: two forces at the points of
-/// Gauss's quadrature, whose error begins with the fourth moment.
+/// What the plate carries has resultant, moment and second moment of an even pressure with shear: forces at two Gauss points.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pad {
     /// Length of plate that carries a force, mm.

@@ -2,16 +2,14 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
-/// Chance that a measurement of just the stated noise, by a finger just as modelled, fails the test: one warning in a
-/// hundred frames is a nuisance that a user can live with.
+/// Chance that a measurement of the stated noise fails the test: a user can live with one warning in a hundred frames.
 pub const SIGNIFICANCE: f64 = 0.01;
 
 /// A residual against the noise that was stated.
 ///
 /// # Reference
 /// The sum of squared residuals over the variance of a coordinate follows the chi-squared distribution with
-/// (coordinates - unknowns) degrees of freedom if the model holds and the noise is as stated (Press et al., Numerical
-/// Recipes, sec. 15.1).
+/// (coordinates - unknowns) degrees of freedom if model and noise hold (Press et al., Numerical Recipes, sec. 15.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTest {
     /// Stated standard deviation of one coordinate, mm.
@@ -63,8 +61,7 @@ impl ResidualTest {
         squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 
-    /// The standard deviation of one coordinate that deviations of forces rest on, mm: as stated, or, where that is
-    /// contradicted, the residual's.
+    /// The standard deviation of a coordinate that those of forces rest on, mm: as stated, or the residual's.
     pub fn trusted_noise_mm(&self) -> f64 {
         if self.contradicts() { self.residual_sd_mm } else { self.noise_mm }
     }
@@ -109,16 +106,5 @@ pub(super) fn noise_of(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Points of Student's t for 97.5 %: 12.706, 2.2281, 2.0141 for 1, 10, 45 degrees of freedom (Abramowitz and Stegun, table 26.10).
-    #[test]
-    fn unstated_noise_is_as_wide_as_the_table_of_students_t_has_it() {
-        for (degrees_of_freedom, point) in [(1, 12.706), (10, 2.2281), (45, 2.0141)] {
-            let wide_mm = unstated_noise_mm(degrees_of_freedom as f64, degrees_of_freedom).unwrap();
-            assert!((wide_mm * 1.959_964 / point - 1.0).abs() < 1e-4, "{degrees_of_freedom}: {wide_mm}");
-        }
-        assert_eq!(unstated_noise_mm(1.0, 0), None);
-    }
-}
+#[path = "../../tests/units/residual_test.rs"]
+mod tests;

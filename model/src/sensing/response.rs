@@ -17,8 +17,7 @@ pub struct ContactForce {
     pub along_n: f64,
     /// Across it, towards the tip, N.
     pub across_n: f64,
-    /// How far before the plate's axis the force across acts, mm: the radius of a rod at a node, half the plate's thickness between. It turns the
-    /// plate.
+    /// How far before the plate's axis the force across acts, mm: a rod's radius, or half the thickness. It turns the plate.
     pub lever_mm: f64,
 }
 
@@ -26,6 +25,11 @@ pub struct ContactForce {
 const COUPLE_REACH_MM: f64 = 0.5;
 
 impl ContactForce {
+    /// A force along the direction of its contact.
+    pub fn plain(contact: Contact, along_n: f64) -> ContactForce {
+        ContactForce { contact, along_n, across_n: 0.0, lever_mm: 0.0 }
+    }
+
     /// Loads of a force along the contact's direction.
     fn along(&self, finger: &Finger, force_n: f64) -> Load {
         self.contact.load(finger, force_n)

@@ -1,10 +1,9 @@
 //! Equilibrium paths past limit points, by arc length.
 
-use super::bordered::{Bordered, Direction};
-use super::indefinite::IndefiniteFactor;
 use super::{Assembly, StaticsError};
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::{Kinematics, Vector};
+use finray_numerics::linear::{Bordered, Direction, IndefiniteFactor};
 
 /// First step along the path, in the measure of [`ArcLength`]: about a degree.
 const FIRST_STEP: f64 = 0.02;
@@ -16,8 +15,7 @@ const SHORTEST_STEP: f64 = 1e-10;
 const INTENDED_TURN: f64 = 0.15;
 /// Larger turns, rad, are taken in smaller steps: another branch might have been met.
 const LARGEST_TURN: f64 = 0.5;
-/// Newton's method has converged when its next correction will be below this, in the measure of the path. The
-/// next correction is known from the last two, which it squares.
+/// Newton's method has converged when its next correction, known from the last two, will be below this.
 const CORRECTION_TOLERANCE: f64 = 1e-12;
 /// Corrections above this are too large to conclude the next one from.
 const QUADRATIC_RANGE: f64 = 1e-3;
@@ -93,16 +91,14 @@ pub struct EquilibriumPath {
 /// at rest a slender beam that merely turns counts as stretched, thousands of times more than one that bends.
 ///
 /// # Requirements
-/// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple; at a
-/// bifurcation the path goes straight on, and [`PathPoint::negative_pivots`] shows it. Elements are short enough that none
-/// bends by much more than a radian: at half a turn of an end against its chord their energy has a kink, and the path
-/// is lost there.
+/// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple; at a bifurcation
+/// the path goes straight on, and [`PathPoint::negative_pivots`] shows it. No element bends by much more than a radian: at
+/// half a turn of an end against its chord their energy has a kink.
 ///
 /// # Reference
-/// E. Riks, An incremental approach to the solution of snapping and buckling problems, Int. J. Solids Struct. 15 (1979)
-/// 529-551; H. B. Keller, Numerical solution of bifurcation and nonlinear eigenvalue problems, in: Applications of
-/// Bifurcation Theory (1977) 359-384, pseudo-arclength; M. A. Crisfield, Non-linear Finite Element Analysis of Solids and
-/// Structures, vol. 1, ch. 9.
+/// E. Riks, Int. J. Solids Struct. 15 (1979) 529-551; H. B. Keller, Numerical solution of bifurcation and nonlinear
+/// eigenvalue problems, in: Applications of Bifurcation Theory (1977) 359-384, pseudo-arclength; M. A. Crisfield,
+/// Non-linear Finite Element Analysis of Solids and Structures, vol. 1, ch. 9.
 ///
 /// ```
 /// use finray_model::frame::{FrameLoad, PlaneFrame, Section};
@@ -322,9 +318,8 @@ fn turns_back(from: &Station, to: &Station) -> bool {
     from.tangent.multiple * to.tangent.multiple < 0.0
 }
 
-/// Whether two points can be neighbours on a path without a bifurcation between them: there the bordered matrix keeps
-/// the sign of its determinant, so one eigenvalue of the tangent stiffness changes sign where the load turns, and
-/// none elsewhere.
+/// Whether two points can be neighbours without a bifurcation between them: there the bordered matrix keeps the sign of
+/// its determinant, so one eigenvalue of the tangent stiffness changes sign where the load turns; no other does.
 fn is_regular(from: &Station, to: &Station) -> bool {
     let changed = from.point.negative_pivots.abs_diff(to.point.negative_pivots);
     changed == usize::from(turns_back(from, to))

@@ -1,8 +1,7 @@
 //! The way from one equilibrium to another, in load steps that adapt themselves.
 //!
 //! A step is as long as the rules of Newton's method allowed the one before it to be. Where the branch of stable
-//! equilibria ends, it is approached in steps that its predicted end sets ([`limit`](super::limit)), and the last
-//! equilibrium before it is reported.
+//! equilibria ends, it is approached in steps that its predicted end sets ([`limit`](super::limit)).
 
 use super::limit::Approach;
 use super::load_path::{LoadPath, LoadTransition, ProportionalLoading, TrialTransition};
@@ -76,8 +75,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         Err(StaticsError::NoEquilibrium { converged_fraction: loading.multiple(converged_fraction) / to })
     }
 
-    /// Equilibrium under the loads `to`, followed from one under the loads `from` while the first fade and the second
-    /// grow.
+    /// Equilibrium under the loads `to`, followed from one under `from` while the first fade and the second grow.
     ///
     /// # Errors
     /// See [`StaticsError`]; the converged fraction is that of the way.

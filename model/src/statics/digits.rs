@@ -1,8 +1,7 @@
 //! Digits of a solution that survive rounding.
 //!
-//! Elements of length h have stiffnesses that grow as 1 / h^3 and deformations that shrink with h, so the finer the mesh
-//! the more digits cancel. Newton's corrections win back what the factored tangent loses, as long as it is roughly right;
-//! what the residual itself has lost stays.
+//! Elements of length h have stiffnesses that grow as 1 / h^3 and deformations that shrink with h, so finer meshes cancel
+//! more digits. Newton's corrections win back what the factored tangent loses; what the residual lost stays.
 
 use super::load_step::FEWEST_DIGITS;
 use super::newton::share;
@@ -10,21 +9,18 @@ use super::{Equilibrium, EquilibriumEquations, Statics, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// A last correction this small leaves the fewest digits and one more: of corrections that are rounding noise, the next may
-/// be larger.
+/// A last correction this small leaves one digit more than the fewest: the next one may be larger.
 const SMALL_CORRECTION: f64 = 1e-5;
 /// Digits of a number in double precision.
 const ALL_DIGITS: f64 = 15.65;
 /// With fewer digits no correction of Newton's gets below what counts as rounding noise, 1e-6 of the solution.
 const FEWEST_NEWTON_DIGITS: f64 = 5.0;
-/// Share of the load under which a frame is linear to all digits, however soft it is: under 1e-12 of 1 N, a plate of
-/// 0.01 mm still seemed to have 5 digits where rounding leaves 12.
+/// Share of the load under which any frame is linear to all digits: under 1e-12 of 1 N a plate of 0.01 mm was not.
 const HARDLY_ANY_LOAD: f64 = 1e-20;
 
 impl<E: EquilibriumEquations> Statics<E> {
-    /// Equilibrium under dead loads, followed from rest, that has kept at least four digits. Where neither the last
-    /// correction nor the pivots of a linear solution show so many, it takes one more linearisation than
-    /// [`equilibrium`](Statics::equilibrium).
+    /// Equilibrium under dead loads, followed from rest, that has kept at least four digits. Where nothing else shows
+    /// so many, it linearises once more than [`equilibrium`](Statics::equilibrium).
     ///
     /// # Errors
     /// See [`StaticsError`].
@@ -38,14 +34,12 @@ impl<E: EquilibriumEquations> Statics<E> {
         if digits < FEWEST_DIGITS { Err(StaticsError::TooFewDigits { digits }) } else { Ok(found) }
     }
 
-    /// Decimal digits that an equilibrium has, up to 15.65: what one more correction would change, as a share of the
-    /// solution, by energy norm or by the largest displacement, whichever is more.
+    /// Decimal digits of an equilibrium, up to 15.65: the share that a further correction changes, by energy or size.
     ///
     /// An estimate: for linear solutions, which are known otherwise, it was at most 0.3 digits too high. The energy norm
     /// sees noise of single elements that hardly moves any node, and may state three or four digits too few.
     ///
-    /// Source: the correction as an estimate of the error, Higham, Accuracy and Stability of Numerical Algorithms (2002),
-    /// ch. 12.
+    /// Source: corrections as estimates of errors, Higham, Accuracy and Stability of Numerical Algorithms, ch. 12.
     pub fn digits_left(&mut self, motion: &FrameMotion, loads: &[FrameLoad]) -> f64 {
         self.digits_under(motion, loads, 1.0)
     }

@@ -3,11 +3,8 @@
 mod arc_length;
 mod assembly;
 mod batch;
-mod bordered;
 mod continuation;
 mod digits;
-mod factor;
-mod indefinite;
 mod ladder;
 mod limit;
 mod load_path;
@@ -71,8 +68,7 @@ pub trait EquilibriumEquations {
     /// How displacements become deformations.
     fn kinematics(&self) -> Kinematics;
 
-    /// Evaluates energy and residual at a motion under `factor` times the loads, and factors the tangent stiffness.
-    /// `false` if it is not positive definite: the motion is no stable shape.
+    /// Evaluates energy and residual under `factor` times the loads, factors the tangent; `false` if not definite.
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool;
 
     /// Whether no pivot of the last factorisation lost more than three of its digits to cancellation, so that a correction
@@ -93,8 +89,7 @@ pub trait EquilibriumEquations {
     /// Adds Newton's correction -K^-1 r to the linearised motion; returns its squared energy norm r K^-1 r, N mm.
     fn correct(&mut self, motion: &mut FrameMotion) -> f64;
 
-    /// Largest displacement in the last correction of the nodes that the others hang between, mm; infinite where that is not
-    /// known.
+    /// Largest displacement in the last correction of the key nodes, mm; infinite where that is not known.
     fn largest_correction(&self) -> f64 {
         f64::INFINITY
     }

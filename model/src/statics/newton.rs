@@ -27,8 +27,7 @@ pub struct Statics<E> {
     pub(super) equations: E,
     /// Rotations that the tangent at the start of a load step predicts for its end.
     predicted: Vec<f64>,
-    /// The last correction of the last load step, as a share of the solution: by energy norm or by displacement, whichever
-    /// is more. What is left to correct is less, or as much if it is rounding noise.
+    /// The last correction of the last load step over the solution, by energy norm or displacement, whichever is more.
     pub(super) last_correction: f64,
 }
 
@@ -61,8 +60,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         &mut self.equations
     }
 
-    /// Makes the next linear solution factorise again. Its stiffness never changes, so one factor serves all loads; this
-    /// is for timing a factorisation.
+    /// Makes the next linear solution factorise again, for timing: the stiffness never changes, so one factor serves.
     pub fn forget_factor(&mut self) {
         self.equations.forget_factor();
     }

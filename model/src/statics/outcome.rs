@@ -21,8 +21,7 @@ pub struct Reaction {
     pub moment_nmm: f64,
 }
 
-/// What must act on a node from outside, beside the loads, for all that ends there to be in equilibrium: at a support
-/// its reaction, at a free node nothing.
+/// What must act on a node from outside, beside the loads, for equilibrium: a support's reaction, else nothing.
 ///
 /// Beams are summed, so the node must not belong to a rigid link.
 pub fn reaction(

@@ -2,16 +2,15 @@
 
 use super::EquilibriumEquations;
 use super::assembly::Assembly;
-use super::factor::Factor;
-use super::indefinite::IndefiniteFactor;
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
+use finray_numerics::linear::{Cholesky, IndefiniteFactor};
 
 /// Sparse equilibrium equations of any frame; pattern and order of the equations are found once.
 #[derive(Debug, Clone)]
 pub struct SparseEquations<'f> {
     assembly: Assembly<'f>,
-    factor: Factor,
+    factor: Cholesky,
     /// The same with pivots to be seen, where they are asked for.
     pivots: IndefiniteFactor,
     correction: Vec<f64>,
@@ -22,7 +21,7 @@ impl<'f> SparseEquations<'f> {
     pub fn new(frame: &'f PlaneFrame, kinematics: Kinematics) -> SparseEquations<'f> {
         let assembly = Assembly::new(frame, kinematics);
         let correction = vec![0.0; assembly.equations().count()];
-        SparseEquations { assembly, factor: Factor::new(), pivots: IndefiniteFactor::default(), correction }
+        SparseEquations { assembly, factor: Cholesky::default(), pivots: IndefiniteFactor::default(), correction }
     }
 
     /// The assembled equations.

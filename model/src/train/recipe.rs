@@ -77,8 +77,7 @@ impl TrainingRecipe {
         }
     }
 
-    /// As [`TrainingRecipe::nonlinear`], for contacts of which any may touch: every subset is a question of its own, which
-    /// takes more cases and wider layers.
+    /// As [`TrainingRecipe::nonlinear`], for any of the contacts: every subset is a question, so more cases, wider layers.
     pub fn any_of(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe { any_of: true, ..SampleRecipe::paper(contacts, Kinematics::Corotational) },

@@ -83,8 +83,7 @@ pub(super) struct Regression {
 }
 
 impl Regression {
-    /// Minimises E |mean + gain^T (z + noise) - f|^2 over the cases, the noise's part in closed form. `None` where the
-    /// inputs depend on each other linearly.
+    /// Minimises E |mean + gain^T (z + noise) - f|^2 over cases, the noise in closed form. `None` if inputs depend.
     pub(super) fn new(inputs: &DMatrix<f64>, forces: &DMatrix<f64>, noise: &[f64]) -> Option<Regression> {
         let cases = inputs.ncols() as f64;
         let mean_n = forces.column_mean();

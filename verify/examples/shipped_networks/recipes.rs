@@ -28,8 +28,7 @@ const CURVE_SETS: [&[usize]; 2] = [&[24], &[19, 20]];
 /// Training cases of the one curve, with the layers of the networks that ship.
 const SAMPLES: [usize; 7] = [30, 100, 300, 1000, 3000, 10_000, 30_000];
 const SAMPLES_SEEDS: u64 = 3;
-/// Cases that training sees in all, repeated or not, so that the points of the curve take as many steps; a few cases repeat
-/// at most so often.
+/// Cases that training sees in all: so many steps for each point of the curve. Few cases repeat at most so often.
 const SEEN: usize = 2_000_000;
 const MOST_EPOCHS: usize = 7000;
 /// Hidden layers of the other curve; none is linear regression.

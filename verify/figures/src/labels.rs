@@ -31,8 +31,7 @@ impl Obstacles {
         Ok(())
     }
 
-    /// The best centre of a label around its anchor: close, on its side, hiding nothing. One that hides something is taken only when
-    /// every other does so too.
+    /// The best centre of a label near its anchor, on its side, hiding nothing unless every other would hide something too.
     fn position(&mut self, label: &Label) -> Point {
         let [width, height] = [width_of(&label.text, TICK_TEXT) + 4.0, TICK_TEXT + 2.0];
         let start = label.side[1].atan2(label.side[0]);

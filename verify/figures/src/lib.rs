@@ -5,8 +5,7 @@
 //! `--paper` where the page defines it. Colours stay apart for colour-blind readers, in light and dark mode; dashes and markers
 //! distinguish series without any colour.
 //!
-//! Plotters computes coordinates, axes and shapes; here are what it does not have (maps with holes, positions of labels,
-//! drawings to scale) and one layout for all.
+//! Plotters has coordinates, axes and shapes; here are maps with holes, label positions, drawings to scale, a layout.
 #![forbid(unsafe_code)]
 
 mod axis;

@@ -26,8 +26,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A figure as wide as the page's column (900 px): its heading, none where empty, and what it shows, in words, for a reader who cannot
-    /// see it.
+    /// A figure as wide as the page (900 px): heading, none where empty, and contents in words for who cannot see it.
     pub fn full(title: impl Into<String>, alt: impl Into<String>) -> Self {
         Self { title: title.into(), alt: alt.into(), width: 900.0, plot_height: None }
     }

@@ -1,7 +1,6 @@
 //! What is a table of the page, a CSV file beside it and an array of `summary.json` at once: its columns are written once.
 //!
-//! [`Columns`] say of a row what stands where: a key for the files, a heading and a [`Format`] for the page. A [`Dataset`] is rows
-//! under such columns, and a name.
+//! [`Columns`] say where each part of a row stands: key in files, heading and [`Format`] on the page. A [`Dataset`] has rows.
 
 mod value;
 

@@ -9,31 +9,25 @@ pub use drawings::grasp_svg;
 
 use crate::prelude::*;
 use drawings::drawings;
-use finray_studies::experiments::grasp::file::{ForceRow, force_rows};
+use finray_studies::experiments::grasp::file::force_rows;
 use finray_studies::experiments::grasp::study::GraspStudy;
+use serde::Serialize;
 
 const CSV: &str = "grasp.csv";
 const SCENES_CSV: &str = "grasp_scenes.csv";
 
+/// Begins a row of forces.
+#[derive(Serialize)]
+struct OfScene<'s> {
+    scene: &'s str,
+}
+
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     let rows = study.grasps.iter().flat_map(|grasp| {
         let rows = grasp.steps.iter().flat_map(|step| force_rows(&grasp.scene, step));
-        rows.map(|row| (grasp.name.clone(), row))
+        rows.map(|row| (OfScene { scene: &grasp.name }, row))
     });
-    let columns = Columns::<(String, ForceRow)>::new()
-        .file("scene", |(scene, _)| scene.clone())
-        .file("step", |(_, row)| row.step)
-        .file("motor_deg", |(_, row)| row.motor_deg)
-        .file("phase", |(_, row)| row.phase.to_string())
-        .file("finger", |(_, row)| row.finger)
-        .file("contact", |(_, row)| row.contact.clone())
-        .file("s_mm", |(_, row)| row.s_mm)
-        .file("angle_deg", |(_, row)| row.angle_deg)
-        .file("force_n", |(_, row)| row.force_n)
-        .file("friction_n", |(_, row)| row.friction_n)
-        .file("sensed_n", |(_, row)| row.sensed_n)
-        .file("sigma_n", |(_, row)| row.sigma_n);
-    let forces = Dataset::new(CSV, &columns, rows).csv_alone();
+    let forces = Dataset::records(CSV, rows).csv_alone();
     vec![forces, Dataset::new(SCENES_CSV, &scenes(), &study.grasps), rates::dataset(study)]
 }
 

@@ -1,5 +1,4 @@
-//! From a [`Study`] to what a person looks at: page, figures, tables and the summary for machines. Nothing is computed
-//! here.
+//! From a [`Study`] to page, figures, tables and the summary for machines. Nothing is computed here.
 #![forbid(unsafe_code)]
 
 mod answers;

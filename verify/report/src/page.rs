@@ -1,7 +1,6 @@
 //! The report as one HTML page that needs nothing but itself.
 //!
-//! A page is built from plain data and rendered through one template; the
-//! figures' SVG goes in as it is, every other text is escaped.
+//! A page is plain data, rendered through one template; SVG goes in as it is, other text escaped.
 
 use finray_model::estimators::EstimatorId;
 use finray_studies::truths::TruthId;

@@ -127,8 +127,7 @@ fn by_group<T>(of: impl Fn(&ContactGroup, &'static str) -> T) -> Vec<T> {
 /// Whom a line of the page's table is of, its errors by group and quantity, and the share that was refused.
 type Line = (String, Vec<Cell>, String);
 
-/// The paper, its network as recorded, our estimators and their bound with noise on the co-rotational finger, and least squares on the linear
-/// one; the file has the rest.
+/// The paper, its network as recorded, our estimators and bound with noise, and linear least squares; the file has the rest.
 fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     let truth = TruthId::Corotational;
     let mut lines: Vec<Line> = vec![(

@@ -13,12 +13,10 @@ const AT_POSITIONS: &str = "contact-at";
 pub struct Contacts(Vec<AskedContact>);
 
 impl Contacts {
-    /// The contacts with what a scene knows of friction and object. Either all or none have standard deviations; of those that do, forces lie within the cone
-    /// of `friction`.
+    /// The contacts with the scene's friction and object: all or none with standard deviations; with them, forces lie within the cone of `friction`.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where a direction is that of friction or of an object and none is known, or some contacts have standard deviations and others
-    /// do not.
+    /// [`Failure::BadInput`] where friction or object of a direction is unknown, or only some contacts have standard deviations.
     pub fn of(&self, scene: &Scene, friction: f64) -> Result<SensorContacts, Failure> {
         if self.0.iter().any(|asked| asked.has_deviation() && asked.measured().is_none()) {
             return Err(bad_input(

@@ -85,24 +85,25 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-#[derive(Serialize)]
+/// A sensed force; empty in an image that is refused.
+#[derive(Serialize, Default)]
 struct Row {
-    contact: String,
-    s_mm: f64,
-    angle_deg: f64,
-    force_n: f64,
-    sigma_n: f64,
-}
-
-/// A row of an image: numbers, or why there are none.
-#[derive(Serialize)]
-struct ImageRow {
-    image: String,
     contact: Option<String>,
     s_mm: Option<f64>,
     angle_deg: Option<f64>,
     force_n: Option<f64>,
     sigma_n: Option<f64>,
+}
+
+/// Begins a row of an image.
+#[derive(Serialize)]
+struct OfImage<'t> {
+    image: &'t str,
+}
+
+/// Ends a row of an image: why there are no numbers, if there are none.
+#[derive(Serialize)]
+struct Refused {
     refused: String,
 }
 
@@ -140,32 +141,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// A row a contact of each image. An image that is refused has rows without numbers that say why.
-fn all_images(sensor: &Sensor, finger: &Finger, table: &ObservationTable) -> Result<Vec<ImageRow>, Failure> {
+fn all_images<'t>(
+    sensor: &Sensor,
+    finger: &Finger,
+    table: &'t ObservationTable,
+) -> Result<Vec<(OfImage<'t>, Row, Refused)>, Failure> {
     let mut all = Vec::new();
     for image in table.images()? {
-        let row = |row: Option<Row>, refused: &str| {
-            let numbers = row.as_ref();
-            ImageRow {
-                image: image.to_owned(),
-                contact: numbers.map(|row| row.contact.clone()),
-                s_mm: numbers.map(|row| row.s_mm),
-                angle_deg: numbers.map(|row| row.angle_deg),
-                force_n: numbers.map(|row| row.force_n),
-                sigma_n: numbers.map(|row| row.sigma_n),
-                refused: refused.to_owned(),
-            }
-        };
+        let row = |row: Row, refused: String| (OfImage { image }, row, Refused { refused });
         let seen = table.observation(Some(image))?;
         match sensor.sense(&seen) {
             Ok(sensed) => {
                 warn(&format!("{image}: "), &sensed.warnings);
-                all.extend(rows(finger, &sensed).into_iter().map(|numbers| row(Some(numbers), "")));
+                all.extend(rows(finger, &sensed).into_iter().map(|numbers| row(numbers, String::new())));
             }
             // An error in the file ends the command; an image without an answer is one of its rows.
             Err(Refusal::Observation(error)) => return Err(table.error(Some(image), &error).into()),
             Err(refusal) => {
                 let reason = refusal.to_string();
-                all.extend((0..sensor.contact_count()).map(|_| row(None, &reason)));
+                all.extend((0..sensor.contact_count()).map(|_| row(Row::default(), reason.clone())));
             }
         }
     }
@@ -195,15 +189,14 @@ fn rows(finger: &Finger, sensed: &SensedForces) -> Vec<Row> {
         .iter()
         .zip(forces)
         .map(|(contact, (&force_n, &sigma_n))| Row {
-            contact: match contact.position {
+            contact: Some(match contact.position {
                 ContactPosition::Node(node) => node.to_string(),
                 ContactPosition::At(_) => "at".to_owned(),
-            },
-            // Contacts were checked: each has a position on the front plate.
-            s_mm: contact.position_mm(finger).unwrap_or(f64::NAN),
-            angle_deg: contact.angle_deg,
-            force_n,
-            sigma_n,
+            }),
+            s_mm: contact.position_mm(finger),
+            angle_deg: Some(contact.angle_deg),
+            force_n: Some(force_n),
+            sigma_n: Some(sigma_n),
         })
         .collect()
 }

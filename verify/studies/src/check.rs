@@ -109,8 +109,7 @@ pub struct Tally {
     pub all: usize,
 }
 
-/// The checks counted by reference, without those that nothing is checked against: never together, as 50 comparisons of ours with ourselves weigh
-/// less than one with another program.
+/// The checks counted by reference, references without checks left out: 50 comparisons with ourselves weigh less than one with another program.
 pub fn tallies<'c>(checks: impl Iterator<Item = &'c Check> + Clone) -> Vec<Tally> {
     let tally = |against| {
         let counted = checks.clone().filter(move |check| check.against() == against);
@@ -151,8 +150,7 @@ impl Check {
         Check { disagreement: None, ..self }
     }
 
-    /// The check over cases of which some were refused: it fails, as an estimator that does not answer keeps no tolerance. How many were
-    /// is said with the quantity.
+    /// The check over cases of which some were refused, counted with the quantity: it fails, as no answer keeps no tolerance.
     pub fn with_refused(mut self, refused: usize, drawn: usize) -> Check {
         if refused > 0 {
             self.verdict = Verdict::Fail;
@@ -212,8 +210,7 @@ impl Subject {
 /// Tolerance of a count that must be met.
 pub const EXACT_COUNT: f64 = 0.5;
 
-/// The largest of some figures; not a number if one of them is not, so that it cannot hide behind the others, and of none: a check over
-/// nothing must not pass.
+/// The largest of some figures; not a number if one of them is not, or there is none: a check over nothing must not pass.
 pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
     let larger = |worst: f64, figure: f64| if worst.is_nan() || worst >= figure { worst } else { figure };
     figures.into_iter().reduce(larger).unwrap_or(f64::NAN)

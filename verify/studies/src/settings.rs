@@ -4,8 +4,7 @@ use finray_model::{Finger, Scene};
 
 pub use finray_fixtures::CAMERA_NOISE_MM;
 
-/// Standard deviation that estimators are given where there is no noise, mm: no model is exact, and to the nonlinear estimator what its
-/// mesh gets wrong by some micrometres would be wild markers.
+/// Standard deviation that estimators are given without noise, mm: a mesh's errors of micrometres would be wild markers.
 pub const LEAST_STATED_MM: f64 = 0.01;
 /// Forces of the maps, N: the range of the paper's gripper experiments (sec. V-C).
 pub const MAP_FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
@@ -24,8 +23,7 @@ pub const GROSS_ERROR: f64 = 0.25;
 pub use finray_model::sensor::TWO_SIDED_95;
 /// From this many cases on a mean error is known well enough (to 2 %) to be held to its tolerance alone.
 pub const ENOUGH_CASES: usize = 4000;
-/// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 is vertical when the finger's axis lies level:
-/// asin(29 / 153).
+/// Directions assumed for the paper's "vertical" weights, deg; 10.9 = asin(29 / 153) where the finger's axis lies level.
 pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
 
 /// Whether a finger is the paper's, for which reference values exist, whatever its scene calls itself.
@@ -95,8 +93,7 @@ impl Effort {
         self.choose((24, 20.0, 100), (48, 5.0, 400))
     }
 
-    /// The same where an answer costs much, or maps differ by more than by their cells: every position and direction is also
-    /// one of [`resolution`](Effort::resolution).
+    /// The same where answers cost much or maps differ widely; all are also of [`resolution`](Effort::resolution).
     pub(crate) fn coarse_resolution(self) -> (usize, f64, usize) {
         self.choose((12, 40.0, 4), (24, 10.0, 12))
     }

@@ -2,8 +2,7 @@
 
 use minijinja::{Environment, UndefinedBehavior};
 
-/// Templates by name, with filters for numbers: `plain` as they are, `fixed` with so many decimals. A number that a template lacks is an
-/// error.
+/// Templates by name, with filters for numbers: `plain`, and `fixed` with so many decimals. A missing number is an error.
 ///
 /// # Errors
 /// [`minijinja::Error`] for what is no template.

@@ -32,8 +32,7 @@ pub enum ContactSet {
     AnyOf,
 }
 
-/// Where the samples came from and how the weights were fitted to them. With the same numbers on the same machine the
-/// same weights come out.
+/// Origin of the samples and fit of the weights. The same numbers on the same machine give the same weights.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {

@@ -14,8 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Positions that differ by less than this share of the plate, and angles by less than this many degrees, are the same.
 const SAME_CONTACT: f64 = 1e-9;
-/// An input may be larger by this factor and this many standard deviations of the noise than any met in training: the
-/// largest of thousands of samples is not the largest possible.
+/// An input may exceed those of training by this factor and so many standard deviations: samples miss the largest.
 const RANGE_FACTOR: f64 = 1.1;
 const RANGE_SIGMAS: f64 = 4.0;
 
@@ -48,8 +47,7 @@ impl NetworkEstimator {
     /// Prepares a network for contacts and for the markers of a measurement, whose displacements are not used yet.
     ///
     /// # Errors
-    /// [`NetworkError`] for another finger, other contacts or other markers than those that the network was trained for,
-    /// and for fewer coordinates than forces.
+    /// [`NetworkError`] for a finger, contacts or markers that it was not trained for, or fewer coordinates than forces.
     pub fn new(
         network: &Network,
         finger: &Finger,
@@ -146,12 +144,10 @@ impl NetworkEstimator {
     /// network's own error on held-out samples. `noise_mm` is the standard deviation of one coordinate; without it, or where
     /// the residual contradicts it, it is estimated from the residual.
     ///
-    /// The residual is the part of the displacements outside the principal directions; the singular values are those of the
-    /// compliance that the network's derivatives are the inverse of.
+    /// The residual is outside the principal directions; the singular values are those of the inverse of its derivatives.
     ///
     /// # Errors
-    /// [`NetworkError`] for other markers, markers with weights (the network was trained on markers that count alike), and
-    /// shapes unlike those of the training.
+    /// [`NetworkError`] for other or weighted markers (training counts all alike), and shapes unlike its training.
     pub fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Estimate, NetworkError> {
         if !measurement.markers().iter().map(|marker| marker.node).eq(self.markers.iter().copied()) {
             return Err(NetworkError::OtherMarkers);
@@ -252,8 +248,7 @@ fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(
 }
 
 impl Network {
-    /// Checks that the network was trained for a finger and for contacts: all of its own in any order, or with
-    /// [`ContactSet::AnyOf`] any of them.
+    /// Checks that it was trained for a finger and for contacts: all in any order, or with [`ContactSet::AnyOf`] any.
     ///
     /// # Errors
     /// [`NetworkError::AnotherFinger`], [`NetworkError::OtherContacts`].

@@ -66,8 +66,7 @@ impl Network {
     /// Reads a network from the bytes of its file.
     ///
     /// # Errors
-    /// [`NetworkError`] naming the tensor or key that is missing, of a wrong type or shape, not finite or damaged, and
-    /// what was expected.
+    /// [`NetworkError`] naming the tensor or key that is missing, wrong or damaged, and what was expected.
     pub fn from_bytes(bytes: &[u8]) -> Result<Network, NetworkError> {
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(|error| unreadable(&error))?;
         let file = SafeTensors::deserialize(bytes).map_err(|error| unreadable(&error))?;

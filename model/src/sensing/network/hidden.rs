@@ -8,8 +8,7 @@
 use super::Network;
 use nalgebra::DMatrix;
 
-/// Networks trained without noise get this share of the shapes' spread instead: what seen markers determine is estimated,
-/// and what cannot stays open.
+/// Networks trained without noise get this share of the shapes' spread: what seen markers determine is then estimated.
 const LEAST_NOISE: f64 = 1e-6;
 
 /// How seen coordinates become all of them.

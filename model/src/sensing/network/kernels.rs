@@ -3,16 +3,13 @@
 use super::number::{Aligned, Number};
 use pulp::Simd;
 
-/// Vectors of outputs that stay in registers while the inputs of one frame stream by: with four sums each, enough to hide
-/// the latency of an addition.
+/// Vectors of outputs in registers while the inputs of a frame stream by: four sums each hide an addition's latency.
 const WIDEST_PANEL: usize = 3;
-/// Outputs and vectors of frames that stay in registers while the weights stream by: 12 sums, 3 inputs and a weight are
-/// the 16 registers of AVX2.
+/// Outputs and vectors of frames in registers while weights stream by: 12 sums, 3 inputs and a weight fill AVX2's 16.
 const TILE_OUTPUTS: usize = 6;
 const TILE_VECTORS: usize = 2;
 
-/// What is done with a sum when it is complete. A trait and no closure: a closure is not sure to be inlined into the code
-/// that may use the machine's instructions, and is ten times slower if it is not.
+/// What is done with a complete sum. No closure: inlining is then not sure, without which it is ten times slower.
 pub(super) trait Finish<N: Number>: Copy {
     /// The result in each lane.
     fn finish<S: Simd>(self, simd: S, sum: N::Vector<S>) -> N::Vector<S>;
@@ -139,8 +136,7 @@ impl<N: Number> Weights<N> {
     }
 }
 
-/// y = finish(y + W x) for a panel of `WIDTH` vectors of outputs, with `CHAINS` sums for each so that additions need not wait for each
-/// other.
+/// y = finish(y + W x) for a panel of `WIDTH` vectors of outputs, with `CHAINS` independent sums for each.
 #[inline(always)]
 fn panel_product<N: Number, S: Simd, const WIDTH: usize, const CHAINS: usize>(
     simd: S,

@@ -15,7 +15,6 @@ mod hidden;
 mod kernels;
 mod number;
 mod prepared;
-mod ridge;
 mod tanh;
 
 pub use card::{ContactSet, FORMAT, NetworkCard, Origin, Scaling, TestError};
@@ -23,7 +22,7 @@ pub use error::NetworkError;
 pub use estimator::NetworkEstimator;
 pub use fingerprint::{Fingerprint, NoFingerprint};
 pub use forward::Instructions;
-pub(crate) use ridge::ridge_gain;
+pub(crate) use prepared::ridge_gain;
 
 use error::require_shape;
 use nalgebra::DMatrix;
@@ -33,8 +32,7 @@ use nalgebra::DMatrix;
 pub struct Inputs {
     /// Mean displacement of the training shapes, n, mm.
     pub mean: Vec<f64>,
-    /// P, p x n, 1/mm. With [`Scaling::Principal`] row i is a unit vector divided by sqrt(variance_i + noise^2), and
-    /// rows are orthogonal; otherwise it is diagonal.
+    /// P, p x n, 1/mm. [`Scaling::Principal`]: orthogonal rows of length 1 / sqrt(variance_i + noise^2); else diagonal.
     pub projection: DMatrix<f64>,
     /// Variance of the training shapes without noise along the direction of each row, p, mm^2.
     pub variances: Vec<f64>,
@@ -76,9 +74,8 @@ pub struct Network {
     pub card: NetworkCard,
     /// How displacements become inputs.
     pub inputs: Inputs,
-    /// The layers of the MLP, at least one; all but the last end in tanh. The first takes the p inputs, and for
-    /// [`ContactSet::AnyOf`] a mask (0 or 1) and ridge force / prior of each contact after them; the last gives a force
-    /// (N) for each contact.
+    /// The layers of the MLP, at least one, all but the last with tanh. The first takes the p inputs, and for
+    /// [`ContactSet::AnyOf`] a mask (0 or 1) and ridge force / prior of each contact after them; the last: forces, N.
     pub layers: Vec<Dense>,
     /// The skip branch by rows, contacts x p, N; empty if there is none, as for [`ContactSet::AnyOf`].
     pub skip: Vec<f32>,

@@ -1,7 +1,21 @@
 //! A network made ready for the contacts that touch and the markers that are seen.
 
-use super::{ContactSet, Dense, Network, ridge_gain};
+use super::{ContactSet, Dense, Network};
+use crate::sensing::linear::Inverse;
 use nalgebra::DMatrix;
+
+/// Gain G (contacts x n, N/mm) of the ridge forces r = G x of the contacts that touch, (C^T C + ridge^2)^-1 C^T with the
+/// columns of the compliance (n x contacts, mm/N) that belong to them; rows of the others are zero. `ridge` is the noise
+/// of a coordinate by the forces' standard deviation, mm/N.
+pub(crate) fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> DMatrix<f64> {
+    let those: Vec<usize> = (0..touching.len()).filter(|&i| touching[i]).collect();
+    let inverse = Inverse::of(&compliance.select_columns(&those), ridge);
+    let mut gain = DMatrix::zeros(compliance.ncols(), compliance.nrows());
+    for (row, &contact) in inverse.gain.row_iter().zip(&those) {
+        gain.set_row(contact, &row);
+    }
+    gain
+}
 
 /// z = P x + offset, f = skip z + MLP(z): one form for both kinds of contact sets.
 #[derive(Debug, Clone)]
@@ -17,8 +31,7 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Prepares a network for some of its contacts, given by their positions in its list, in the order of the outputs. Where
-    /// any may touch, these are the ones that do.
+    /// Prepares a network for some of its contacts, by their positions in its list: those that touch, where any may.
     ///
     /// The mask of these contacts is constant and goes into the bias of the first layer; their ridge forces
     /// G_S x / prior, G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T, become further inputs, which skip to the outputs.
@@ -64,8 +77,7 @@ impl Prepared {
         projected.iter().zip(&self.offset).map(|(z, offset)| z + offset).collect()
     }
 
-    /// Derivatives of the forces with respect to the inputs at z, outputs x inputs, N: back through the layers,
-    /// W_L D_{L-1} W_{L-1} ... D_1 W_1 + skip with D = 1 - tanh^2.
+    /// Derivatives of forces by inputs at z, outputs x inputs, N: W_L D_{L-1} ... D_1 W_1 + skip with D = 1 - tanh^2.
     pub(super) fn derivatives(&self, z: &[f64]) -> DMatrix<f64> {
         let mut activations = vec![z.to_vec()];
         for (k, layer) in self.layers.iter().enumerate().take(self.layers.len() - 1) {

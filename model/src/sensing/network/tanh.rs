@@ -5,8 +5,7 @@ use pulp::Simd;
 
 /// Beyond this, tanh is 1 within the stated error.
 const CLAMP: f32 = 8.0;
-/// tanh(x) = x N(x^2) / D(x^2), coefficients from the constant up: a minimax fit over 0..8, of error 6e-9 before rounding,
-/// scaled so that fused additions in f32 round least.
+/// tanh(x) = x N(x^2) / D(x^2), constant first: a minimax fit over 0..8, error 6e-9, scaled so that f32 rounds least.
 const NUMERATOR: [f32; 5] = [1.0770481, 0.14477357, 0.0038432276, 2.3523542e-5, 1.6323131e-8];
 const DENOMINATOR: [f32; 5] = [1.0770481, 0.5037895, 0.028166784, 0.00036683367, 9.1461675e-7];
 
@@ -47,8 +46,7 @@ fn tanh<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let ratio = simd.div_f32s(numerator, polynomial(simd, square, DENOMINATOR));
     let one = simd.splat_f32s(1.0);
     let value = simd.max_f32s(simd.min_f32s(ratio, one), simd.splat_f32s(-1.0));
-    // Clamping may have turned what is not a number into one. Bits are added here as a choice between values would become a
-    // masked store, which is slow.
+    // Clamping may have turned a NaN into a number. Bits are added: a choice would become a masked store, which is slow.
     let not_a_number = simd.select_f32s(simd.equal_f32s(x, x), simd.splat_f32s(0.0), simd.splat_f32s(f32::NAN));
     simd.or_f32s(value, not_a_number)
 }
@@ -76,54 +74,5 @@ fn polynomial<S: Simd>(simd: S, x: S::f32s, coefficients: [f32; 5]) -> S::f32s {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use pulp::{Arch, Scalar, WithSimd};
-
-    /// The stated error bound, for every number.
-    const LARGEST_ERROR: f64 = 3e-7;
-    /// Distance between the bit patterns that are tried: a prime, so that mantissas of all kinds come up.
-    const STRIDE: usize = 499;
-
-    struct TanhAll<'a>(&'a mut [f32]);
-
-    impl WithSimd for TanhAll<'_> {
-        type Output = ();
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) {
-            tanh_all(simd, self.0);
-        }
-    }
-
-    /// The same on detected and on portable instructions.
-    fn both(numbers: &[f32]) -> [Vec<f32>; 2] {
-        let mut values = [numbers.to_vec(), numbers.to_vec()];
-        Arch::new().dispatch(TanhAll(&mut values[0]));
-        TanhAll(&mut values[1]).with_simd(Scalar);
-        values
-    }
-
-    #[test]
-    fn every_number_is_within_the_error() {
-        let numbers: Vec<f32> = (0..=u32::MAX).step_by(STRIDE).map(f32::from_bits).filter(|x| !x.is_nan()).collect();
-        for (values, instructions) in both(&numbers).iter().zip(["detected", "portable"]) {
-            for (x, value) in numbers.iter().zip(values) {
-                let error = (f64::from(*value) - f64::from(*x).tanh()).abs();
-                assert!(error <= LARGEST_ERROR, "{instructions}: tanh({x:e}) = {value:e}");
-                assert!(value.abs() <= 1.0 && value.is_sign_negative() == x.is_sign_negative());
-            }
-        }
-    }
-
-    #[test]
-    fn special_numbers_stay_what_they_are() {
-        let numbers = [0.0, -0.0, f32::MIN_POSITIVE, 1e-40, f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 8.0];
-        for values in both(&numbers) {
-            assert!(values[0] == 0.0 && values[0].is_sign_positive());
-            assert!(values[1] == 0.0 && values[1].is_sign_negative());
-            assert!(values[2] <= f32::MIN_POSITIVE && values[3] <= 1.1e-40);
-            assert!(values[7].is_nan());
-        }
-    }
-}
+#[path = "../../../tests/units/tanh.rs"]
+mod tests;

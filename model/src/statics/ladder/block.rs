@@ -1,12 +1,11 @@
 //! One step of block elimination: N unknowns leave, M neighbours stay.
 //!
-//! Everything in the ladder is such a step: a node between two elements, the rotations of a pinned member, the tip, a
-//! rung. With K the block's stiffness, C its coupling to the neighbours and g its gradient, the block moves by
-//! x = -K^-1 (g + C neighbours), and leaves -C^T K^-1 C and -C^T K^-1 g on its neighbours. With K = L D L^T both need
-//! only W = L^-1 C and y = L^-1 g.
+//! Everything in the ladder is such a step: node, rotations of a pinned member, tip, rung. With K the block's
+//! stiffness, C its coupling to the neighbours and g its gradient, the block moves by x = -K^-1 (g + C neighbours), and
+//! leaves -C^T K^-1 C and -C^T K^-1 g on its neighbours. With K = L D L^T both need only W = L^-1 C and y = L^-1 g.
 
-use super::ldl::{Ldl, copy_lane};
 use crate::number::Number;
+use finray_numerics::linear::{Ldl, copy_lane};
 
 /// The factored stiffness of a block and its coupling to its neighbours.
 #[derive(Debug, Clone, Copy)]

@@ -7,8 +7,7 @@
 //! the node before it. Elements in a row are springs in a row: the stiffness S of what is there and k of the next give
 //! S - S (S + k)^-1 S, where little is subtracted since k is large.
 //!
-//! Everything may also turn as a whole, which deforms nothing but turns the forces that the elements carry: a fourth
-//! unknown. And it may be displaced as a whole, which changes nothing.
+//! Everything may also turn as a whole, which turns the elements' forces: a fourth unknown. Shifts change nothing.
 
 use super::block::Block;
 use super::ends::{Ends, EndsMatrix};

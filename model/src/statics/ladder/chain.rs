@@ -8,11 +8,11 @@ use super::block::Block;
 use super::brackets::Brackets;
 use super::cantilever::{Cantilever, Deflection, Forces, Joint};
 use super::ends::{Ends, EndsMatrix, numbers};
-use super::ldl::copy_lane;
 use crate::element::{Response, quarter_turn};
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::Line;
 use crate::number::Number;
+use finray_numerics::linear::copy_lane;
 use nalgebra::Vector2;
 use std::ops::Range;
 

@@ -1,5 +1,4 @@
-//! The elimination of one finger by the widest instructions that the machine has: the same operations, so the same bits. Lines go
-//! side by side, the rungs one after the other.
+//! The elimination of one finger by the widest instructions of the machine, to the same bits: lines side by side, rungs in turn.
 //!
 //! Structs, not closures: what is always inlined into [`WithSimd::with_simd`] is compiled for these instructions, and a closure is not.
 

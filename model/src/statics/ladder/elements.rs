@@ -58,8 +58,7 @@ impl<R: Number> Elements<R> for OneLine<'_, R> {
     }
 }
 
-/// Lines of as many elements each, one a lane. Their motion is one of their own: nodes and their rotations from the first to
-/// the last, then the rotations that the two ends are clamped to.
+/// Lines of as many elements each, one a lane: nodes and rotations from first to last, then those that clamp the ends.
 #[derive(Clone, Copy)]
 pub(super) struct ParallelLines<'a, R> {
     frame: &'a PlaneFrame,

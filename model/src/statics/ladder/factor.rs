@@ -53,8 +53,7 @@ impl<R: Number> Factor<R> {
         }
     }
 
-    /// Lines of the two plate members above rung `level - 1` (level 0 is the base), back then front; the lines are
-    /// numbered back plate, front plate, ribs, each from the base.
+    /// The plate members above rung `level - 1` (0: base), back then front. Lines: back, front, ribs, from the base.
     pub(super) fn plate_members(&self, level: usize) -> [usize; 2] {
         [level, self.rungs.len() + 1 + level]
     }
@@ -111,8 +110,7 @@ impl<R: Number> Factor<R> {
         self.positive
     }
 
-    /// Eliminates the tip and begins with the sum of what the chains have; `curvature` is that of the loads on the tip's
-    /// rotation.
+    /// Eliminates the tip, beginning with the chains' sum; `curvature` is that of the loads on the tip's rotation.
     #[inline(always)]
     pub(super) fn eliminate_tip(&mut self, curvature: R) {
         let zero = curvature.zero();

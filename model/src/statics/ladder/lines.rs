@@ -12,8 +12,7 @@ use crate::element::Response;
 use crate::frame::FrameMotion;
 use crate::number::Number;
 
-/// What is made of a line, or of several side by side: its stiffness and its forces, with one joint and its y for each element
-/// but the first.
+/// What is made of a line, or of several side by side: stiffness, forces, and a joint for each element but the first.
 pub(super) struct Condensed<'a, R: Number> {
     pub chain: &'a mut Chain<R>,
     pub joints: &'a mut [Joint<R>],
@@ -103,8 +102,7 @@ impl<R: Number> Balance<'_, R> {
 }
 
 impl Balance<'_> {
-    /// Condenses the gradients of every line with the stiffness of small displacements. `unmoved`: the motion is none, and
-    /// so are the forces of elements.
+    /// Condenses the gradients of every line for small displacements. `unmoved`: no motion, and no forces of elements.
     pub(super) fn load_lines(&mut self, stiffness: &Factor, motion: &FrameMotion, unmoved: bool) {
         let (frame, applied) = (self.mesh.frame(), &self.applied);
         self.energy = 0.0;

@@ -3,8 +3,7 @@
 //! A finger's equations have one long direction only. Members condense onto their ends ([`chain`]), which leaves the
 //! back and front node of each rib as a block of six unknowns that is coupled to its two neighbours alone: a block
 //! tridiagonal system. Its elimination from the tip costs a fixed number of operations a rib and touches no heap. The
-//! general sparse path ([`SparseEquations`](super::SparseEquations)) solves any frame and is what this one is checked
-//! against.
+//! general sparse path ([`SparseEquations`](super::SparseEquations)) checks it.
 //!
 //! Stiffness and forces are apart: [`Factor`] is what a tangent needs, and that at rest is made once for a mesh. Linear
 //! solutions need no other, and a co-rotational one begins with it. [`Balance`] is what forces need. Both are written in
@@ -19,7 +18,6 @@ mod dispatched;
 mod elements;
 mod ends;
 mod factor;
-mod ldl;
 mod lines;
 mod loads;
 mod response;

@@ -17,8 +17,7 @@ struct OnElement {
 }
 
 impl Ladder<'_> {
-    /// How the markers move, by key node and to first order, when a load is added to the finger in its last linearised `motion`: a
-    /// column of the tangent compliance, mm per unit of the load.
+    /// First-order motion of the markers, by key node, under a load added to the last linearised `motion`: mm per unit.
     pub fn added_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let gradient = match *load {
@@ -50,8 +49,7 @@ impl Ladder<'_> {
     }
 
     /// How the markers move, by key node and to first order, in the finger in its last linearised `motion` when members stiffen: mm per
-    /// unit of ln(modulus), of which each member takes its share. A member's forces grow in proportion to its modulus, so they are the
-    /// added load.
+    /// unit of ln(modulus), of which each member takes its share. A member's forces are the added load.
     pub fn stiffened(&mut self, motion: &FrameMotion, shares: &[(usize, f64)], out: &mut [Vector]) {
         let members = self.mesh.frame().members();
         let mut share_of = vec![0.0; members.len()];
@@ -132,8 +130,7 @@ impl Ladder<'_> {
         tip
     }
 
-    /// One forward and one backward pass along the rungs with the factors that are there, for what is on rungs and tip; nodes between the
-    /// key nodes are not computed.
+    /// One forward and one backward pass along the rungs with the factors that are there; for rungs and tip alone.
     fn respond(&mut self, motion: &FrameMotion, tip: &[f64; 3], out: &mut [Vector]) {
         let count = self.waiting.len();
         let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);

@@ -136,8 +136,7 @@ impl<R: Number> Retraction<R> {
         (lifted, self.surplus(index, lifted))
     }
 
-    /// Notes each chord before the correction and its turn by it; returns how far the two ends of the elastic part are
-    /// from where the correction has them, mm.
+    /// Notes each chord and its turn by the correction; returns how far the elastic part's ends are off it, mm.
     #[inline(always)]
     fn measure(
         &mut self,
@@ -228,8 +227,7 @@ fn cubic<R: Number>(slopes: [R; 2], xi: f64) -> R {
     (slopes[0] * rest - slopes[1] * xi) * (xi * rest)
 }
 
-/// Slopes of the [`cubic`] of which the first and the last of `count` chords have these slopes; one node alone cannot turn
-/// two chords.
+/// Slopes of the [`cubic`] whose first and last of `count` chords have these; one node alone cannot turn two chords.
 #[inline(always)]
 fn end_slopes<R: Number>(chords: [R; 2], count: usize) -> [R; 2] {
     if count < 3 {

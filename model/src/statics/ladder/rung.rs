@@ -84,8 +84,7 @@ impl<R: Number> Rung<R> {
         Rung { block: Block::empty(like), rib: None }
     }
 
-    /// Eliminates the rung with this stiffness; `back` and `front` are the plate members from the rung below (their
-    /// first ends) to this one.
+    /// Eliminates the rung with this stiffness; `back` and `front` are the members from the rung below.
     #[inline(always)]
     pub(super) fn eliminate(
         &mut self,
@@ -154,8 +153,7 @@ impl<R: Number> Rung<R> {
         self.block.reduce_gradient(y, below);
     }
 
-    /// Motion of the two nodes for a gradient, by its y, and a motion of the rung below; and the rotation of an
-    /// undeformable rib that is hinged.
+    /// Motion of two nodes for a gradient, by its y, and a motion of the rung below; rotation of a hinged rigid rib.
     #[inline(always)]
     pub(super) fn motion(&self, y: &Ends<R>, below: &Ends<R>) -> (Ends<R>, Option<R>) {
         let q = self.block.motion(y, below);

@@ -6,12 +6,12 @@ use super::cantilever::Joint;
 use super::chain::{Chain, ChainForces, joints_of};
 use super::elements::{OneLine, ParallelLines};
 use super::factor::Factor;
-use super::ldl::copy_lane;
 use super::lines::Condensed;
 use super::retraction::Retraction;
 use crate::element::Response;
 use crate::frame::FrameMotion;
 use crate::number::Number;
+use finray_numerics::linear::copy_lane;
 use nalgebra::{SMatrix, Vector2};
 
 /// Whether lines are computed faster one by one: lanes cost what one and a half cost.

@@ -40,8 +40,7 @@ pub(super) fn by_cell(study: &Study) -> Dataset<'_> {
     Dataset::new(CSV, &columns, cells).csv_alone()
 }
 
-/// Regions of each map in a few figures: which cells (along the normal near the base, in the middle, near the tip, or all), how many
-/// are answered, and the cause with the largest share of the mean square error.
+/// Regions of each map in a few figures: which cells (near base, middle, near tip, all), how many answered, the largest cause.
 pub(super) fn by_region(study: &Study) -> Dataset<'_> {
     struct Row<'s> {
         map: &'s CauseMap,

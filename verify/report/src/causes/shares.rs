@@ -67,8 +67,7 @@ pub(super) struct Shares {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CauseShare {
     pub cause: Cause,
-    /// Of the mean square error over all answered cells, what is known to go away: cells that are not answered without the cause
-    /// count as if nothing did.
+    /// Share of the mean square error over all answered cells known to go away; cells not answered then add nothing.
     pub share: f64,
     /// Root mean square of sensed / true - 1 without it, over the cells that are answered then.
     pub rms_without: f64,

@@ -13,8 +13,7 @@ pub(super) fn verdict(scenes: &[SceneStudy]) -> Result<Option<String>, ReportErr
     say("contact_scenes.verdict", numbers)
 }
 
-/// The contact, among the last steps of all scenes, whose error under noise is the largest share of its force, beside the others of its
-/// step.
+/// The contact, in the last steps of all scenes, with the largest error under noise over its force, beside its step's others.
 fn least_known(scenes: &[SceneStudy]) -> Option<Value> {
     let ends = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?)));
     let contacts = ends.flat_map(|(scene, last)| {

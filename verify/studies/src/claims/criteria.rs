@@ -55,8 +55,7 @@ pub const NEGLIGIBLE_SHARE: f64 = 0.015;
 pub const MESH_SHARE: f64 = 0.0026;
 /// What "about 2.4%" can mean, as it is rounded.
 pub const DIRECTION_SHARE: f64 = 0.0245;
-/// A force error that the paper calls negligible (sec. V-C, of the direction): also the bound for torques, which it calls so without a
-/// figure.
+/// A force error that the paper calls negligible (sec. V-C, of the direction): the bound for torques too.
 pub const NEGLIGIBLE_FORCE_SHARE: f64 = 0.024;
 /// The lighter shade of the paper's Table I begins here: "accuracy" lost beyond it is much.
 pub const MUCH_SHARE: f64 = 0.10;

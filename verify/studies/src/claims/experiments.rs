@@ -34,8 +34,7 @@ pub fn sensed_n(finger: &Finger, node: NodeId, load: Load) -> Result<f64, Sensin
     Ok(estimator.estimate(&seen, Some(0.0), Prior::None).forces_n[0])
 }
 
-/// Relative error of a force sensed along the normal that truly acts `off_deg` towards the tip, by node; of any force on the linear
-/// finger.
+/// Relative error of a force sensed along the normal that truly acts `off_deg` towards the tip, by node; linear finger.
 ///
 /// # Errors
 /// [`SensingError`] if a node cannot be sensed.
@@ -54,8 +53,7 @@ pub fn neglected_torque(finger: &Finger, friction: f64) -> Result<Vec<f64>, Sens
     })
 }
 
-/// Largest difference between the linear and the co-rotational shape under this force along the normal, over the largest displacement,
-/// by node; nodes at which the finger does not carry it are left out.
+/// Largest difference of linear and co-rotational shape under this force over the largest displacement, by carrying node.
 ///
 /// # Errors
 /// [`SensingError`] if the linear finger cannot be solved.

@@ -1,10 +1,11 @@
 //! Sections V-C and V-D: Table II on the moving gripper, and grasps of objects (Figs. 11, 14 and 16).
 
-use super::criteria::{MUCH_SHARE, in_simulation, simulated};
+use super::criteria::{MUCH_SHARE, in_simulation};
+use super::gripper::OfGroup;
 use super::{Claim, ClaimError, ClaimVerdict, Words};
 use crate::experiments::grasp::modules::{ModuleStudy, ModuleTest};
 use crate::experiments::grasp::observations::{Observations, SMALL_N};
-use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup, GroupErrors};
+use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
 use crate::study::Study;
 use finray_model::estimators::EstimatorId;
 use minijinja::{Value, context};
@@ -37,24 +38,11 @@ fn on_the_gripper(
     let of = |estimator| modules.and_then(|modules| modules.group(group, estimator));
     let Some(nonlinear) = of(EstimatorId::Nonlinear) else { return Ok(Vec::new()) };
     let others = [EstimatorId::LeastSquares, EstimatorId::Network].map(|id| (id.label(), of(id)));
-    let against = |quantity: &str, paper: f64, error: &dyn Fn(&GroupErrors) -> Option<f64>| {
-        let Some(ours) = error(&nonlinear) else { return Ok(None) };
-        let other = |(name, found): &(&str, Option<GroupErrors>)| {
-            Some(context! { name => *name, error => error(found.as_ref()?)? })
-        };
-        let numbers = context! {
-            group => group.name, quantity, paper, ours, noise_mm => modules.map(|modules| modules.noise_mm),
-            others => others.iter().filter_map(other).collect::<Vec<_>>(),
-            refused => nonlinear.refused, answered => nonlinear.answered,
-        };
-        words.claim("closing-gripper", simulated(ours, paper), numbers).map(Some)
-    };
-    let each = against("each force", group.paper_force, &|errors| Some(errors.force))?;
-    let sum = match group.paper_sum {
-        Some(paper) => against("the sum", paper, &|errors| errors.sum)?,
-        None => None,
-    };
-    Ok(each.into_iter().chain(sum).collect())
+    let noise_mm = modules.map_or(f64::NAN, |modules| modules.noise_mm);
+    let of_group = OfGroup { group, noise_mm, nonlinear, others, words };
+    let each = of_group.row("closing-gripper", "each force", group.paper_force, |errors| Some(errors.force))?;
+    let sum = group.paper_sum.map(|paper| of_group.row("closing-gripper", "the sum", paper, |errors| errors.sum));
+    Ok(each.into_iter().chain(sum.transpose()?.flatten()).collect())
 }
 
 /// Motor angles at which the second force begins, and at which it passes the first one: the order of Fig. 11(a).

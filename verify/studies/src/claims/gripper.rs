@@ -115,8 +115,35 @@ fn with_the_model(
     let Some(nonlinear) = of(EstimatorId::Nonlinear) else { return Ok(Vec::new()) };
     let others =
         [("linear least squares", of(EstimatorId::LeastSquares)), ("network that ships", of(EstimatorId::Network))];
-    let row = |key: &str, quantity: &str, paper: f64, error: &dyn Fn(&GroupErrors) -> Option<f64>| {
-        let Some(ours) = error(&nonlinear) else { return Ok(None) };
+    let of_group = OfGroup { group, noise_mm, nonlinear, others, words };
+    let each = of_group.row("known-model", "each force", group.paper_force, |found| Some(found.force))?;
+    let other = match (group.paper_sum, nonlinear.sum) {
+        (Some(paper), Some(_)) => of_group.row("known-model", "the sum", paper, |found| found.sum)?,
+        _ => of_group.row("known-model-newtons", "", PAPER_ERROR_N, |found| Some(found.force_n))?,
+    };
+    Ok(each.into_iter().chain(other).collect())
+}
+
+/// Errors of the nonlinear estimator at a group of contacts, and those of others beside it.
+pub(super) struct OfGroup<'g> {
+    pub group: &'g ContactGroup,
+    pub noise_mm: f64,
+    pub nonlinear: GroupErrors,
+    pub others: [(&'static str, Option<GroupErrors>); 2],
+    pub words: &'g Words,
+}
+
+impl OfGroup<'_> {
+    /// One error against the paper's; `None` where there is none.
+    pub fn row(
+        &self,
+        key: &str,
+        quantity: &str,
+        paper: f64,
+        error: fn(&GroupErrors) -> Option<f64>,
+    ) -> Result<Option<Claim>, ClaimError> {
+        let &OfGroup { group, noise_mm, ref nonlinear, ref others, words } = self;
+        let Some(ours) = error(nonlinear) else { return Ok(None) };
         let other = |(name, found): &(&str, Option<GroupErrors>)| {
             Some(context! { name => *name, error => error(found.as_ref()?)? })
         };
@@ -126,11 +153,5 @@ fn with_the_model(
             refused => nonlinear.refused, answered => nonlinear.answered,
         };
         words.claim(key, simulated(ours, paper), numbers).map(Some)
-    };
-    let each = row("known-model", "each force", group.paper_force, &|found| Some(found.force))?;
-    let other = match (group.paper_sum, nonlinear.sum) {
-        (Some(paper), Some(_)) => row("known-model", "the sum", paper, &|found| found.sum)?,
-        _ => row("known-model-newtons", "", PAPER_ERROR_N, &|found| Some(found.force_n))?,
-    };
-    Ok(each.into_iter().chain(other).collect())
+    }
 }

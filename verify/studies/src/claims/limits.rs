@@ -12,8 +12,7 @@ use minijinja::context;
 
 /// Friction between which neglected torques are judged: plastic on steel to rubber on most things.
 const FRICTIONS: [f64; 2] = [0.2, 0.5];
-/// Noise of a displacement over that of a camera's coordinate: where undeformed positions are exact, and where they are measured in an
-/// image too, as sec. V-B describes.
+/// Noise of a displacement over that of a coordinate: undeformed positions exact, and measured in an image too (sec. V-B).
 const NOISE_OF_IMAGES: [f64; 2] = [1.0, std::f64::consts::SQRT_2];
 /// Pairs of nodes of the paper's Fig. 12, from near to far.
 const EXCHANGED: [[usize; 2]; 4] = [[18, 19], [18, 20], [17, 20], [17, 21]];

@@ -34,8 +34,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> 
     Ok(accuracy_maps(finger, context.corotational, &[&assumed], &request, &|| context.progress.step()).pop())
 }
 
-/// An estimator that is given contacts [`POSITION_OFF_MM`] and [`DIRECTION_OFF_DEG`] off the true ones: to each side in turn, from one
-/// measurement to the next, as far as the plate reaches.
+/// An estimator given contacts [`POSITION_OFF_MM`] and [`DIRECTION_OFF_DEG`] off, to each side in turn, as far as the plate reaches.
 pub struct AssumedContact<'e> {
     /// The estimator.
     pub informed: &'e dyn Estimator,

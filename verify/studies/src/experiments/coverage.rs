@@ -18,8 +18,7 @@ const NOMINAL: f64 = 0.95;
 const TOLERANCE: f64 = 0.02;
 /// Chance that is allowed for beside it, in standard deviations of a share.
 const CHANCE: f64 = 3.0;
-/// Share of samples of the paper's finger that may be refused: a force next to a limit load, one in 10 000, is no fault of an estimator. One
-/// more sample may be where few are drawn.
+/// Share of samples of the paper's finger that may be refused, as one in 10 000 next to a limit load; and one sample more.
 const REFUSED: f64 = 0.001;
 /// The same of another finger, on which forces may be too small to sense: an estimator that refuses most is not shown to cover anything.
 const REFUSED_OF_ANOTHER: f64 = 0.5;
@@ -51,8 +50,7 @@ pub struct CoverageRow {
     pub covered_without_warning: Option<f64>,
     /// The same of those with a warning.
     pub covered_with_warning: Option<f64>,
-    /// Of the answers with a warning, the root mean square of the error over that of the stated sigma; `None` if there are none, or a map
-    /// was counted.
+    /// Rms error over rms stated sigma of the answers with a warning; `None` if there are none, or a map was counted.
     pub error_over_sigma_with_warning: Option<f64>,
 }
 
@@ -241,8 +239,7 @@ impl CoverageRow {
     }
 
     /// What must hold on the finger that the estimators' models are refined to: all but hardly any samples are answered, 93 to 97 % of the
-    /// truths lie within 1.96 sigma where there is no warning, at least as many where there is one, by a sigma that is not much larger than
-    /// the error. None for other fingers.
+    /// truths lie within 1.96 sigma where there is no warning, at least as many where there is one, by a sigma near the error.
     pub fn checks(&self, is_paper: bool) -> Vec<Check> {
         if self.truth != TRUTH {
             return Vec::new();

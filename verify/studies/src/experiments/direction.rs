@@ -11,7 +11,7 @@ pub use frictionless::{Assumption, FrictionlessPush};
 
 use super::{Context, Evidence};
 use crate::prelude::*;
-use crate::sampling::noise::Noise;
+use crate::sampling::noise::{Noise, with_sample};
 use crate::sampling::sweep::Grid;
 use crate::truths::Truth;
 use finray_model::sensing::NonlinearEstimate;
@@ -24,8 +24,7 @@ pub const IDENTIFIED_DEG: f64 = 10.0;
 pub const IDENTIFIED_FORCE: f64 = 0.10;
 /// ... and at least this share of the samples is answered.
 pub const IDENTIFIED_ANSWERED: f64 = 0.9;
-/// Of a report: about how many positions, degrees between two directions, and noise samples a cell. Seconds of work, most of them for samples
-/// that are refused after a search from every start.
+/// Of a report: about how many positions, degrees between directions, noise samples a cell. Refused samples take the time.
 const POSITIONS: usize = 12;
 const STEP_DEG: f64 = 20.0;
 const SAMPLES: usize = 8;
@@ -112,9 +111,7 @@ impl Answers {
         let mut answers = Answers { samples: samples.len(), ..Answers::default() };
         let (mut force, mut sigma, mut angle) = (0.0, 0.0, 0.0);
         for sample in samples {
-            let mut noisy = seen.clone();
-            let mut coordinates = sample.iter();
-            noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
+            let noisy = with_sample(seen, sample, noise_mm);
             estimator.reset();
             let Ok(NonlinearEstimate { forces, contacts, .. }) = estimator.estimate(&noisy, Some(noise_mm)) else {
                 continue;

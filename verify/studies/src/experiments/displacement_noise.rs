@@ -12,8 +12,8 @@ use crate::sampling::noise::Noise;
 use crate::sampling::scatter::sampled_nodes;
 use finray_model::measurement::DisplacementNoise;
 use finray_model::measurement::noise::base_motions;
-use finray_model::optimise::{FromFunction, LevenbergMarquardt, Refusal, covariance};
 use finray_model::sensing::Response;
+use finray_numerics::optimise::{FromFunction, LevenbergMarquardt, Refusal, covariance};
 
 /// Standard deviation of the finger base's position along each axis where it is computed from the motor angle, mm. The offsets of motor and
 /// camera stand in figures of the paper that are not at hand: this is a choice.
@@ -50,8 +50,7 @@ pub struct DisplacementNoiseRow {
     pub generalised_rms_n: f64,
     /// Root mean square error of ordinary least squares, N.
     pub ordinary_rms_n: f64,
-    /// The bound by another way: sqrt(2) times that of independent errors for two images, the base's motion as further unknowns with a
-    /// prior for the motor angle, N.
+    /// The bound by another way, N: sqrt(2) times that of one image, or the base's motion as further unknowns with a prior.
     #[serde(skip)]
     pub other_way_n: f64,
 }
@@ -132,17 +131,10 @@ fn positions_mm(finger: &Finger, displacements_mm: &DVector<f64>) -> Vec<Vector>
 }
 
 fn forces_at(nodes: &[NodeId], forces_n: &DVector<f64>) -> Vec<ContactForce> {
-    let force = |(node, along_n): (&NodeId, &f64)| ContactForce {
-        contact: Contact::at_node(*node),
-        along_n: *along_n,
-        across_n: 0.0,
-        lever_mm: 0.0,
-    };
-    nodes.iter().zip(forces_n.iter()).map(force).collect()
+    nodes.iter().zip(forces_n).map(|(node, along_n)| ContactForce::plain(Contact::at_node(*node), *along_n)).collect()
 }
 
-/// Least squares on the co-rotational finger from a start; with a model of the noise generalised, without ordinary. The covariance is that at
-/// the measured positions. `None` if the search does not settle.
+/// Co-rotational least squares from a start, generalised with a noise model, else ordinary. `None` if the search does not settle.
 pub fn least_squares(
     finger: &mut RespondingFinger,
     nodes: &[NodeId],
@@ -159,7 +151,7 @@ pub fn least_squares(
         let residual = response.displacements_mm - seen_mm;
         let derivatives = DMatrix::from_columns(&response.along);
         Ok(match &whitening {
-            Some(whitening) => (whitening.whitened_residual(&residual), whitening.whitened(&derivatives)),
+            Some(whitening) => (whitening.whitened(&residual), whitening.whitened(&derivatives)),
             None => (residual, derivatives),
         })
     };

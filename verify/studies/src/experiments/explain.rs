@@ -1,5 +1,4 @@
-//! What explains an accuracy map: how well any estimator can sense a force under noise, and how far a wrong
-//! direction or position carries.
+//! What explains an accuracy map: how well forces can be sensed, how far wrong directions and positions carry.
 //!
 //! All of it follows from how the markers of the loaded finger move, to first order, when a little is added to the force
 //! (along it, and across it), or when the force moves along the plate: columns j, c and m of the tangent compliance of the
@@ -20,15 +19,13 @@ pub struct Explanation {
     pub angle_deg: f64,
     /// The force, N.
     pub force_n: f64,
-    /// Cramer-Rao bound: least standard deviation of an unbiased estimate, over the force, if position and direction are
-    /// known.
+    /// Cramer-Rao bound: least standard deviation of an unbiased estimate over the force, position and direction known.
     pub bound: Option<f64>,
     /// The same if the direction is sought too; empty where the two components are not identifiable.
     pub bound_unknown_direction: Option<f64>,
     /// Least standard deviation of the direction, degrees.
     pub direction_sigma_deg: Option<f64>,
-    /// Condition number: how many times more the markers move under the component of the force that they see best than
-    /// under the one that they see worst.
+    /// Condition number: motion of the markers by the component of the force seen best over that by the one seen worst.
     pub condition: Option<f64>,
     /// |d (sensed / true) / d angle|, per degree that the assumed direction is wrong.
     pub error_per_deg: Option<f64>,

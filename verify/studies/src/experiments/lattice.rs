@@ -22,8 +22,7 @@ const SETTLED_FINENESS: usize = 4;
 /// The lattice of the maps has four segments a member and is within 1.2e-4 of the displacements under 3 N; linear sensing turns a
 /// difference of shapes into one of forces of the same size where it is well conditioned, as for one force, and at most twice that.
 const MAP_TOLERANCE: f64 = 2.6e-4;
-/// The nonlinear estimator's model is the co-rotational finger on four elements a member, which is within 4e-4 under 3 N; the lattice's
-/// own coarseness comes on top.
+/// The nonlinear estimator's four elements a member are within 4e-4 under 3 N; the lattice's own coarseness comes on top.
 const NONLINEAR_TOLERANCE: f64 = 5.3e-4;
 
 /// All that is computed of the lattice for a report.
@@ -47,8 +46,7 @@ pub struct LatticeStudy {
     pub problem_checks: Vec<Check>,
     /// Differences that are expected; none in a quick study.
     pub comparisons: Vec<Comparison>,
-    /// Force, N, and largest difference of linear beams from the lattice, as a share of the largest displacement; as the
-    /// comparisons.
+    /// Force, N, and largest difference of linear beams from the lattice over the largest displacement.
     pub linear: Vec<(f64, f64)>,
     /// The lattice as it is sensed.
     pub sensing: LatticeSensing,
@@ -109,8 +107,7 @@ struct Extent {
     /// Loads by fineness and for the axial springs: every how many nodes, and directions in degrees.
     nodes: usize,
     angles_deg: &'static [f64],
-    /// Positions along the front plate and degrees between two directions: for least squares, and for the nonlinear estimator.
-    /// Both divide those of the co-rotational finger's map.
+    /// Positions and degrees between directions, for least squares and nonlinear; both divide those of the co-rotational map.
     maps: [(usize, f64); 2],
 }
 

@@ -41,8 +41,7 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     Ok(plans.iter().flat_map(map).collect())
 }
 
-/// Where and how often an estimator is asked about a truth: one that takes long, or whose errors need no fine grid, is asked less. `None`
-/// if it is not asked here.
+/// Where and how often an estimator is asked about a truth: less where it takes long or needs no fine grid. `None`: not here.
 fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<Option<Plan>, TruthError> {
     let is_asked = if estimator.at_nodes() { context.is_paper } else { !truth.id().has_study() };
     if !is_asked {

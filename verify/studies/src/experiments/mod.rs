@@ -1,7 +1,6 @@
 //! Experiments on fingers, estimators and models: one a file, each with results of its own type.
 //!
-//! Those of the report have a `run` that takes the [`Context`] and, typed, the results of others that they rest on;
-//! [`study`](crate::study) lists them.
+//! Those of the report `run` on the [`Context`] and results that they rest on; [`study`](crate::study) lists them.
 
 pub mod assumed;
 pub mod camera;

@@ -44,8 +44,7 @@ impl Evidence for TouchedFinger {}
 /// Degrees between two directions of [`touched`].
 const TOUCHED_STEP_DEG: f64 = 20.0;
 
-/// The co-rotational finger under the drawn force at every contact node (a dozen of many) in every direction; what has no
-/// equilibrium is left out.
+/// The co-rotational finger under the drawn force at contact nodes (a dozen of many), in all directions that carry.
 pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
     let finger = context.finger;
     let every = finger.contact_nodes().len().div_ceil(13);
@@ -61,8 +60,7 @@ pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallibl
     Ok(contacts.par_iter().filter_map(shape).collect())
 }
 
-/// The finger under the drawn force at three nodes, linear and co-rotational; what has no equilibrium is left
-/// out.
+/// The finger under the drawn force at three nodes, linear and co-rotational, where there is an equilibrium.
 pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
     let (finger, mesh) = (context.finger, context.fine);
     let nodes: Vec<_> = finger.contact_nodes().collect();

@@ -1,8 +1,7 @@
 //! The protocol of Table II of Xu et al. (2021): forces of 0.3 to 3 N on one node, on two neighbours and on two nodes apart.
 //!
 //! The paper measures on its gripper, at the nodes that sec. V-C names, and lists the mean over the tests of each kind; here a
-//! finger of known kinematics stands for it, seen without and with camera noise, and every estimator senses the same noise
-//! samples at the same nodes.
+//! finger of known kinematics stands for it, seen without and with camera noise, the same samples for every estimator.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -79,8 +78,7 @@ pub struct TableTwo {
     /// Random cases for each set of contacts; the nonlinear estimator senses the first of them, [`MOST_FITS`] and on the
     /// linear finger a quarter of them, at most [`CASES_WITHOUT_FIT`].
     pub cases: usize,
-    /// Largest over smallest singular value of the compliance at the markers, of the linear finger, by [`contact_sets`]: a
-    /// wrong shape shows in the forces by up to this many times its share.
+    /// Largest over smallest singular value of the linear compliance, by [`contact_sets`]: growth of a wrong shape.
     pub condition_numbers: Vec<f64>,
     /// By true finger.
     pub fingers: Vec<TableTwoFinger>,

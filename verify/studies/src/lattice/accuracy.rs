@@ -2,8 +2,7 @@
 
 use crate::prelude::*;
 
-/// Elements a member of the beam finger that counts as converged: twice as many change no displacement of the paper's finger
-/// under 5 N by more than 1e-6 of the largest.
+/// Elements a member of beams that count as converged: twice as many change the paper's finger under 5 N by 1e-6 at most.
 pub const CONVERGED_ELEMENTS: usize = 32;
 
 /// Loads under which lattice and beams are compared.
@@ -64,14 +63,20 @@ pub(crate) fn beam_shapes(
 
 /// Shapes of least energy of a lattice over a grid of loads, like [`beam_shapes`].
 pub(crate) fn lattice_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<Vec<Vec<FingerShape>>, LatticeError> {
-    let shapes = |&(node, angle_deg): &(NodeId, f64)| {
-        let load = Load::at_node(node, lattice.finger().direction(angle_deg));
-        match lattice.path(&[load], &grid.forces_n)? {
-            (shapes, None) => Ok(shapes),
-            (_, Some(lost)) => Err(LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction }),
-        }
-    };
-    grid.directions().par_iter().map(shapes).collect()
+    grid.directions().par_iter().map(|at| lattice_path(lattice, at, grid)).collect()
+}
+
+/// Shapes at one node and direction.
+fn lattice_path(lattice: &Lattice, at: &(NodeId, f64), grid: &LoadGrid) -> Result<Vec<FingerShape>, LatticeError> {
+    match lattice.path(&[load(lattice.finger(), at, 1.0)], &grid.forces_n)? {
+        (shapes, None) => Ok(shapes),
+        (_, Some(lost)) => Err(LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction }),
+    }
+}
+
+/// A force (N) on a node in a direction.
+pub(super) fn load(finger: &Finger, &(node, angle_deg): &(NodeId, f64), force_n: f64) -> Load {
+    Load::at_node(node, finger.direction(angle_deg) * force_n)
 }
 
 /// Largest difference of a key node's displacement between two shapes, as a share of the reference's largest.
@@ -97,8 +102,7 @@ pub struct FinenessRow {
     pub springs: usize,
     /// Forces, N.
     pub forces_n: Vec<f64>,
-    /// Largest difference of the lattice's equilibrium (Newton) from converged beams, as a share of the largest displacement,
-    /// for each force.
+    /// Largest difference of the lattice's equilibrium from converged beams over the largest displacement, by force.
     pub errors: Vec<f64>,
     /// Mean time of a way through all the forces by Newton's method, ms, on one core.
     pub newton_ms: f64,
@@ -128,8 +132,7 @@ pub enum AccuracyError {
     Beams(#[from] StaticsError),
 }
 
-/// Error and cost by fineness: Newton's method over the `grid`, settling over the loads of `settled` for each fineness that
-/// it names loads for.
+/// Error and cost by fineness: Newton's method over the `grid`, settling over the loads that `settled` names, if any.
 ///
 /// Times are of one core: what is timed is computed one after the other, and hands nothing to other threads.
 ///
@@ -145,14 +148,8 @@ pub fn study(
     let row = |&fineness: &usize| {
         let lattice = Lattice::new(finger, fineness)?;
         let start = Instant::now();
-        let mut shapes = Vec::new();
-        for (node, angle_deg) in grid.directions() {
-            let (path, lost) = lattice.path(&[Load::at_node(node, finger.direction(angle_deg))], &grid.forces_n)?;
-            if let Some(lost) = lost {
-                return Err(LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction }.into());
-            }
-            shapes.push(path);
-        }
+        let paths = grid.directions().into_iter().map(|at| lattice_path(&lattice, &at, grid));
+        let shapes = paths.collect::<Result<Vec<_>, _>>()?;
         let newton_ms = 1e3 * start.elapsed().as_secs_f64() / shapes.len() as f64;
         let settling = settled(fineness).map(|loads| settling_cost(&lattice, &loads)).transpose()?;
         Ok(FinenessRow {
@@ -189,14 +186,14 @@ pub struct SettledGrid {
 /// Settles a lattice under every load of a grid, one after the other.
 pub(crate) fn settled_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<SettledGrid, LatticeError> {
     let (mut steps, start) = (0, Instant::now());
-    let mut settle = |node, angle_deg, force_n: f64| {
-        let settled = lattice.settle(&[Load::at_node(node, lattice.finger().direction(angle_deg) * force_n)])?;
+    let mut settle = |at: &(NodeId, f64), force_n: f64| {
+        let settled = lattice.settle(&[load(lattice.finger(), at, force_n)])?;
         steps = steps.max(settled.steps);
         Ok(settled.shape)
     };
     let mut shapes = Vec::new();
-    for (node, angle_deg) in grid.directions() {
-        let column = grid.forces_n.iter().map(|&force_n| settle(node, angle_deg, force_n));
+    for at in grid.directions() {
+        let column = grid.forces_n.iter().map(|&force_n| settle(&at, force_n));
         shapes.push(column.collect::<Result<Vec<_>, LatticeError>>()?);
     }
     let count = (shapes.len() * grid.forces_n.len()).max(1);

@@ -1,13 +1,12 @@
 //! Causes of the lattice's error against beams: the same comparison with one property changed at a time.
 
-use super::accuracy::{AccuracyError, LoadGrid, beam_shapes, difference, lattice_shapes, worst_by_force};
+use super::accuracy::{AccuracyError, LoadGrid, beam_shapes, difference, lattice_shapes, load, worst_by_force};
 use crate::prelude::*;
 use finray_lattice::energy::{BodyMotion, Energy};
 use finray_lattice::settling::{Precision, SWEEPS, Settling};
 use finray_lattice::springs::AxialSprings;
 
-/// This many times stiffer, axial springs are as good as rigid: a hundred times more changes no displacement of the paper's finger
-/// by more than a thousandth.
+/// This many times stiffer, axial springs are as good as rigid: a hundred times more changes the paper's finger by a thousandth.
 pub const AS_GOOD_AS_RIGID: f64 = 1e3;
 
 /// Axial springs that are tried, a beam's first.
@@ -25,8 +24,7 @@ pub struct AxialRow {
     pub name: &'static str,
     /// The springs.
     pub axial: AxialSprings,
-    /// Largest difference from converged beams for each force of the grid, as a share of the largest displacement; none where
-    /// a load has no stable equilibrium.
+    /// Largest difference from converged beams, by force, over the largest displacement; none without equilibrium.
     pub errors: Option<Vec<f64>>,
 }
 
@@ -66,8 +64,7 @@ pub struct SettlingRow {
     pub sweeps: usize,
     /// Precision of the positions.
     pub positions: Precision,
-    /// Largest difference from the equilibrium over all loads, as a share of the largest displacement; none if a load does
-    /// not settle.
+    /// Largest difference from the equilibria over the largest displacement; none if a load does not settle.
     pub error: Option<f64>,
     /// Most steps to rest; none if a load does not settle.
     pub steps: Option<usize>,
@@ -133,8 +130,4 @@ pub fn out_of_balance(lattice: &Lattice, grid: &LoadGrid, positions: Precision) 
         grid.directions().into_iter().flat_map(|at| grid.forces_n.iter().map(move |&force_n| (at, force_n))).collect();
     let shares: Vec<f64> = cases.par_iter().map(|(at, force_n)| share(at, *force_n)).collect::<Result<_, _>>()?;
     Ok(worst(shares))
-}
-
-fn load(finger: &Finger, &(node, angle_deg): &(NodeId, f64), force_n: f64) -> Load {
-    Load::at_node(node, finger.direction(angle_deg) * force_n)
 }

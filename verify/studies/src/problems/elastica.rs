@@ -1,11 +1,10 @@
 //! Clamped inextensible cantilever under a dead tip load, also oblique: the elastica.
 //!
-//! Source: `fixtures/elastica.csv`, by shooting and by elliptic integrals to 1e-7; equal to Mattiasson, Int. J. Numer.
-//! Methods Eng. 17 (1981) where he lists the case. L = EI = 1.
+//! Source: `fixtures/elastica.csv`, to 1e-7; equal to Mattiasson, Int. J. Numer. Methods Eng. 17 (1981). L = EI = 1.
 
 use super::ProblemError;
 use crate::prelude::*;
-use finray_model::frame::{PlaneFrame, Section};
+use finray_model::frame::{NodeIndex, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
 
 /// Elements of the cantilever.
@@ -25,6 +24,17 @@ struct Row {
     theta_rad: f64,
 }
 
+/// A cantilever of length and bending rigidity one along x, clamped at its first node.
+pub(super) fn cantilever(elements: usize, axial_rigidity_n: f64) -> (PlaneFrame, Vec<NodeIndex>) {
+    let mut frame = PlaneFrame::new();
+    let nodes: Vec<_> = (0..=elements).map(|i| frame.add_node(Vector::new(i as f64 / elements as f64, 0.0))).collect();
+    for pair in nodes.windows(2) {
+        frame.add_beam(pair[0], pair[1], Section { axial_rigidity_n, bending_rigidity_nmm2: 1.0 });
+    }
+    frame.support(nodes[0], [true; 3]);
+    (frame, nodes)
+}
+
 /// Deflection across (w) and shortening along (u) the beam, and rotation of its end.
 pub(super) fn solve(
     load: f64,
@@ -32,16 +42,8 @@ pub(super) fn solve(
     elements: usize,
     kinematics: Kinematics,
 ) -> Result<[f64; 3], ProblemError> {
-    let mut frame = PlaneFrame::new();
-    let section = Section { axial_rigidity_n: AXIAL_RIGIDITY, bending_rigidity_nmm2: 1.0 };
-    let clamp = frame.add_node(Vector::zeros());
-    frame.support(clamp, [true; 3]);
-    let mut end = clamp;
-    for i in 1..=elements {
-        let next = frame.add_node(Vector::new(i as f64 / elements as f64, 0.0));
-        frame.add_beam(end, next, section);
-        end = next;
-    }
+    let (frame, nodes) = cantilever(elements, AXIAL_RIGIDITY);
+    let end = nodes[elements];
     let (sin, cos) = angle_deg.to_radians().sin_cos();
     let load = FrameLoad::Node { node: end, force: Vector::new(cos, sin) * load, moment_nmm: 0.0 };
     let motion = solve_frame(&frame, &[load], kinematics)?;

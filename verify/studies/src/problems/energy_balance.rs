@@ -1,7 +1,6 @@
 //! The elastic energy of the bent finger is the work of its load along the way.
 //!
-//! Source: conservation of energy. The work is F u(F) less the integral of u over F (the complementary energy), by
-//! Simpson's rule with one Richardson extrapolation (Boole's rule).
+//! Source: conservation of energy. The work is F u(F) less the integral of u over F, by Boole's rule.
 
 use super::ProblemError;
 use crate::prelude::*;

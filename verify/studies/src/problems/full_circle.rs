@@ -3,8 +3,9 @@
 //! Source: closed form (pure bending): the axis is an arc of radius EI / M. L = EI = 1.
 
 use super::ProblemError;
+use super::elastica::cantilever;
 use crate::prelude::*;
-use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
+use finray_model::frame::{FrameLoad, NodeIndex};
 use finray_model::statics::solve_frame;
 use std::f64::consts::{PI, TAU};
 
@@ -14,21 +15,13 @@ const ELEMENTS: usize = 64;
 const AXIAL_RIGIDITY: f64 = 1e6;
 /// Rounding: equal elements turn by equal angles, so their chords close whatever their number.
 pub const CLOSURE_TOLERANCE: f64 = 1e-9;
-/// An element that bends to the half angle a has a chord of (1 - a^2 / 6) instead of sin a / a: short by a^4 / 120,
-/// 4.8e-8 for 64 elements.
+/// An element bent to the half angle a has the chord 1 - a^2 / 6, not sin a / a: short by a^4 / 120, 4.8e-8.
 pub const CHORD_TOLERANCE: f64 = 1e-7;
 
 /// Where the tip comes to rest, how far it turns, and how far away the middle is.
 pub(crate) fn checks() -> Result<Vec<Check>, ProblemError> {
-    let mut frame = PlaneFrame::new();
-    let section = Section { axial_rigidity_n: AXIAL_RIGIDITY, bending_rigidity_nmm2: 1.0 };
-    let nodes: Vec<NodeIndex> =
-        (0..=ELEMENTS).map(|i| frame.add_node(Vector::new(i as f64 / ELEMENTS as f64, 0.0))).collect();
-    for pair in nodes.windows(2) {
-        frame.add_beam(pair[0], pair[1], section);
-    }
+    let (frame, nodes) = cantilever(ELEMENTS, AXIAL_RIGIDITY);
     let (tip, middle) = (nodes[ELEMENTS], nodes[ELEMENTS / 2]);
-    frame.support(nodes[0], [true; 3]);
     let moment = FrameLoad::Node { node: tip, force: Vector::zeros(), moment_nmm: TAU };
     let motion = solve_frame(&frame, &[moment], Kinematics::Corotational)?;
     let position = |node: NodeIndex| frame.position(node) + motion.displacements[node];

@@ -52,9 +52,8 @@ pub struct GridConvergence {
 }
 
 impl GridConvergence {
-    /// The procedure of Celik et al., eqs (3) to (7): the order p solves
-    /// p ln(r21) = |ln|e32 / e21| + q(p)| with q(p) = ln((r21^p - s) / (r32^p - s)), s = sign(e32 / e21),
-    /// by repeated substitution; equal ratios need none.
+    /// The procedure of Celik et al., eqs (3) to (7): the order p solves p ln(r21) = |ln|e32 / e21| + q(p)| with q(p) =
+    /// ln((r21^p - s) / (r32^p - s)), s = sign(e32 / e21), by repeated substitution.
     pub fn of(nodes: [usize; 3], sizes: [f64; 3], values: [f64; 3]) -> GridConvergence {
         let [r32, r21] = [sizes[0] / sizes[1], sizes[1] / sizes[2]];
         let [e32, e21] = [values[0] - values[1], values[1] - values[2]];

@@ -1,7 +1,6 @@
 //! The camera on the gripper: where it has the undeformed fingers as the gripper closes, from which displacements are counted.
 //!
-//! Source: Xu et al. (IEEE T-RO 2021), eq. (10), and the joint of rocker and link as Newton's method finds it, without angles. Lens and pose of the
-//! camera are chosen, as are the lengths.
+//! Source: Xu et al. (IEEE T-RO 2021), eq. (10), and the joint of rocker and link by Newton's method. Lens, pose and lengths are chosen.
 
 use super::ProblemError;
 use super::linkage::{TOLERANCE, over_reach};
@@ -63,8 +62,7 @@ pub fn checks(finger: &Finger, gripper: &Gripper) -> Result<Vec<Check>, ProblemE
     ])
 }
 
-/// How far markers of both fingers are, in the camera's frame, from where the matrix of eq. (10) has them, and its mirror image, mm. As in the paper the
-/// camera's axes are those of the mechanism.
+/// Distance of both fingers' markers, in the camera's frame, from where eq. (10) and its mirror image have them, mm; axes as in the paper.
 fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
     let ([l1, _], l4) = (gripper.description().link_mm, gripper.description().fixed_joint_mm);
     let [w, h, l] = CAMERA_MM;
@@ -91,8 +89,7 @@ fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
     worst(key_nodes(finger).map(of_node))
 }
 
-/// By how much undeformed nodes of both fingers seem displaced, mm: carried by the link from `joint` to the nut, projected by a pinhole's matrix, and found
-/// in the frame of the finger before which eq. (10) has the camera.
+/// Apparent displacements of undeformed nodes, mm: link from `joint` to nut, pinhole's matrix, back by eq. (10)'s finger frame.
 fn images_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose, joint: &Vector, camera: &Camera) -> f64 {
     let [_, link_mm] = gripper.description().link_mm;
     let nut = Vector::new(gripper.description().fixed_joint_mm, pose.slider_mm);
@@ -124,8 +121,7 @@ fn key_nodes(finger: &Finger) -> impl Iterator<Item = Vector> + '_ {
     (1..=finger.key_node_count()).map(|node| finger.position(finray_model::NodeId(node)))
 }
 
-/// The joint of rocker and link at rising motor angles, mechanism frame, mm: from the nearest one to 0, where the rocker points away from the
-/// screw's axis, along the reach to both sides.
+/// The joint of rocker and link, mechanism frame, mm, at motor angles from the one nearest to 0, rocker outwards, to both ends.
 fn joints(gripper: &Gripper, angles: &[f64]) -> Vec<Vector> {
     let begin = angles.iter().position(|motor_deg| *motor_deg >= 0.0).unwrap_or(angles.len() - 1);
     let outwards = Vector::new(-gripper.description().link_mm[0], 0.0);

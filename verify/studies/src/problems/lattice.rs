@@ -21,8 +21,7 @@ const COARSENESS_PER_N: f64 = 3.1e-4;
 const COARSENESS_PER_N3: f64 = 3e-5;
 /// Settling against the lattice's own equilibrium: what 32 sweeps a step leave (6e-5, by the study of sweeps) and the measure of rest, 2e-5.
 const SETTLING_TOLERANCE: f64 = 1e-4;
-/// A force (N) so small that the finger is linear but for the co-rotational terms, which come to 0.12 a newton at the worst node and
-/// direction; MuJoCo has the same at 0.01 N.
+/// A force (N) so small that co-rotational terms come to 0.12 a newton at the worst node and direction (MuJoCo: the same at 0.01 N).
 const TINY_FORCE_N: f64 = 1e-4;
 const TINY_FORCE_TOLERANCE: f64 = 0.13 * TINY_FORCE_N;
 

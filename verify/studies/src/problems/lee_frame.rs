@@ -46,8 +46,7 @@ fn frame() -> (PlaneFrame, [NodeIndex; 4]) {
     (frame, nodes)
 }
 
-/// How far the elastic line, shot from the base with rotation and force (x, y) there, misses the other hinge (position and
-/// moment, as shares of the frame's size) under a load.
+/// How far the elastic line from the base misses the other hinge (position and moment, over the frame's size).
 fn miss(&[rotation, fx, fy, load]: &[f64; 4]) -> [f64; 3] {
     let quarter = std::f64::consts::FRAC_PI_2;
     let base = elastic_line::Section { at: [0.0; 2], direction: quarter + rotation, force: [fx, fy], moment: 0.0 };

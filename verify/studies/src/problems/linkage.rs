@@ -103,8 +103,7 @@ fn residual_mm(gripper: &Gripper, motor_deg: f64) -> f64 {
     of_7.hypot(of_8)
 }
 
-/// How far the key nodes of both fingers are from where the matrix of eq. (9) has them, and its mirror image, mm. The paper's finger frame has its
-/// first axis along the finger's base, the second towards the tip.
+/// Distance of both fingers' key nodes from the matrix of eq. (9), and its mirror image, mm; the paper's axes are swapped.
 fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
     let ([l1, _], l4) = (gripper.description().link_mm, gripper.description().fixed_joint_mm);
     let (sin, cos) = pose.phi2_rad.sin_cos();

@@ -1,7 +1,6 @@
 //! Reference problems: one short file each, with its source, its reference values and its tolerance.
 //!
-//! Every problem answers with [`Check`]s or [`Comparison`]s. The report shows them and the tests demand that they pass. To add one: its
-//! file, and a line of [`ALL`].
+//! Every problem answers with [`Check`]s or [`Comparison`]s, which report and tests take. To add one: its file, and a line of [`ALL`].
 
 pub mod elastic_line;
 pub mod elastica;
@@ -22,8 +21,7 @@ pub mod toggle;
 use crate::lattice::accuracy::AccuracyError;
 use crate::prelude::*;
 
-/// Every problem, in the order of the report. Those of the spring lattice, which take long, are part of
-/// [its study](crate::experiments::lattice).
+/// Every problem, in the report's order; the lattice's are part of [its study](crate::experiments::lattice).
 pub const ALL: &[Problem] = &[
     Problem { name: "elastica of a cantilever", applies_to: |_| true, solve: |_| Ok(elastica::checks()?.into()) },
     Problem {

@@ -1,5 +1,4 @@
-//! Fingers solved by MuJoCo 4.0.0: discrete elastic rods between rigid rods, found at rest by Newton's method on its inverse
-//! dynamics, and a cylinder pushed into the paper's finger.
+//! Fingers solved by MuJoCo 4.0.0 (discrete elastic rods between rigid rods), and a cylinder pushed into the paper's.
 //!
 //! MuJoCo shares neither discretisation (its rods bend at vertices alone) nor code with the beams, but is given the same EA and EI, so
 //! both tend to the same limit: it verifies solver and kinematics, not the beam theory behind EA and EI.
@@ -26,8 +25,7 @@ pub const CERTAIN_TOLERANCE: f64 = 4e-5;
 const CERTAIN: f64 = 2e-4;
 /// Largest difference of a rotation, rad: [`CERTAIN_TOLERANCE`] of displacements of some 20 mm, over the 12 mm between two ribs.
 pub const ROTATION_TOLERANCE_RAD: f64 = CERTAIN_TOLERANCE * 20.0 / 12.0;
-/// A difference may be this many times the uncertainties that both solvers state: they are differences of meshes, no bounds, and under
-/// 0.01 N rounding, which neither states, adds to them (1.7).
+/// A difference may be so many times both stated uncertainties: they are no bounds, and rounding adds under 0.01 N (1.7).
 pub const UNCERTAINTIES: f64 = 2.0;
 /// The finger is linear under forces up to this, N, within [`LINEAR_TOLERANCE`].
 const LINEAR_FORCE_N: f64 = 0.01;

@@ -123,8 +123,7 @@ pub(crate) fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
         .collect())
 }
 
-/// Difference of the linear finger from the co-rotational one, for each fine co-rotational case: no tolerance, but why
-/// linear sensing errs.
+/// Difference of the linear finger from the co-rotational one, case by case: no tolerance, but why linear sensing errs.
 pub(crate) fn linear_against_corotational(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
     let rows: Vec<Row> =
         csv::Reader::from_reader(finray_fixtures::OPENSEES_PAPER.as_bytes()).deserialize().collect::<Result<_, _>>()?;

@@ -1,7 +1,6 @@
 //! The paper's two meshes against each other: 25 and 684 nodes.
 //!
-//! Linear frame theory is exact at the nodes, so refinement must change nothing but rounding. The paper found its two
-//! commercial meshes within 0.26 % of each other (sec. III).
+//! Linear frame theory is exact at nodes: refinement changes rounding alone. The paper found 0.26 % (sec. III).
 
 use super::ProblemError;
 use crate::lattice::accuracy::difference;
@@ -16,8 +15,7 @@ const FORCE_N: f64 = 3.0;
 /// Directions, degrees from the inward normal.
 const ANGLES_DEG: [f64; 3] = [-45.0, 0.0, 45.0];
 
-/// Largest difference between a mesh and a finer one at a key node, as a share of the largest displacement, under 3 N
-/// at a node, over three directions.
+/// Largest difference between two meshes at a key node over the largest displacement, 3 N in three directions.
 fn refined(finger: &Finger, meshes: [&Mesh; 2], node: NodeId, kinematics: Kinematics) -> Result<f64, ProblemError> {
     let differences = ANGLES_DEG.map(|angle_deg| -> Result<f64, ProblemError> {
         let load = Load::at_node(node, finger.direction(angle_deg) * FORCE_N);
@@ -35,8 +33,7 @@ pub(crate) fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     Ok(worst(differences.collect::<Result<Vec<_>, _>>()?))
 }
 
-/// The linear finger does not change with the mesh. Nothing is checked for a finger with zones: their ends cut
-/// elements, and what an element averages depends on its length.
+/// The linear finger does not change with the mesh. Unchecked with zones, whose ends cut elements.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     if !finger.description().zones.is_empty() {
         return Ok(Vec::new());

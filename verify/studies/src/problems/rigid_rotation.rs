@@ -13,8 +13,7 @@ const ELEMENTS: [usize; 3] = [1, 4, 16];
 /// Largest force left, as a share of what a linear frame answers.
 pub const TOLERANCE: f64 = 1e-10;
 
-/// All nodes turned about the origin. Displacements come from the half angle: a difference of positions would lose the
-/// digits of small turns.
+/// All nodes turned about the origin, by the half angle: differences of positions would lose small turns' digits.
 fn turned(frame: &PlaneFrame, angle: f64) -> FrameMotion {
     let half = (0.5 * angle).sin();
     let displaced = |at: Vector| Vector::new(-at.y, at.x) * angle.sin() - at * (2.0 * half * half);

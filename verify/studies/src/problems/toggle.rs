@@ -1,9 +1,7 @@
-//! Williams' toggle: two shallow straight members, clamped and rigidly joined, under a load at the apex. It snaps
-//! through, but its load never turns negative.
+//! Williams' toggle: two shallow straight members, clamped, rigidly joined, loaded at the apex. It snaps through.
 //!
-//! Source: F. W. Williams, An approach to the non-linear behaviour of the members of a rigid jointed plane framework
-//! with finite deflections, Quart. J. Mech. Appl. Math. 17 (1964) 451-469; the limit loads from the elastic line
-//! ([`elastic_line`]).
+//! Source: F. W. Williams, The non-linear behaviour of rigid jointed plane frameworks with finite deflections, Quart.
+//! J. Mech. Appl. Math. 17 (1964) 451-469; limit loads from the [`elastic_line`].
 
 use super::ProblemError;
 use super::elastic_line::{self, Rigidity};

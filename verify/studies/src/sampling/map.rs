@@ -55,8 +55,7 @@ pub fn accuracy_maps(
 }
 
 impl AccuracyMap {
-    /// Reads the cells of the table of a sweep with one truth, estimator and level of noise, written as
-    /// [`Table::Map`](sweep::Table::Map).
+    /// Reads the cells of a sweep with one truth, estimator and noise, written as [`Table::Map`](sweep::Table::Map).
     ///
     /// # Errors
     /// [`csv::Error`] if the table is none.
@@ -109,8 +108,7 @@ impl AccuracyMap {
         self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
     }
 
-    /// Summary of the map, of one force or of the mean over all. Over all forces, a cell is without equilibrium if one force has
-    /// none, and refused if one force is.
+    /// Summary of one force, or of the mean over all: a cell has no equilibrium, or is refused, if that holds of one force.
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
         let known: Vec<f64> = errors.iter().flatten().flatten().copied().collect();
@@ -147,8 +145,7 @@ fn ratio(part: usize, all: usize) -> Option<f64> {
     (all > 0).then(|| part as f64 / all as f64)
 }
 
-/// A map in a few figures. A mean over answered cells says nothing without how many were refused: print [`counts`](MapSummary::counts)
-/// beside it.
+/// A map in a few figures. Print [`counts`](MapSummary::counts) beside a mean: it is over answered cells alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapSummary {
     /// The true finger.

@@ -8,6 +8,13 @@ use rand_distr::{Distribution, StandardNormal};
 /// Words of the random stream for each sample: more than one takes.
 const WORDS: u128 = 1 << 24;
 
+/// A measurement with a noise sample in units of the noise, two numbers a marker; without more numbers none.
+pub fn with_sample(exact: &Measurement, sample: &[f64], noise_mm: f64) -> Measurement {
+    let (mut noisy, mut coordinates) = (exact.clone(), sample.iter());
+    noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
+    noisy
+}
+
 /// A stream of random numbers.
 #[derive(Debug, Clone)]
 pub struct Noise(ChaCha8Rng);

@@ -2,8 +2,7 @@
 //!
 //! Random forces bend a true finger, noise is added to what the camera sees, and each estimator, which knows the contact
 //! nodes and directions (along the undeformed normal), starts afresh. All estimators see the same forces and the same
-//! noise. Errors are divided by the bound at the case's own true forces, so their root mean square is 1 for an estimator
-//! that wastes nothing.
+//! noise. Errors are divided by the bound at the case's own true forces: root mean square 1 at best.
 
 mod cases;
 mod scout;
@@ -173,8 +172,7 @@ impl ScatterRow {
 }
 
 /// A row for each set of contact nodes, level of noise and estimator, in this order; forces drawn evenly from `range_n`.
-/// `progress` is called after each set. The result does not depend on the number of threads, nor that of an estimator on
-/// the others.
+/// `progress` is called after each set. Results do not depend on threads or other estimators.
 ///
 /// # Errors
 /// [`EstimatorError`] for a node that is no contact node, or contacts that an estimator is not made for.

@@ -50,8 +50,7 @@ impl PartTime {
     }
 }
 
-/// Declares [`Study`] from its rows: what a row is called in messages, its results, and how they are computed from the context and from
-/// the results above.
+/// Declares [`Study`] from its rows: name in messages, results, and their computation from the context and results above.
 macro_rules! study {
     (|$context:ident| $($part:literal: $($(#[$about:meta])* $field:ident: $type:ty),+ = $run:expr;)+) => {
         /// All results for one scene.
@@ -198,8 +197,7 @@ impl Study {
     /// Computes everything for a scene.
     ///
     /// # Errors
-    /// [`StudyError`] if a reference problem or the finger at rest cannot be solved. Loads that a finger cannot carry
-    /// leave gaps in the maps instead.
+    /// [`StudyError`] if a reference problem or the finger at rest cannot be solved. Loads not carried leave gaps.
     pub fn run(given: &SceneWithOutline, effort: Effort, progress: &dyn Progress) -> Result<Study, StudyError> {
         let scene = &given.scene;
         let finger = &scene.finger;

@@ -7,8 +7,7 @@ use crate::experiments::speed_error::{self, Asked, SpeedErrorPoint, Task};
 use std::path::Path;
 
 impl Study {
-    /// Puts criterion's times in the place of the report's own, for the points that both have. Benches time the paper's finger: others
-    /// keep their times.
+    /// Puts criterion's times in the place of the report's where both have the point. Benches time the paper's finger alone.
     pub fn take_criterion(&mut self, folder: &Path, times: &CriterionTimes) {
         let folder = folder.display();
         if !self.is_paper {

@@ -35,8 +35,7 @@ impl<'m> MeshTruth<'m> {
     /// Prepares a mesh of a kind of true finger.
     ///
     /// # Errors
-    /// [`StaticsError`] if the finger at rest cannot be factorised, or rounding leaves fewer than four digits of how it
-    /// gives way to a force on its tip.
+    /// [`StaticsError`] if the finger at rest cannot be factorised, or rounding leaves fewer than four digits.
     pub fn new(id: TruthId, mesh: &'m Mesh, kinematics: Kinematics) -> Result<MeshTruth<'m>, StaticsError> {
         let finger = mesh.finger();
         let push = Load::at_node(finger.tip(), finger.direction(0.0));

@@ -1,5 +1,4 @@
-//! From a camera's image to a force: what noise, blur, resolution, markers, compression, lens, pose and height cost in millimetres of a
-//! node's displacement and in the force that is sensed from them.
+//! From image to force: what noise, blur, resolution, markers, compression, lens, pose and height cost in displacement and force.
 //!
 //! The finger is bent by a known force at a node, seen by the scene's camera in a rendered image, found in it again, and sensed with the
 //! beams that it was bent with: the errors are those of the camera alone. What the camera is only assumed to be (lens, pose, height) needs
@@ -94,8 +93,7 @@ pub struct FrameTimes {
     pub track_s: f64,
 }
 
-/// For scenes with a camera and coloured markers, and for the paper's finger with a camera that is assumed. What rims of grey markers cost is not
-/// studied.
+/// For scenes with a camera and coloured markers, and for the paper's finger with an assumed camera. Rims of grey markers are not studied.
 pub(crate) fn run(context: &Context) -> Result<Option<CameraStudy>, ExperimentError> {
     let assumed = context.is_paper.then(|| Scene::from_toml(finray_fixtures::CAMERA_SCENE).ok()).flatten();
     let scene = &context.given.scene;
@@ -176,9 +174,9 @@ impl CameraStudy {
 /// `None` where the finger does not carry the force.
 fn bent(responding: &mut RespondingFinger, mesh: &Mesh, node: NodeId) -> Result<Option<Bent>, ExperimentError> {
     let finger = mesh.finger();
-    let contact = Contact::at_node(node);
-    let force = ContactForce { contact, along_n: FORCE_N, across_n: 0.0, lever_mm: 0.0 };
-    let Some(response) = responding.under(&[force])? else { return Ok(None) };
+    let Some(response) = responding.under(&[ContactForce::plain(Contact::at_node(node), FORCE_N)])? else {
+        return Ok(None);
+    };
     let load = Load::at_node(node, finger.direction(0.0) * FORCE_N);
     let Ok(shape) = statics::solve(mesh, &[load], Kinematics::Corotational) else { return Ok(None) };
     let along = finger.marked_nodes().zip(response.along[0].as_slice().chunks_exact(2));

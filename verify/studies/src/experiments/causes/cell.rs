@@ -115,8 +115,7 @@ impl Squared {
 }
 
 impl Sensor<'_> {
-    /// Mean over both sides of what is off, with some causes switched off; a value a force. `None` where there is no shape, or
-    /// sensing refuses on either side.
+    /// Mean over both sides of what is off, without some causes; a value a force. `None` without shape or answer.
     fn errors(
         &self,
         seen: &[Measurement],

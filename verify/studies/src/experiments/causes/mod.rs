@@ -19,8 +19,7 @@ use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use cell::Sensor;
 use models::{End, Models};
 
-/// Error of the assumed direction, degrees, to either side: the paper assumes the undeformed normal, from which the
-/// deformed one turns by up to 12.5 deg (sec. V-C).
+/// Error of the assumed direction, degrees, to either side: the deformed normal turns by up to 12.5 deg (sec. V-C).
 pub const DIRECTION_OFF_DEG: f64 = 12.5;
 /// Error of the assumed position, mm, to either side: the radius of the paper's rods (sec. V-C), round which an object may touch.
 pub const POSITION_OFF_MM: f64 = 1.5;
@@ -159,8 +158,7 @@ pub struct CauseCell {
     pub force_n: f64,
     /// Root mean square of sensed / true - 1 with every cause; `None` where the finger has no equilibrium or sensing refuses.
     pub rms_error: Option<f64>,
-    /// By cause, in the order of the map's: the part of the mean square error that goes away with it; `None` where sensing refuses
-    /// without it.
+    /// By cause, in the map's order: the part of the mean square error that goes away with it, where sensing answers then.
     pub shares: Vec<Option<f64>>,
     /// Root mean square of sensed / true - 1 as [`REMEDIES`] are taken one after the other.
     pub remedied: Vec<Option<f64>>,
@@ -199,8 +197,7 @@ pub struct CauseMap {
     pub cells: Vec<CauseCell>,
 }
 
-/// The causes of every practice on a true finger. `progress` is called once for every position and direction.
-/// The result does not depend on the number of threads.
+/// The causes of every practice on a true finger, alike for any threads; `progress` once a position and direction.
 ///
 /// # Errors
 /// [`ExperimentError`] if the finger at rest cannot be solved or its modulus not calibrated.

@@ -96,8 +96,7 @@ impl World {
         Ok(World { off, mesh, truth, model, modulus_factor })
     }
 
-    /// Mean square of sensed / true - 1 at a node, a value a force; `None` where sensing refuses, or the finger has no
-    /// equilibrium, on either side of what is off.
+    /// Mean square of sensed / true - 1 at a node, a value a force; `None` without equilibrium or answer.
     fn errors(&self, node: NodeId, network: &dyn Estimator, forces_n: &[f64], noise_mm: f64) -> Vec<Option<f64>> {
         let off = |cause| self.off == Some(cause);
         let mut sums = vec![Some(0.0); forces_n.len()];

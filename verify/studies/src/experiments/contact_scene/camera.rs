@@ -55,8 +55,7 @@ const ALONG_FACE: f64 = 1e-3;
 const ON_FACE_MM: f64 = 1e-2;
 
 /// Distance of the two outline points that show which way the surfaces face at a touch, mm: the ends of a flat face of the object; of
-/// a rod its centre and the centre of the disc or the corner that it lies against; and for the plate against a disc or a corner the
-/// ends of its segment.
+/// a rod its centre and the centre of the disc or the corner that it lies against; for the plate otherwise the ends of its segment.
 pub fn baseline_mm(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, object: Vector, touch: &Touch) -> f64 {
     let on_plate_mm = |s_mm| member_mm(finger, s_mm);
     match (outline, touch.part) {

@@ -29,8 +29,7 @@ const LARGEST_SIGMA: f64 = 0.5;
 const OVERLAP_TOLERANCE_MM: f64 = 1e-3;
 /// Force by which a touch may pass its cone of friction, N: rounding.
 const CONE_TOLERANCE_N: f64 = 1e-6;
-/// Share of true forces that the stated intervals are meant to hold, and how far what the lattice differs from beams may shift it: 1e-3 of a
-/// force is less than half its standard deviation.
+/// Share of true forces that intervals are meant to hold, and its shift by the lattice's difference from beams: under half a sigma.
 const MEANT: f64 = 0.95;
 const SHIFT: f64 = 0.01;
 /// Standard errors of a binomial share that chance is allowed: for a share of all samples of a scene, met by chance once in 370; and for
@@ -127,8 +126,7 @@ impl SceneStudy {
         self.on(Kind::Internal, what, TRUE_FORCES)
     }
 
-    /// Checks of a scene that ships: those of any, more closely; it goes to its end; without friction its shapes are those of beams; every
-    /// stated interval holds the true force as often as it says, whatever the force.
+    /// Checks of a scene that ships: those of any, more closely; that it ends; beams' shapes without friction; coverage of intervals.
     pub fn shipped_checks(&self) -> Vec<Check> {
         let mut checks = self.checks();
         let stopped = usize::from(self.stopped.is_some());

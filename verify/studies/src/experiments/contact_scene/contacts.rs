@@ -1,11 +1,9 @@
-//! Touches put together to contacts: where the object lies against the finger and which way the surface faces there, from the
-//! surfaces alone.
+//! Touches put together to contacts: where the object meets the finger, facing which way, from the surfaces alone.
 
 use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 
-/// Touches within this share of the segment of plate, from rod to rod, that they lie on are one contact to the camera. Two rods are never one
-/// contact.
+/// Touches within this share of the segment of plate between two rods are one contact to the camera; two rods never are.
 const TOGETHER: f64 = 0.25;
 
 /// A contact as it lies in front of the camera, with the force that it truly carries.
@@ -26,8 +24,7 @@ pub struct SeenContact {
     pub force: Vector,
     /// Its component along the direction of the contact, N.
     pub normal_n: f64,
-    /// Its component across, positive towards the tip, N: friction, and where the touches of one contact face different ways the rest of their normal
-    /// forces.
+    /// Its component across, positive towards the tip, N: friction, and the rest of normal forces that face different ways.
     pub friction_n: f64,
 }
 
@@ -51,8 +48,7 @@ impl SeenContact {
     }
 }
 
-/// Puts touches together to contacts, from base to tip. `baseline_mm` is the distance of the outline points that the direction of a touch
-/// is read from.
+/// Puts touches together to contacts, from base to tip. `baseline_mm`: distance of the outline points that show the direction.
 pub fn seen_contacts(lattice: &Lattice, touches: &[Touch], baseline_mm: impl Fn(&Touch) -> f64) -> Vec<SeenContact> {
     let mut groups: Vec<&[Touch]> = Vec::new();
     let mut rest = touches;

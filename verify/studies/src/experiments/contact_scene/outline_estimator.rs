@@ -24,8 +24,7 @@ pub struct OutlineEstimator<'s> {
 }
 
 impl OutlineEstimator<'_> {
-    /// Senses the forces of one or more contacts, none of them clamped, from what was seen of the markers and from the contacts as the camera reads
-    /// them; and their sum along a unit vector.
+    /// Senses forces of contacts, none clamped, from markers and contacts as the camera reads them; and their sum along a vector.
     pub(crate) fn sense(
         &self,
         felt: &[SeenContact],

@@ -102,8 +102,7 @@ pub(super) struct Course<'s, 'l> {
     motor_deg: f64,
     gripper_mm: Vector,
     weight_share: f64,
-    /// Sensed totals, the mean of both fingers, with the motor angles at which they were; the newest last. As many as sensing is late, and
-    /// some more.
+    /// Sensed totals, means of both fingers, with their motor angles; newest last. As many as sensing is late, and more.
     sensed: VecDeque<(f64, f64)>,
     /// Where the object was in the gripper's frame when the way began, mm.
     held_at: Option<Vector>,

@@ -1,8 +1,7 @@
 //! Grasps: a gripper closes on a free object, carries it and puts it down, and senses the forces meanwhile.
 //!
 //! The motor's angle says where the undeformed fingers stand ([`Gripper`], eqs (6)-(9) of the paper); [`World`] finds fingers, object and contact
-//! forces at rest, step by step; what a camera sees of that goes to the estimator ([`Eyes`]). The true forces are those of the lattice's
-//! contacts, never given to the estimator.
+//! forces at rest, step by step; what a camera sees of that goes to the estimator ([`Eyes`]). It never gets the true forces.
 
 mod balance;
 mod course;
@@ -218,8 +217,7 @@ impl GraspScene {
         closing * if self.grasp.opens { 2 } else { 1 } + way
     }
 
-    /// Which of two fingers at rest the object lies across where it starts, by the triangle of their plates' middle lines: what the front meets is
-    /// outside of it.
+    /// Which of two fingers the object lies across at the start, by the triangle of middle lines: what the front meets is outside.
     fn finger_across(&self, placements: &[Placement]) -> Option<usize> {
         let object = self.outline.engine_shape().ok()?;
         let engine = |point: Vector| EngineVector::new(point.x, point.y);

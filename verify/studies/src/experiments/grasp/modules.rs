@@ -1,5 +1,4 @@
-//! The paper's tests of grasping forces (sec. V-C, Figs. 9 to 11 and Table II): a finger on its moving base closes on force sensors that stand
-//! still.
+//! The paper's tests of grasping forces (sec. V-C, Figs. 9 to 11, Table II): a finger closes on force sensors that stand still.
 //!
 //! A module has a cap before each of its nodes, all caps in one plane along the gripper. The motor moves the finger's base by eqs (6) to (9); where
 //! the rod of a node meets its cap, the cap holds it back along the sensor's axis, across the gripper, without friction: the direction that

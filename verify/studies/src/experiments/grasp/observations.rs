@@ -35,8 +35,7 @@ pub struct Observations {
 pub struct Totals {
     /// Mean and largest difference of the two sensed totals of a step, as a share of the true one.
     pub left_right: [f64; 2],
-    /// Largest difference of the true total (mean of both fingers) at a motor angle while opening from that while closing, as a share of the largest force; none where
-    /// the gripper does not open.
+    /// Largest difference of the true total at a motor angle between opening and closing, over the largest force; none where it does not open.
     pub opening: Option<f64>,
     /// The same of the force at a node of either finger, as a share of the largest at a node; each contact counts at the nearest one.
     pub opening_at_nodes: Option<f64>,

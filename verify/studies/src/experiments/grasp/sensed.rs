@@ -37,8 +37,7 @@ pub enum Eyes {
 }
 
 impl Eyes {
-    /// The same before a finger that stands somewhere on the gripper, where the camera stands on it. Markers on a mirrored finger, which is one turned
-    /// about its axis, stand up to its other side.
+    /// The same before a finger anywhere on the gripper, where the camera stands. Markers on a mirrored finger stand up to its other side.
     fn before(&self, finger: Option<&Placement>) -> Cow<'_, Eyes> {
         let mut eyes = Cow::Borrowed(self);
         if let (Some(placement), Eyes::Images { .. }) = (finger, self)

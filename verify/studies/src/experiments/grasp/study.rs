@@ -1,12 +1,10 @@
-//! The grasps that the report shows: a disc and a box picked from a table, carried and placed by two of the paper's fingers, and a ball between
-//! fingers of spring steel.
+//! The grasps of the report: disc and box picked from a table by two of the paper's fingers, and a ball between fingers of spring steel.
 
 use super::{Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary};
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 
-/// Forces and moments on object and bases from balance, as a share of the largest force: Newton's method leaves rounding, the resistance against an
-/// object that has moved up to this.
+/// Forces and moments off balance, over the largest force: rounding of Newton's method, resistance against a moved object up to this.
 const BALANCE_TOLERANCE: f64 = 1e-4;
 /// Totals of the two fingers while nothing but them holds the object, as a share: balance across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;

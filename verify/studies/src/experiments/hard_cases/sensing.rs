@@ -48,8 +48,7 @@ pub(super) const QUESTIONS: &[Question] = &[
 const EXACT: f64 = 1e-7;
 /// Errors beyond this many sigma do not happen in some hundred draws (6e-7 each).
 const SIGMAS: f64 = 5.0;
-/// Tolerance of the scatter over the stated sigma: over four standard errors of the draws that are made, and
-/// what geometric nonlinearity adds at 1 mm.
+/// Tolerance of the scatter over sigma: over four standard errors of the draws, and geometric nonlinearity at 1 mm.
 const SCATTER: f64 = 0.25;
 /// A good camera, for twelve forces at once: with the paper's they would be drowned.
 const GOOD_NOISE_MM: f64 = 0.0067;

@@ -6,11 +6,9 @@ use finray_model::statics::{elastic_energy, reaction};
 
 /// Largest difference between the ladder and the general sparse path, as a share of the largest displacement.
 pub const AGREEMENT: f64 = 1e-8;
-/// Largest force and moment that reactions and loads leave, as a share of the load's. Reactions come from the strains of
-/// stiff elements, which keep fewer digits than the displacements.
+/// Largest force and moment left by reactions and loads over the load's: strains of stiff elements keep fewer digits.
 pub const BALANCE: f64 = 1e-6;
-/// Largest difference between elastic energy and work, as a share of the work: what the quadrature along the load path
-/// leaves.
+/// Largest difference between elastic energy and work, as a share of the work: what quadrature leaves.
 pub const ENERGY: f64 = 1e-6;
 /// Tolerance of a limit load: load steps end at 1e-6 of the load that was asked for.
 pub const LIMIT: f64 = 1e-3;

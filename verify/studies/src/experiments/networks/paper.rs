@@ -11,8 +11,7 @@ use crate::truths::TruthId;
 /// The recorded recipes that follow the paper, by their scaling of displacements: by the largest, or by their spread.
 pub const PAPER_RECIPES: [&str; 2] = ["a", "a, by spread"];
 /// A figure is reproduced if ours is within this factor of it. A choice: with inputs scaled by the largest displacement, networks for two
-/// contacts that differ in their seed alone are within such a factor of their mean, so that less would judge the seed. Scaled by spread,
-/// seeds scatter by more.
+/// contacts that differ in their seed alone are within such a factor of their mean, so that less would judge the seed.
 pub const SAME_FACTOR: f64 = 1.5;
 
 /// Whether an error is the paper's, by [`SAME_FACTOR`].
@@ -106,8 +105,7 @@ pub fn recorded(
     })
 }
 
-/// The five figures of the table beside those recorded of a recipe on the co-rotational finger; `None` unless something is recorded for
-/// each.
+/// The table's five figures beside those recorded of a recipe on the co-rotational finger; `None` unless all are recorded.
 pub fn figures(records: &[RecipeRow], recipe: &str, noise_mm: f64) -> Option<Vec<Figure>> {
     let mut all = Vec::new();
     for group in CONTACT_GROUPS {

@@ -10,9 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Errors of one quantity by the network of one recipe and one seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecipeRow {
-    /// `a`, the paper's: linear samples without noise, inputs by the largest displacement, or `a, by spread`; `b`, as `a` with
-    /// noise; `c`, co-rotational with noise, principal
-    /// directions and a linear branch.
+    /// `a`, the paper's: linear, without noise, inputs by the largest displacement; `a, by spread`; `b`: `a` with noise; `c`:
+    /// co-rotational with noise, principal directions and a linear branch.
     pub recipe: String,
     /// Seed of the training.
     pub seed: u64,

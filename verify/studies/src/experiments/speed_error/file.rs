@@ -10,8 +10,7 @@ const COLUMNS: [&str; 9] = ["task", "model", "setting", "seconds", "error", "pro
 /// Says where the times were taken; a table without it is read too.
 const MACHINE: &str = "machine";
 
-/// Reads `task,model,setting,seconds,error,program,version,nodes,forces_n` and, where it is there, `machine`; found by name, `error` may be
-/// empty.
+/// Reads `task,model,setting,seconds,error,program,version,nodes,forces_n`, by name, and `machine` if there; `error` may be empty.
 ///
 /// # Errors
 /// [`FileError`] naming the line and the column of anything that is none of these.

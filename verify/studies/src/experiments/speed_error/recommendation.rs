@@ -6,8 +6,7 @@ use finray_model::estimators::EstimatorId;
 /// Largest error of the model itself, in standard deviations of the noise, of a setting that is recommended. With 0.4 the interval of 1.96 standard
 /// deviations still holds 93 % of the truths instead of 95 %, the least that coverage may be: Phi(1.96 - 0.4) - Phi(-1.96 - 0.4).
 pub const LARGEST_BIAS_SIGMAS: f64 = 0.4;
-/// A setting is near enough to the best if it errs by no more than a quarter more: a mean over some hundred noisy frames
-/// scatters by a tenth.
+/// A setting is near enough to the best within a quarter: a mean over some hundred noisy frames scatters by a tenth.
 const NEAR_BEST: f64 = 1.25;
 
 /// A way of sensing in all its timings.
@@ -55,8 +54,7 @@ pub fn ways(points: &[SpeedErrorPoint]) -> Vec<Recommendation<'_>> {
     .collect()
 }
 
-/// The fastest way of those that take any contact, [hold](Recommendation::holds) and err hardly more than the best of them. Networks answer for the
-/// contacts that they were trained for alone.
+/// The fastest way for any contact (networks answer for their own alone) that [holds](Recommendation::holds) and errs hardly more than the best.
 pub fn recommended(points: &[SpeedErrorPoint]) -> Option<Recommendation<'_>> {
     let hold: Vec<Recommendation> =
         ways(points).into_iter().filter(|way| way.one.estimator != Some(EstimatorId::Network) && way.holds()).collect();

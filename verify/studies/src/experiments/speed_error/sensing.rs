@@ -43,8 +43,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Takes frames of the co-rotational finger `truth`; two forces move a quarter of a period apart. `stream` separates the noise of one
-    /// set of contacts from another's.
+    /// Takes frames of the co-rotational finger `truth`, two forces a quarter of a period apart. `stream` separates the sets' noise.
     pub fn take(truth: &Mesh, nodes: &[NodeId], noise_mm: f64, frames: usize, stream: u64) -> Stream {
         let finger = truth.finger();
         let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
@@ -103,8 +102,7 @@ pub fn sensing_meshes(finger: &Finger) -> Vec<Mesh> {
     [1, 2, 4, 8].map(|elements| Mesh::with_elements_per_member(finger, elements)).into()
 }
 
-/// The estimators on beams that are timed: linear ones on the first of [`sensing_meshes`], which is exact for them, the nonlinear one on
-/// all, cold and warm.
+/// The beam estimators that are timed: linear ones on the first of [`sensing_meshes`], the nonlinear on all, cold and warm.
 pub fn beam_estimators(meshes: &[Mesh]) -> Vec<TimedEstimator<'_>> {
     fn on<'m>(mesh: &'m Mesh, estimator: impl Estimator + 'm, start: Start) -> TimedEstimator<'m> {
         TimedEstimator { estimator: Box::new(estimator), setting: format!("{} nodes", mesh.node_count()), start }
@@ -164,8 +162,7 @@ pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
     loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect()
 }
 
-/// One moving force on nodes spread over the front plate, and two on neighbours in its middle, sensed from `frames` frames each of the
-/// co-rotational finger `truth`; `further` estimators join those of beams.
+/// One moving force on nodes over the plate and two on neighbours, `frames` frames each of `truth`; `further` estimators join beams'.
 pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,

@@ -6,7 +6,7 @@ use crate::experiments::table_one::{TableOne, table_one};
 use crate::prelude::*;
 use crate::truths::{MeshTruth, TruthId};
 use finray_model::finger::{FingerDescription, ImpossibleFinger, Zone};
-use finray_model::optimise::{Convergence, LeastSquaresProblem, LevenbergMarquardt, Refusal, StepBounds};
+use finray_numerics::optimise::{Convergence, LeastSquaresProblem, LevenbergMarquardt, Refusal, StepBounds};
 
 /// Direction assumed for the weights, degrees from the inward normal.
 pub const ANGLE_DEG: f64 = 0.0;

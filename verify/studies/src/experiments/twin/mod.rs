@@ -1,5 +1,4 @@
-//! A digital twin of the finger behind Table I of Xu et al. (2021): the paper's finger with a softer tip and base, one of several
-//! that fit the table.
+//! A digital twin of the finger behind Table I of Xu et al. (2021): the paper's finger with one of several softer ends that fit.
 //!
 //! The paper infers from its errors that the modulus "at the tip and base should be lower", and does not test it. Here zones
 //! and the modulus outside are [fitted](fit) to the six published mean errors, and what follows from them is [studied](study). Six

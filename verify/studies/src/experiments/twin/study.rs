@@ -21,8 +21,7 @@ const SENSED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
 const CALIBRATION_ELEMENTS: usize = 12;
 /// Sensing that knows the zones: mean error at every node, a tenth above the Cramer-Rao bound at the worst (node 24).
 const SENSED: f64 = 0.013;
-/// Root mean square of error over sigma: so far from 1 by chance once in thousands of 10 repetitions of 4 parameters (its
-/// standard error is 0.11).
+/// Rms error over sigma: so far from 1 once in thousands for 10 repetitions of 4 parameters (standard error 0.11).
 const COVERED: f64 = 0.45;
 
 /// The study.
@@ -34,8 +33,7 @@ pub struct TwinStudy {
     pub before: TableOne,
     /// Table I on the twin.
     pub after: TableOne,
-    /// Modulus that eq. (11) finds on the twin from weights at all nodes of Table I and of the paper's calibration, over that which
-    /// it finds from the paper's three nodes alone.
+    /// Modulus that eq. (11) finds on the twin from all weights of Table I and the calibration, over that from the paper's three.
     pub recalibrated: f64,
     /// The twin's zones fitted anew, then other sets.
     pub fits: Vec<TwinFit>,
@@ -82,8 +80,7 @@ impl TwinStudy {
     /// How often progress is reported.
     pub const STEPS: usize = 3;
 
-    /// Runs the study of the paper's finger: `repeats` calibrations, `cases` forces a node, and the fits of `sets` sets of
-    /// zones, the twin's first.
+    /// Runs the study: `repeats` calibrations, `cases` forces a node, fits of `sets` sets of zones, the twin's first.
     pub(crate) fn run(
         paper: &Finger,
         before: &TableOne,

@@ -3,7 +3,7 @@
 use super::ScatterRequest;
 use super::scout::{LoadClass, RatioLimits, Scout, loads};
 use crate::prelude::*;
-use crate::sampling::noise::Noise;
+use crate::sampling::noise::{Noise, with_sample};
 use finray_model::statics::equilibria;
 
 /// A finger that carries none of this many draws in a row carries no force of the range.
@@ -26,11 +26,9 @@ pub(super) struct Case {
 
 /// Estimates from one noise sample.
 struct Sample {
-    /// The bound: what an estimator of the true finger states at the true shape; `None` without noise, and where the noise
-    /// leaves the forces open.
+    /// The bound: what an estimator of the true finger states; `None` without noise, or if it leaves forces open.
     bound: Option<Sensed>,
-    /// Errors of the forces to first order in the noise, N, by an estimator of the true finger; `None` without noise, and where it was not
-    /// asked for.
+    /// First-order errors by the noise, N, of an estimator of the true finger; `None` without noise, or if not asked for.
     first_order: Option<Vec<f64>>,
     /// By estimator; `None` where it refused.
     sensed: Vec<Option<Sensed>>,
@@ -188,9 +186,7 @@ impl<'a> CaseRunner<'a> {
     /// Estimates of every estimator from the noise samples of a bent finger.
     fn case(&mut self, request: &ScatterRequest, carried: &CarriedDraw, controlled: bool) -> Case {
         let sample = |&noise_mm: &f64| {
-            let mut seen = carried.clean.clone();
-            let mut coordinates = carried.noise.iter();
-            seen.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
+            let seen = with_sample(&carried.clean, &carried.noise, noise_mm);
             let sense = |estimator: &mut Box<dyn PreparedEstimator + 'a>| {
                 estimator.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()
             };
@@ -200,9 +196,7 @@ impl<'a> CaseRunner<'a> {
             }
             let bound = if noise_mm > 0.0 { self.bound.estimate(&carried.clean, Some(noise_mm)).ok() } else { None };
             let first_order = bound.as_ref().filter(|_| controlled).and_then(|at_rest| {
-                let mut coordinates = carried.noise.iter();
-                let mut seen = carried.clean.clone();
-                seen.add_noise(LITTLE * noise_mm, || coordinates.next().copied().unwrap_or(0.0));
+                let seen = with_sample(&carried.clean, &carried.noise, LITTLE * noise_mm);
                 let moved = self.bound.estimate(&seen, Some(noise_mm)).ok()?;
                 let pairs = moved.forces_n.iter().zip(&at_rest.forces_n);
                 Some(pairs.map(|(moved, at_rest)| (moved - at_rest) / LITTLE).collect())

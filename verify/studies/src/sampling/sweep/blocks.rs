@@ -4,6 +4,7 @@ use super::samples::NoiseSamples;
 use super::tally::Tally;
 use super::{Cell, Grid, Outcome, Table};
 use crate::prelude::*;
+use crate::sampling::noise::with_sample;
 use crate::truths::Truth;
 use std::ops::Range;
 use std::time::Duration;
@@ -114,8 +115,7 @@ impl<'s> Sweep<'s> {
         self.grid.noise_levels_mm.iter().flat_map(of_level)
     }
 
-    /// Computes blocks in parallel and hands the rows of some at a time to `write`, with their number, in order and soon
-    /// after they are known; in memory are only a few blocks a thread.
+    /// Computes blocks in parallel, hands rows to `write` with their number, in order; few blocks a thread in memory.
     ///
     /// # Errors
     /// The first one of `write`, or of the CSV writer (none in memory).
@@ -166,11 +166,7 @@ fn sense<'p>(
 ) {
     estimator.expect_samples_of(seen, noise_mm, samples.len());
     for sample in samples {
-        let mut noisy = seen.clone();
-        let mut coordinates = sample.iter();
-        if noise_mm > 0.0 {
-            noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
-        }
+        let noisy = if noise_mm > 0.0 { with_sample(seen, sample, noise_mm) } else { seen.clone() };
         match estimator.estimate(&noisy, Some(noise_mm)) {
             Ok(sensed) => tally.answer(&sensed, force_n),
             Err(error) => tally.refuse(&error),

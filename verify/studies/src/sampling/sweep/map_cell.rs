@@ -12,8 +12,7 @@ pub struct MapCell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Mean of |sensed / true - 1| over the noise samples that are answered; empty where the finger has no equilibrium or
-    /// more than half of the samples are refused.
+    /// Mean of |sensed / true - 1| over answered samples; empty without equilibrium, or if more than half are refused.
     pub mean_error: Option<f64>,
     /// Mean of sensed / true - 1: what is wrong even without noise.
     pub bias: Option<f64>,

@@ -9,8 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The file `OUT.partial`: a [`Head`], the table's header and the rows of finished blocks.
 ///
-/// A run that was stopped leaves it behind, perhaps with half a row at the end; the next run with the same request drops
-/// what is no whole block and goes on. It is locked while a run writes it.
+/// A stopped run leaves it behind; the next with the same request drops what is no whole block. Locked while written.
 #[derive(Debug)]
 pub struct Partial {
     out: PathBuf,
@@ -26,8 +25,7 @@ impl Partial {
     /// Begins the file, or resumes a run of the same request.
     ///
     /// # Errors
-    /// [`FileError::Content`] for a file of another request, or one that another run is writing;
-    /// [`FileError::Unwritable`].
+    /// [`FileError::Content`] for a file of another request or a run still writing; [`FileError::Unwritable`].
     pub fn open(out: &Path, head: Head) -> Result<Partial, FileError> {
         let mut path = out.as_os_str().to_owned();
         path.push(".partial");

@@ -60,8 +60,7 @@ impl Request {
     }
 }
 
-/// The first lines of a shard, and of any unfinished file: the request as TOML, each line behind a `#`, which readers of
-/// tables take for a comment.
+/// First lines of a shard or unfinished file: the request as TOML behind `#`, which readers of tables take for comments.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Head {

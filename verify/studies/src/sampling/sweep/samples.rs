@@ -5,8 +5,7 @@ use crate::sampling::noise::Noise;
 use finray_model::Finger;
 use std::ops::Range;
 
-/// Numbers that are drawn once and kept, 2 MB: 5600 samples of the paper's finger. What is beyond them is drawn anew for
-/// each block, so that the memory of a sweep does not grow with its samples.
+/// Numbers drawn once and kept, 2 MB: 5600 samples of the paper's finger. What is beyond is drawn anew for each block.
 const KEPT: usize = 1 << 18;
 /// Samples that a block looks at together, drawn into the same room.
 const AT_ONCE: usize = 256;
@@ -35,8 +34,7 @@ impl NoiseSamples {
         if noise_mm == 0.0 { 1 } else { self.samples }
     }
 
-    /// Hands all samples to `look`, some at a time: the number of the first one, and their coordinates one after the
-    /// other.
+    /// Hands all samples to `look`, some at a time: the first one's number, and their coordinates one after the other.
     pub(super) fn each(&self, mut look: impl FnMut(usize, &[f64])) {
         for first in (0..self.samples).step_by(AT_ONCE) {
             let numbers = first..self.samples.min(first + AT_ONCE);
@@ -64,38 +62,5 @@ impl NoiseSamples {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use finray_model::Scene;
-
-    /// Samples that are kept, drawn on their own or with others before them are the same.
-    #[test]
-    fn a_sample_does_not_depend_on_what_is_kept() {
-        let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;
-        let (positions_mm, angles_deg) = Grid::grid(&finger, 12, 90.0);
-        let grid = Grid {
-            positions_mm,
-            angles_deg,
-            forces_n: vec![1.0],
-            noise_levels_mm: vec![0.1],
-            noise_samples: 6000,
-            seed: 3,
-        };
-        let all = |noise: &NoiseSamples| {
-            let mut all = Vec::new();
-            noise.each(|first, samples| {
-                assert_eq!(all.len(), first * noise.coordinates());
-                all.extend_from_slice(samples);
-            });
-            all
-        };
-        let mut noise = NoiseSamples::new(&grid, &finger);
-        let seen = all(&noise);
-        assert_eq!(seen.len(), 6000 * noise.coordinates());
-        assert!(noise.kept.len() < seen.len(), "not all are kept");
-        noise.kept.truncate(noise.coordinates());
-        assert!(all(&noise) == seen);
-        assert!(noise.drawn(5999..6000) == seen[5999 * noise.coordinates()..]);
-        assert_eq!((noise.samples(0.1), noise.samples(0.0)), (6000, 1));
-    }
-}
+#[path = "../../../tests/units/samples.rs"]
+mod tests;

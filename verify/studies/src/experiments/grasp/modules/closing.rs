@@ -6,8 +6,7 @@ use crate::experiments::table_two::FORCES_N;
 use crate::prelude::*;
 use finray_model::scene::ROD_RADIUS_MM;
 
-/// Where the motor starts, degrees: with the chosen linkage the sensor's axis is then 12.4 degrees off the plate's normal, the most that the paper
-/// states is 12.5.
+/// Where the motor starts, degrees: the sensor's axis is then 12.4 degrees off the plate's normal (the paper: at most 12.5).
 const START_DEG: f64 = 360.0;
 /// Way of the motor between two settled steps, degrees (sec. V-C).
 const STEP_DEG: f64 = 22.5;
@@ -95,8 +94,7 @@ struct Caps<'m> {
 }
 
 impl Caps<'_> {
-    /// Finds the forces with which no rod is inside its cap and none is held that is off it: Newton's method on the gaps of those that press.
-    /// None without an equilibrium.
+    /// Finds forces with which no rod is inside its cap and none off it is held: Newton's method on the gaps. None without equilibrium.
     fn press(&mut self, placement: &Placement) -> Result<Option<Pressed>, LoadError> {
         let across = across(placement);
         let angle_deg = angle_deg(self.finger, across);
@@ -106,13 +104,10 @@ impl Caps<'_> {
             .filter_map(|node| self.finger.marked_nodes().position(|marked| marked == *node))
             .collect();
         for _ in 0..MOST_NEWTON_STEPS {
-            let force = |(node, along_n): (&NodeId, &f64)| ContactForce {
-                contact: Contact { position: ContactPosition::Node(*node), angle_deg },
-                along_n: *along_n,
-                across_n: 0.0,
-                lever_mm: 0.0,
-            };
-            let forces: Vec<ContactForce> = self.nodes.iter().zip(&self.forces_n).map(force).collect();
+            let at = |node: &NodeId| Contact { angle_deg, ..Contact::at_node(*node) };
+            let forces =
+                self.nodes.iter().zip(&self.forces_n).map(|(node, along_n)| ContactForce::plain(at(node), *along_n));
+            let forces: Vec<ContactForce> = forces.collect();
             let Some(response) = self.bent.under(&forces)? else { return Ok(None) };
             let of_node = |moved: &DVector<f64>, i: usize| Vector::new(moved[2 * rows[i]], moved[2 * rows[i] + 1]);
             let gap_mm = |(i, node): (usize, &NodeId)| {

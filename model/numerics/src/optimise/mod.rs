@@ -4,11 +4,11 @@
 //! [`StepBounds`] of its unknowns. [`LevenbergMarquardt`] minimises half their sum of squares, and returns a [`Fit`] with the
 //! covariance of the unknowns. Each part of the method has a file: damping, convergence, bounds, and the linear solve.
 //!
-//! Sensing with the co-rotational finger has a loop of its own, since each step follows the finger's equilibria. It shares
-//! the reach of steps, the convergence criteria, the covariance and a linear solve that allocates nothing.
+//! A search that cannot give residuals at any point, as one that follows a path of equilibria, has a loop of its own, of the same parts:
+//! the reach of steps ([`TrustRegion`]), [`Convergence`], the covariance, and a linear solve that allocates nothing ([`GramSchmidt`]).
 //!
 //! ```
-//! use finray_model::optimise::{FromFunction, LevenbergMarquardt, Refusal};
+//! use finray_numerics::optimise::{FromFunction, LevenbergMarquardt, Refusal};
 //! use nalgebra::{DMatrix, DVector};
 //!
 //! // The decay exp(-rate t) through two readings.
@@ -36,10 +36,8 @@ mod trust_region;
 
 pub use bounds::StepBounds;
 pub use convergence::Convergence;
-pub use covariance::covariance;
+pub use covariance::{SingularParts, covariance};
+pub use gram_schmidt::GramSchmidt;
 pub use levenberg_marquardt::{Fit, LevenbergMarquardt, Outcome};
 pub use problem::{FromFunction, LeastSquaresProblem, Prior, Refusal};
-
-pub(crate) use covariance::SingularParts;
-pub(crate) use gram_schmidt::GramSchmidt;
-pub(crate) use trust_region::{Prediction, TrustRegion};
+pub use trust_region::{Prediction, TrustRegion};

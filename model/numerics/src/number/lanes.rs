@@ -12,7 +12,7 @@ const SIGN: u64 = 1 << 63;
 
 /// As many numbers as a register of the machine holds: 4 with AVX2, 1 where nothing is known of the machine.
 #[derive(Clone, Copy)]
-pub(crate) struct Lanes<S: Simd> {
+pub struct Lanes<S: Simd> {
     /// The machine's instructions; takes no room.
     simd: S,
     values: S::f64s,
@@ -21,7 +21,7 @@ pub(crate) struct Lanes<S: Simd> {
 impl<S: Simd> Lanes<S> {
     /// The same number in every lane.
     #[inline(always)]
-    pub(crate) fn splat(simd: S, value: f64) -> Lanes<S> {
+    pub fn splat(simd: S, value: f64) -> Lanes<S> {
         Lanes { simd, values: simd.splat_f64s(value) }
     }
 

@@ -1,24 +1,24 @@
 //! Linear equations of a path: the tangent stiffness bordered by the loads and by the constraint that fixes the step.
 
-use super::indefinite::IndefiniteFactor;
+use super::IndefiniteFactor;
 
 /// A change of the unknowns and of the load multiple.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Direction {
+pub struct Direction {
     /// Change of each unknown, mm or rad.
-    pub(super) unknowns: Vec<f64>,
+    pub unknowns: Vec<f64>,
     /// Change of the load multiple.
-    pub(super) multiple: f64,
+    pub multiple: f64,
 }
 
 impl Direction {
     /// The direction times a length.
-    pub(super) fn scaled(&self, length: f64) -> Direction {
+    pub fn scaled(&self, length: f64) -> Direction {
         Direction { unknowns: self.unknowns.iter().map(|u| u * length).collect(), multiple: self.multiple * length }
     }
 
     /// Adds another direction.
-    pub(super) fn add(&mut self, other: &Direction) {
+    pub fn add(&mut self, other: &Direction) {
         for (u, v) in self.unknowns.iter_mut().zip(&other.unknowns) {
             *u += v;
         }
@@ -29,9 +29,8 @@ impl Direction {
 /// The matrix [K, -f; c^T, d]: K the tangent stiffness (factored), f the forces of the loads taken once, (c, d) the
 /// constraint.
 ///
-/// At a limit point K is singular but the bordered matrix is not. Block elimination alone loses there what K^-1 blows
-/// up; the mixed form splits the multiple in two parts, the second correcting the first, and keeps its digits however
-/// near K is to singular.
+/// At a limit point K alone is singular. Block elimination alone loses there what K^-1 blows up; the mixed form splits
+/// the multiple in two parts, the second correcting the first, and keeps its digits however near K is to singular.
 ///
 /// # Requirements
 /// K is symmetric, with at most one eigenvalue near zero, and the constraint is not orthogonal to the path.
@@ -39,7 +38,7 @@ impl Direction {
 /// # Reference
 /// W. Govaerts, Stable solvers and block elimination for bordered systems, SIAM J. Matrix Anal. Appl. 12 (1991)
 /// 469-483: algorithm BEM.
-pub(super) struct Bordered<'a> {
+pub struct Bordered<'a> {
     factor: &'a IndefiniteFactor,
     load_vector: &'a [f64],
     constraint: &'a Direction,
@@ -53,7 +52,7 @@ pub(super) struct Bordered<'a> {
 
 impl<'a> Bordered<'a> {
     /// Eliminates K. `None` if a number is not finite.
-    pub(super) fn new(
+    pub fn new(
         factor: &'a IndefiniteFactor,
         load_vector: &'a [f64],
         constraint: &'a Direction,
@@ -70,7 +69,7 @@ impl<'a> Bordered<'a> {
     }
 
     /// Solves for the right-hand side (`forces`, `length`). `None` if the result is not finite.
-    pub(super) fn solve(&self, forces: &[f64], length: f64) -> Option<Direction> {
+    pub fn solve(&self, forces: &[f64], length: f64) -> Option<Direction> {
         let first = (length - dot(&self.by_constraint, forces)) / self.pivots[0];
         let mut unknowns: Vec<f64> = forces.iter().zip(self.load_vector).map(|(r, f)| r + f * first).collect();
         let rest = length - self.constraint.multiple * first;
@@ -86,30 +85,4 @@ impl<'a> Bordered<'a> {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use sprs::CsMat;
-
-    /// At a limit point the stiffness is singular to rounding; the bordered equations keep their digits. With K =
-    /// diag(3e-15, 2), f = (0.7, 0.5) and the constraint (1, 0), 3, the answer to (1.1, 2), 4 is known by hand.
-    #[test]
-    fn keeps_digits_where_the_stiffness_is_singular() {
-        let stiffness = CsMat::new_csc((2, 2), vec![0, 1, 2], vec![0, 1], vec![3e-15, 2.0]);
-        let mut factor = IndefiniteFactor::default();
-        assert_eq!(factor.factorise(&stiffness), Some(0));
-        let constraint = Direction { unknowns: vec![1.0, 0.0], multiple: 3.0 };
-        let load_vector = [0.7, 0.5];
-        let found = Bordered::new(&factor, &load_vector, &constraint)
-            .and_then(|equations| equations.solve(&[1.1, 2.0], 4.0))
-            .expect("the bordered matrix is regular");
-        // To rounding -0.7 m = 1.1, x + 3 m = 4, 2 y - 0.5 m = 2.
-        let m = -1.1 / 0.7;
-        let expected = [4.0 - 3.0 * m, 1.0 + 0.25 * m, m];
-        for (ours, expected) in [found.unknowns[0], found.unknowns[1], found.multiple].iter().zip(expected) {
-            assert!((ours - expected).abs() < 1e-12, "{ours} against {expected}");
-        }
-    }
 }

@@ -19,9 +19,8 @@ pub trait LeastSquaresProblem {
     /// [`Refusal`] for a point that has none.
     fn residual(&mut self, point: &Self::Point) -> Result<DVector<f64>, Refusal<Self::Error>>;
 
-    /// Derivatives of the residuals by a step: a row a residual, a column an unknown. It is asked for at the point that
-    /// [`residual`](LeastSquaresProblem::residual) was asked for last, and is given what that returned; a problem may keep what
-    /// both need, such as a factored tangent.
+    /// Derivatives of the residuals by a step: a row a residual, a column an unknown. Asked for at the point that
+    /// [`residual`](LeastSquaresProblem::residual) was asked for last, whose result it is given: both may share a tangent.
     ///
     /// # Errors
     /// [`Refusal`] for a point that has none.

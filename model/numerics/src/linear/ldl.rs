@@ -1,13 +1,12 @@
 //! L D L^T of a small symmetric matrix, of a size known when compiling: no pivoting, no heap.
 //!
-//! Matrices are plain arrays of rows: with sizes and indices known when compiling, nothing is checked or looped over
-//! when running.
+//! Matrices are plain arrays of rows: with sizes and indices known when compiling, nothing is checked at run time.
 
 use crate::number::Number;
 
 /// Copies one lane.
 #[inline(always)]
-pub(super) fn copy_lane<R: Number, const N: usize>(numbers: &[R; N], lane: usize, one: &mut [f64; N]) {
+pub fn copy_lane<R: Number, const N: usize>(numbers: &[R; N], lane: usize, one: &mut [f64; N]) {
     for i in 0..N {
         one[i] = numbers[i].lane(lane);
     }
@@ -15,7 +14,7 @@ pub(super) fn copy_lane<R: Number, const N: usize>(numbers: &[R; N], lane: usize
 
 /// Unit lower triangle and diagonal of K = L D L^T.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ldl<R: Number, const N: usize> {
+pub struct Ldl<R: Number, const N: usize> {
     /// Rows of L^T; what stands on and below the diagonal is not read.
     upper: [[R; N]; N],
     inverse_diagonal: [R; N],
@@ -26,13 +25,13 @@ pub(super) struct Ldl<R: Number, const N: usize> {
 impl<R: Number, const N: usize> Ldl<R, N> {
     /// No factor yet, in numbers like the one given.
     #[inline(always)]
-    pub(super) fn empty(like: R) -> Ldl<R, N> {
+    pub fn empty(like: R) -> Ldl<R, N> {
         Ldl { upper: [[like.zero(); N]; N], inverse_diagonal: [like.zero(); N], positive: like.always() }
     }
 
     /// Copies one lane.
     #[inline(always)]
-    pub(super) fn copy_lane(&self, lane: usize, one: &mut Ldl<f64, N>) {
+    pub fn copy_lane(&self, lane: usize, one: &mut Ldl<f64, N>) {
         one.positive = true;
         for i in 0..N {
             for k in i + 1..N {
@@ -45,7 +44,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
 
     /// Factorises; only the upper triangle is read. In place, since moving a factor costs as much as making it.
     #[inline(always)]
-    pub(super) fn factorise(&mut self, matrix: &[[R; N]; N]) {
+    pub fn factorise(&mut self, matrix: &[[R; N]; N]) {
         self.upper = *matrix;
         let zero = matrix[0][0].zero();
         let one = matrix[0][0].constant(1.0);
@@ -68,7 +67,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
 
     /// Overwrites each of M columns with L^-1 times it.
     #[inline(always)]
-    pub(super) fn forward<const M: usize>(&self, columns: &mut [[R; M]; N]) {
+    pub fn forward<const M: usize>(&self, columns: &mut [[R; M]; N]) {
         // Single numbers go through one instruction as neighbours in a row; of lanes, a column fits into the registers.
         if R::LANES == 1 {
             self.forward_from::<M, M>(columns, 0);
@@ -102,7 +101,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
 
     /// Where each pivot is larger than a limit of its own.
     #[inline(always)]
-    pub(super) fn pivots_exceed(&self, limits: &[R; N]) -> R::Mask {
+    pub fn pivots_exceed(&self, limits: &[R; N]) -> R::Mask {
         let one = limits[0].constant(1.0);
         let mut exceed = one.always();
         for i in 0..N {
@@ -112,7 +111,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
     }
 
     /// Logarithm of the determinant; not a number if a pivot is negative.
-    pub(super) fn log_determinant(&self) -> R {
+    pub fn log_determinant(&self) -> R {
         let mut sum = self.inverse_diagonal[0].zero();
         for inverse in &self.inverse_diagonal {
             sum -= inverse.each(f64::ln);
@@ -122,7 +121,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
 
     /// L^-1 times a vector.
     #[inline(always)]
-    pub(super) fn forward_vector(&self, right: &[R; N]) -> [R; N] {
+    pub fn forward_vector(&self, right: &[R; N]) -> [R; N] {
         let mut x = *right;
         for j in 0..N {
             let known = x[j];
@@ -135,7 +134,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
 
     /// L^-T times a vector.
     #[inline(always)]
-    pub(super) fn backward(&self, right: &[R; N]) -> [R; N] {
+    pub fn backward(&self, right: &[R; N]) -> [R; N] {
         let mut x = *right;
         for i in (0..N).rev() {
             for k in i + 1..N {
@@ -148,47 +147,11 @@ impl<R: Number, const N: usize> Ldl<R, N> {
 
     /// D^-1 times a vector.
     #[inline(always)]
-    pub(super) fn divided(&self, right: &[R; N]) -> [R; N] {
+    pub fn divided(&self, right: &[R; N]) -> [R; N] {
         let mut x = *right;
         for i in 0..N {
             x[i] *= self.inverse_diagonal[i];
         }
         x
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::{Matrix3, Vector3};
-
-    fn rows(k: &Matrix3<f64>) -> [[f64; 3]; 3] {
-        k.transpose().data.0
-    }
-
-    fn solved(ldl: &Ldl<f64, 3>, right: Vector3<f64>) -> Vector3<f64> {
-        ldl.backward(&ldl.divided(&ldl.forward_vector(&right.into()))).into()
-    }
-
-    #[test]
-    fn solves_and_sees_the_sign() {
-        let k = Matrix3::new(4.0, 1.0, -2.0, 1.0, 5.0, 0.5, -2.0, 0.5, 6.0);
-        let x = Vector3::new(1.0, -2.0, 3.0);
-        let mut ldl = Ldl::empty(0.0);
-        ldl.factorise(&rows(&k));
-        assert!(ldl.positive);
-        assert!((solved(&ldl, k * x) - x).norm() < 1e-14);
-        let mut columns = [[1.0, 7.0], [-2.0, 8.0], [3.0, 9.0]];
-        ldl.forward(&mut columns);
-        assert_eq!(columns.map(|row| row[0]), ldl.forward_vector(&x.into()));
-        let indefinite = k - Matrix3::identity() * 4.5;
-        ldl.factorise(&rows(&indefinite));
-        assert!(!ldl.positive);
-        assert!((solved(&ldl, indefinite * x) - x).norm() < 1e-13);
-        // The second row is the first but for 1e-3 of it.
-        ldl.factorise(&rows(&Matrix3::new(1.0, 1.0, 0.0, 1.0, 1.001, 0.0, 0.0, 0.0, 1.0)));
-        assert!(ldl.pivots_exceed(&[0.99, 0.99e-3, 0.99]) && !ldl.pivots_exceed(&[0.99, 1.01e-3, 0.99]));
-        ldl.factorise(&rows(&(k * f64::NAN)));
-        assert!(!ldl.positive);
     }
 }

@@ -11,7 +11,7 @@ pub fn covariance(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 
 /// Singular values and right singular vectors of derivatives: which combinations of the unknowns the residuals determine.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct SingularParts {
+pub struct SingularParts {
     values: DVector<f64>,
     /// Transposed, a row a value.
     vectors: DMatrix<f64>,
@@ -19,7 +19,7 @@ pub(crate) struct SingularParts {
 
 impl SingularParts {
     /// Of derivatives J, or of R of J = Q R, which has the same.
-    pub(crate) fn of(jacobian: DMatrix<f64>) -> SingularParts {
+    pub fn of(jacobian: DMatrix<f64>) -> SingularParts {
         let svd = jacobian.svd(false, true);
         let count = svd.singular_values.len();
         // They were asked for.
@@ -28,25 +28,25 @@ impl SingularParts {
     }
 
     /// The singular values, largest first.
-    pub(crate) fn descending(&self) -> Vec<f64> {
+    pub fn descending(&self) -> Vec<f64> {
         let mut values: Vec<f64> = self.values.iter().copied().collect();
         values.sort_by(|a, b| b.total_cmp(a));
         values
     }
 
     /// Ratio of the largest to the smallest.
-    pub(crate) fn span(&self) -> f64 {
+    pub fn span(&self) -> f64 {
         let values = self.descending();
         values[0] / values[values.len() - 1]
     }
 
     /// The combination of unknowns that the residuals determine least: its vector of length 1.
-    pub(crate) fn weakest(&self) -> DVector<f64> {
+    pub fn weakest(&self) -> DVector<f64> {
         self.vectors.row(self.values.imin()).transpose()
     }
 
     /// Covariance of two unknowns for residuals of standard deviation 1, (J^T J)^-1 = V S^-2 V^T.
-    pub(crate) fn covariance(&self, i: usize, j: usize) -> f64 {
+    pub fn covariance(&self, i: usize, j: usize) -> f64 {
         let of = |k: usize| self.vectors[(k, i)] * self.vectors[(k, j)] / self.values[k].powi(2);
         (0..self.values.len()).map(of).sum()
     }

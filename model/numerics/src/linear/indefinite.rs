@@ -15,19 +15,17 @@ use std::sync::Arc;
 
 /// The factors K = L D L^T, with D diagonal; the order of the unknowns is found at the first factorisation.
 ///
-/// By Sylvester's law of inertia K has as many negative eigenvalues as D has negative entries. No pivots are chosen, so
-/// a matrix that is singular to working precision may cost digits; what is solved with these factors must be corrected
-/// by its own residual, as Newton's method does.
+/// By Sylvester's law of inertia K has as many negative eigenvalues as D has negative entries. No pivots are chosen: a
+/// nearly singular matrix may cost digits, which Newton's method wins back by its residual.
 #[derive(Debug, Clone, Default)]
-pub(super) struct IndefiniteFactor {
+pub struct IndefiniteFactor {
     symbolic: Option<Arc<SymbolicCholesky<usize>>>,
     values: Vec<f64>,
 }
 
 impl IndefiniteFactor {
-    /// Factorises a symmetric matrix of unchanging pattern and counts the negative pivots. `None` if a pivot is zero or
-    /// not finite.
-    pub(super) fn factorise(&mut self, matrix: &CsMat<f64>) -> Option<usize> {
+    /// Factorises a matrix of unchanging pattern and counts negative pivots. `None` if one is zero or not finite.
+    pub fn factorise(&mut self, matrix: &CsMat<f64>) -> Option<usize> {
         let count = matrix.rows();
         let indptr = matrix.indptr();
         let pattern = SymbolicSparseColMatRef::new_checked(count, count, indptr.raw_storage(), None, matrix.indices());
@@ -66,13 +64,13 @@ impl IndefiniteFactor {
     }
 
     /// Natural logarithm of the determinant; `None` without factors, or if it is not positive.
-    pub(super) fn log_determinant(&self) -> Option<f64> {
+    pub fn log_determinant(&self) -> Option<f64> {
         let sum: f64 = self.pivots()?.map(f64::ln).sum();
         sum.is_finite().then_some(sum)
     }
 
     /// Overwrites a vector with K^-1 times it; `None` without factors, or if the result is not finite.
-    pub(super) fn solve_in_place(&self, vector: &mut [f64]) -> Option<()> {
+    pub fn solve_in_place(&self, vector: &mut [f64]) -> Option<()> {
         let symbolic = self.symbolic.as_ref()?;
         let need = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
         let mut memory = MemBuffer::try_new(need).ok()?;

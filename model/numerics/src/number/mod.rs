@@ -1,5 +1,4 @@
-//! What the equations of a finger are written in: one number, or several side by side that go through the same
-//! instructions.
+//! What equations are written in: one number, or several side by side that go through the same instructions.
 //!
 //! Both compute alike: additions, products, quotients and roots are rounded each by itself (nothing is contracted to a
 //! fused multiply-add), and other functions are evaluated by the same operations. So a lane of [`Lanes`] holds, bit for
@@ -9,9 +8,9 @@ mod arctangent;
 mod lanes;
 mod sine;
 
-pub(crate) use arctangent::arctangent;
-pub(crate) use lanes::Lanes;
-pub(crate) use sine::sine_and_versine;
+pub use arctangent::arctangent;
+pub use lanes::Lanes;
+pub use sine::sine_and_versine;
 
 use nalgebra::Scalar;
 use std::fmt::Debug;

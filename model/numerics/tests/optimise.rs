@@ -1,9 +1,11 @@
 //! The optimiser against problems that are solved by hand.
 
-use finray_model::optimise::{
+use finray_numerics::optimise::{
     Convergence, FromFunction, LeastSquaresProblem, LevenbergMarquardt, Outcome, Prior, Refusal, StepBounds,
 };
 use nalgebra::{DMatrix, DVector, dmatrix, dvector};
+
+mod gram_schmidt;
 
 /// A line through five readings, from the closed form of two unknowns: offset and slope.
 fn line() -> (DMatrix<f64>, DVector<f64>) {

@@ -67,8 +67,7 @@ pub(super) struct NormalEquations {
 }
 
 impl NormalEquations {
-    /// The best damped step within bounds. Where it would leave them it stays at the first one that it meets, and the other
-    /// unknowns follow. `None` where the matrix is not positive definite.
+    /// The best damped step within bounds: it stays at the first bound met, the other unknowns follow. `None` without one.
     pub(super) fn step(&self, damping: f64, bounds: &StepBounds) -> Option<DVector<f64>> {
         let mut damped = self.matrix.clone();
         for i in 0..damped.nrows() {

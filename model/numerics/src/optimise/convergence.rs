@@ -6,8 +6,7 @@ const RELATIVE_DECREASE: f64 = 2e-13;
 /// Limits below which the next step is too small to count. Either ends the search.
 ///
 /// # Reference
-/// The decrease is the square of the relative offset of Bates and Watts, Nonlinear Regression Analysis and Its Applications,
-/// sec. 2.2.3, but for the degrees of freedom.
+/// The decrease is the squared relative offset of Bates and Watts, Nonlinear Regression Analysis, sec. 2.2.3.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Convergence {
     /// Predicted decrease of the sum of squares, as a share of a reference: the sum of squares or a variance.
@@ -24,11 +23,13 @@ impl Default for Convergence {
 
 impl Convergence {
     /// Whether a predicted decrease is too small to count beside a reference.
+    #[inline]
     pub fn is_small_decrease(&self, decrease: f64, reference: f64) -> bool {
         decrease <= self.relative_decrease * reference
     }
 
     /// Whether the largest change of an unknown is too small to count.
+    #[inline]
     pub fn is_small_step(&self, largest_change: f64) -> bool {
         largest_change <= self.step
     }

@@ -1,4 +1,4 @@
-//! Sparse Cholesky factorisation of the tangent stiffness (faer), the ordering found once per frame.
+//! Sparse Cholesky factorisation (faer), the ordering found once.
 
 use faer::Side;
 use faer::linalg::solvers::Solve;
@@ -7,22 +7,15 @@ use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use sprs::CsMat;
 
-/// A fill-reducing order of the unknowns and, after [`factorise`](Factor::factorise), the factor L of K = L L^T.
-#[derive(Debug, Clone)]
-pub struct Factor {
+/// A fill-reducing order of the unknowns and, after [`factorise`](Cholesky::factorise), the factor L of K = L L^T.
+#[derive(Debug, Clone, Default)]
+pub struct Cholesky {
     symbolic: Option<SymbolicLlt<usize>>,
     numeric: Option<Llt<usize, f64>>,
 }
 
-impl Factor {
-    /// An empty factor; the order is found at the first factorisation.
-    pub fn new() -> Factor {
-        Factor { symbolic: None, numeric: None }
-    }
-
-    /// Factorises a symmetric matrix; `false` if it is not positive definite (or not finite), which leaves no factor.
-    ///
-    /// A tangent stiffness that is not positive definite belongs to a shape that is not stable.
+impl Cholesky {
+    /// Choleskyises a symmetric matrix; `false` if it is not positive definite (or not finite), which leaves no factor.
     pub fn factorise(&mut self, matrix: &CsMat<f64>) -> bool {
         self.numeric = None;
         let count = matrix.rows();
@@ -58,11 +51,5 @@ impl Factor {
         let count = columns.len() / unknowns;
         numeric.solve_in_place(MatMut::from_column_major_slice_mut(columns, unknowns, count));
         columns.iter().all(|value| value.is_finite())
-    }
-}
-
-impl Default for Factor {
-    fn default() -> Factor {
-        Factor::new()
     }
 }

@@ -17,8 +17,7 @@ const MOST_STEPS: usize = 200;
 ///
 /// # Reference
 /// Nocedal and Wright, Numerical Optimization, 2nd ed., sec. 10.3; damping scaled by the diagonal of the normal equations
-/// (Marquardt 1963), lowered after a step that is taken and raised after one that is not (Transtrum and Sethna,
-/// arXiv:1201.5885, sec. 2).
+/// (Marquardt 1963), lowered after a taken step and raised after another (Transtrum and Sethna, arXiv:1201.5885, sec. 2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevenbergMarquardt {
     /// Where the search ends.
@@ -122,8 +121,7 @@ impl LevenbergMarquardt {
 /// A point and the problem linearised there.
 type Linearised<P> = (<P as LeastSquaresProblem>::Point, NormalEquations);
 
-/// A trial point, linearised; `None` if its sum of squares is not lower, the model has no answer there,
-/// or the normal equations had no step.
+/// A trial point, linearised; `None` if its sum of squares is not lower, or there is no answer or no step.
 ///
 /// # Errors
 /// [`Refusal::Altogether`] of the point.

@@ -1,7 +1,6 @@
 //! How far the steps of a search may reach.
 
-/// Decrease of the sum of squares, as a share of what was predicted, from which on steps may reach further, and below which
-/// they reach less far.
+/// Share of the predicted decrease of the sum of squares from which on steps may reach further, and below which less far.
 const GOOD: f64 = 0.75;
 const POOR: f64 = 0.25;
 /// How many times as far steps may reach after a good one, and after a poor one.
@@ -21,7 +20,7 @@ const DAMPING_FACTOR: f64 = 4.0;
 
 /// What a step does to a linearised problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Prediction {
+pub struct Prediction {
     /// Decrease of the sum of squares.
     pub decrease: f64,
     /// How far it moves the residuals: root of the sum of squares over unknowns, each unknown's move counted alone.
@@ -33,7 +32,7 @@ pub(crate) struct Prediction {
 /// # Reference
 /// Nocedal and Wright, Numerical Optimization, 2nd ed., algorithm 4.1; the damping that a reach needs, sec. 10.3.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct TrustRegion {
+pub struct TrustRegion {
     longest: f64,
     shortest: f64,
     damping: f64,
@@ -41,29 +40,27 @@ pub(crate) struct TrustRegion {
 
 impl TrustRegion {
     /// For a problem whose residuals move by `scale` from where it makes sense to begin.
-    pub(crate) fn of_scale(scale: f64) -> TrustRegion {
+    pub fn of_scale(scale: f64) -> TrustRegion {
         TrustRegion { longest: FIRST_REACH * scale, shortest: SHORTEST * scale, damping: FIRST_DAMPING }
     }
 
     /// Whether steps are so short that none helps: the minimum is reached as far as rounding lets it be seen.
-    pub(crate) fn is_exhausted(&self) -> bool {
+    #[inline]
+    pub fn is_exhausted(&self) -> bool {
         self.longest <= self.shortest
     }
 
     /// Whether a step stays within it.
-    pub(crate) fn contains(&self, prediction: Prediction) -> bool {
+    #[inline]
+    pub fn contains(&self, prediction: Prediction) -> bool {
         prediction.reach <= self.longest
     }
 
-    /// Finds the step with the smallest damping that stays within it, to a factor of [`DAMPING_FACTOR`]; the search begins
-    /// with the damping of the last such step. `solve` finds the step of a damping.
+    /// The step with the smallest damping that stays within, to `DAMPING_FACTOR`, from the last one on, by `solve`.
     ///
     /// # Errors
     /// Those of `solve`.
-    pub(crate) fn shortened<E>(
-        &mut self,
-        mut solve: impl FnMut(f64) -> Result<Prediction, E>,
-    ) -> Result<Prediction, E> {
+    pub fn shortened<E>(&mut self, mut solve: impl FnMut(f64) -> Result<Prediction, E>) -> Result<Prediction, E> {
         let [least, most] = DAMPINGS;
         let mut prediction = solve(self.damping)?;
         while self.contains(prediction) && self.damping > least {
@@ -79,7 +76,7 @@ impl TrustRegion {
 
     /// After a step that was taken, with its decrease. Returns whether that was as good as predicted. Only where a poor step
     /// is a fault of the linearised problem, as `is_comparable` says, do steps reach less far after it.
-    pub(crate) fn take(&mut self, prediction: Prediction, decrease: f64, is_comparable: bool) -> bool {
+    pub fn take(&mut self, prediction: Prediction, decrease: f64, is_comparable: bool) -> bool {
         let gain = decrease / prediction.decrease;
         if gain >= GOOD {
             self.longest = self.longest.max(FURTHER * prediction.reach);
@@ -90,12 +87,13 @@ impl TrustRegion {
     }
 
     /// After a share of a step.
-    pub(crate) fn take_part(&mut self, prediction: Prediction, share: f64) {
+    #[inline]
+    pub fn take_part(&mut self, prediction: Prediction, share: f64) {
         self.longest = share * prediction.reach;
     }
 
     /// After a step that was not taken: the share of it that was carried, `None` if it was carried to its end.
-    pub(crate) fn refuse(&mut self, prediction: Prediction, carried: Option<f64>) {
+    pub fn refuse(&mut self, prediction: Prediction, carried: Option<f64>) {
         let [least, most] = AFTER_FAILURE;
         self.longest = prediction.reach * carried.unwrap_or(AFTER_WORSE).clamp(least, most);
     }

@@ -1,0 +1,34 @@
+//! Factors of small matrices against nalgebra.
+
+use finray_numerics::linear::Ldl;
+use nalgebra::{Matrix3, Vector3};
+
+fn rows(k: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    k.transpose().data.0
+}
+
+fn solved(ldl: &Ldl<f64, 3>, right: Vector3<f64>) -> Vector3<f64> {
+    ldl.backward(&ldl.divided(&ldl.forward_vector(&right.into()))).into()
+}
+
+#[test]
+fn solves_and_sees_the_sign() {
+    let k = Matrix3::new(4.0, 1.0, -2.0, 1.0, 5.0, 0.5, -2.0, 0.5, 6.0);
+    let x = Vector3::new(1.0, -2.0, 3.0);
+    let mut ldl = Ldl::empty(0.0);
+    ldl.factorise(&rows(&k));
+    assert!(ldl.positive);
+    assert!((solved(&ldl, k * x) - x).norm() < 1e-14);
+    let mut columns = [[1.0, 7.0], [-2.0, 8.0], [3.0, 9.0]];
+    ldl.forward(&mut columns);
+    assert_eq!(columns.map(|row| row[0]), ldl.forward_vector(&x.into()));
+    let indefinite = k - Matrix3::identity() * 4.5;
+    ldl.factorise(&rows(&indefinite));
+    assert!(!ldl.positive);
+    assert!((solved(&ldl, indefinite * x) - x).norm() < 1e-13);
+    // The second row is the first but for 1e-3 of it.
+    ldl.factorise(&rows(&Matrix3::new(1.0, 1.0, 0.0, 1.0, 1.001, 0.0, 0.0, 0.0, 1.0)));
+    assert!(ldl.pivots_exceed(&[0.99, 0.99e-3, 0.99]) && !ldl.pivots_exceed(&[0.99, 1.01e-3, 0.99]));
+    ldl.factorise(&rows(&(k * f64::NAN)));
+    assert!(!ldl.positive);
+}

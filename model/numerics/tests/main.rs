@@ -1,0 +1,11 @@
+//! Tests of `finray-numerics`: each file tests the source file of its path.
+
+mod linear {
+    mod bordered;
+    mod ldl;
+}
+mod number {
+    mod arctangent;
+    mod sine;
+}
+mod optimise;

@@ -1,0 +1,51 @@
+//! The hyperbolic tangent over all numbers.
+
+use super::*;
+use pulp::{Arch, Scalar, WithSimd};
+
+/// The stated error bound, for every number.
+const LARGEST_ERROR: f64 = 3e-7;
+/// Distance between the bit patterns that are tried: a prime, so that mantissas of all kinds come up.
+const STRIDE: usize = 499;
+
+struct TanhAll<'a>(&'a mut [f32]);
+
+impl WithSimd for TanhAll<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        tanh_all(simd, self.0);
+    }
+}
+
+/// The same on detected and on portable instructions.
+fn both(numbers: &[f32]) -> [Vec<f32>; 2] {
+    let mut values = [numbers.to_vec(), numbers.to_vec()];
+    Arch::new().dispatch(TanhAll(&mut values[0]));
+    TanhAll(&mut values[1]).with_simd(Scalar);
+    values
+}
+
+#[test]
+fn every_number_is_within_the_error() {
+    let numbers: Vec<f32> = (0..=u32::MAX).step_by(STRIDE).map(f32::from_bits).filter(|x| !x.is_nan()).collect();
+    for (values, instructions) in both(&numbers).iter().zip(["detected", "portable"]) {
+        for (x, value) in numbers.iter().zip(values) {
+            let error = (f64::from(*value) - f64::from(*x).tanh()).abs();
+            assert!(error <= LARGEST_ERROR, "{instructions}: tanh({x:e}) = {value:e}");
+            assert!(value.abs() <= 1.0 && value.is_sign_negative() == x.is_sign_negative());
+        }
+    }
+}
+
+#[test]
+fn special_numbers_stay_what_they_are() {
+    let numbers = [0.0, -0.0, f32::MIN_POSITIVE, 1e-40, f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 8.0];
+    for values in both(&numbers) {
+        assert!(values[0] == 0.0 && values[0].is_sign_positive());
+        assert!(values[1] == 0.0 && values[1].is_sign_negative());
+        assert!(values[2] <= f32::MIN_POSITIVE && values[3] <= 1.1e-40);
+        assert!(values[7].is_nan());
+    }
+}

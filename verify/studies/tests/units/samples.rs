@@ -1,0 +1,35 @@
+//! Noise samples of a sweep.
+
+use super::*;
+use finray_model::Scene;
+
+/// Samples that are kept, drawn on their own or with others before them are the same.
+#[test]
+fn a_sample_does_not_depend_on_what_is_kept() {
+    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;
+    let (positions_mm, angles_deg) = Grid::grid(&finger, 12, 90.0);
+    let grid = Grid {
+        positions_mm,
+        angles_deg,
+        forces_n: vec![1.0],
+        noise_levels_mm: vec![0.1],
+        noise_samples: 6000,
+        seed: 3,
+    };
+    let all = |noise: &NoiseSamples| {
+        let mut all = Vec::new();
+        noise.each(|first, samples| {
+            assert_eq!(all.len(), first * noise.coordinates());
+            all.extend_from_slice(samples);
+        });
+        all
+    };
+    let mut noise = NoiseSamples::new(&grid, &finger);
+    let seen = all(&noise);
+    assert_eq!(seen.len(), 6000 * noise.coordinates());
+    assert!(noise.kept.len() < seen.len(), "not all are kept");
+    noise.kept.truncate(noise.coordinates());
+    assert!(all(&noise) == seen);
+    assert!(noise.drawn(5999..6000) == seen[5999 * noise.coordinates()..]);
+    assert_eq!((noise.samples(0.1), noise.samples(0.0)), (6000, 1));
+}
