@@ -13,7 +13,8 @@
 //! Every finger can be built: with arms, zones, hinged ribs, and ribs that do not deform (one body with their rods, or
 //! between hinges a bar ten times as stiff as a plate is along itself).
 //!
-//! [`pressing`] pushes a rigid object onto the finger as rapier moves it; [`grasp`] finds the equilibrium of two fingers with an object between.
+//! [`grasp`] finds the equilibrium of two fingers with an object between, [`pressing`] with the same method that of one finger and an object that a hand
+//! holds, which rapier verifies ([`pressing::settled`]).
 #![forbid(unsafe_code)]
 
 pub mod bodies;
@@ -73,6 +74,12 @@ pub enum LatticeError {
     LetGo {
         /// Force under which the object last touched the finger, N; `None` if it never did.
         touched_n: Option<f64>,
+    },
+    /// No equilibrium with the object where it is told to be.
+    #[error("no stable equilibrium of finger and object is found{}", if *is_folded { ": the finger folds" } else { "" })]
+    NoContactEquilibrium {
+        /// Whether a part of the finger has turned so far that it folds.
+        is_folded: bool,
     },
     /// Newton's method found no stable equilibrium on the way to the full load.
     #[error("no stable equilibrium of the lattice was found beyond {:.4} % of the load", 100.0 * converged_fraction)]

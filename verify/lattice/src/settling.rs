@@ -81,7 +81,7 @@ impl Precision {
 
 /// Result of settling.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rest {
+pub(crate) struct Rest {
     /// Steps between two looks.
     pub watch: usize,
     /// Steps taken.
@@ -91,11 +91,11 @@ pub(super) struct Rest {
 }
 
 /// Bodies and joints of a lattice in a rapier world.
-pub(super) struct Dynamics<'a> {
+pub(crate) struct Dynamics<'a> {
     assembly: &'a Assembly,
-    pub(super) world: PhysicsWorld,
+    pub(crate) world: PhysicsWorld,
     /// The lattice's bodies, in their order.
-    pub(super) handles: Vec<RigidBodyHandle>,
+    pub(crate) handles: Vec<RigidBodyHandle>,
     /// All bodies that move, the lattice's and others.
     moving: Vec<Moving>,
     /// Precision of the positions.
@@ -112,16 +112,16 @@ struct Moving {
     moment: f64,
 }
 
-pub(super) fn rapier(vector: Vector) -> RapierVector {
+pub(crate) fn rapier(vector: Vector) -> RapierVector {
     RapierVector::new(vector.x, vector.y)
 }
 
-pub(super) fn own(vector: RapierVector) -> Vector {
+pub(crate) fn own(vector: RapierVector) -> Vector {
     Vector::new(vector.x, vector.y)
 }
 
 /// The mass with which a stiffness (N/mm) moves in step with the others.
-pub(super) fn mass_for(stiffness: f64) -> f64 {
+pub(crate) fn mass_for(stiffness: f64) -> f64 {
     STEP_S * STEP_S * stiffness / SOFTNESS
 }
 
@@ -150,7 +150,7 @@ fn joint(spring: &Spring) -> GenericJoint {
 
 impl<'a> Dynamics<'a> {
     /// Puts the lattice at rest into an empty world without gravity.
-    pub(super) fn new(assembly: &'a Assembly) -> Dynamics<'a> {
+    pub(crate) fn new(assembly: &'a Assembly) -> Dynamics<'a> {
         let mut world = PhysicsWorld::new();
         world.gravity = RapierVector::ZERO;
         world.integration_parameters = IntegrationParameters {
@@ -183,14 +183,14 @@ impl<'a> Dynamics<'a> {
     }
 
     /// The same with other sweeps and another precision.
-    pub(super) fn settling_as(mut self, how: &Settling) -> Dynamics<'a> {
+    pub(crate) fn settling_as(mut self, how: &Settling) -> Dynamics<'a> {
         self.world.integration_parameters.num_internal_pgs_iterations = how.sweeps;
         self.positions = how.positions;
         self
     }
 
     /// Puts a body that moves into the world.
-    pub(super) fn insert_moving(&mut self, position: Vector, mass: f64, moment: f64) -> RigidBodyHandle {
+    pub(crate) fn insert_moving(&mut self, position: Vector, mass: f64, moment: f64) -> RigidBodyHandle {
         let start = rapier(position);
         let properties = MassProperties::new(RapierVector::ZERO, mass, moment);
         let body = RigidBodyBuilder::dynamic().additional_mass_properties(properties).translation(start);
@@ -249,13 +249,25 @@ impl<'a> Dynamics<'a> {
         }
     }
 
+    /// Puts the lattice's bodies, at rest, where they have moved so.
+    pub(crate) fn place(&mut self, motions: &[BodyMotion]) {
+        for ((handle, rest), motion) in self.handles.iter().zip(&self.assembly.bodies).zip(motions) {
+            if !rest.fixed {
+                let pose = Pose::new(rapier(rest.position + motion.displacement), motion.rotation);
+                self.world.bodies[*handle].set_position(pose, true);
+            }
+        }
+        self.stop();
+        self.energy = 0.0;
+    }
+
     /// Displacement of every moving body, mm.
     fn displacements(&self) -> Vec<RapierVector> {
         self.moving.iter().map(|moving| self.world.bodies[moving.handle].translation() - moving.start).collect()
     }
 
     /// Motion of every body of the lattice from rest; rotations within half a turn.
-    pub(super) fn motions(&self) -> Vec<BodyMotion> {
+    pub(crate) fn motions(&self) -> Vec<BodyMotion> {
         let motion = |(handle, rest): (&RigidBodyHandle, &super::bodies::Body)| {
             let body = &self.world.bodies[*handle];
             BodyMotion { displacement: own(body.translation()) - rest.position, rotation: body.rotation().angle() }
@@ -264,7 +276,7 @@ impl<'a> Dynamics<'a> {
     }
 
     /// One step; afterwards all bodies are stopped if the kinetic energy has passed its peak, and `true` is returned.
-    pub(super) fn damped_step(&mut self, loads: &[BodyLoad]) -> bool {
+    pub(crate) fn damped_step(&mut self, loads: &[BodyLoad]) -> bool {
         self.step(loads);
         let energy = self.kinetic_energy();
         let peak_passed = energy <= self.energy;
@@ -279,7 +291,7 @@ impl<'a> Dynamics<'a> {
     ///
     /// # Errors
     /// [`LatticeError::NotSettled`] with the last residual if it does not within `most_steps`.
-    pub(super) fn settle(&mut self, loads: &[BodyLoad], most_steps: usize) -> Result<Rest, LatticeError> {
+    pub(crate) fn settle(&mut self, loads: &[BodyLoad], most_steps: usize) -> Result<Rest, LatticeError> {
         let mut steps = 1;
         while !self.damped_step(loads) && steps < most_steps {
             steps += 1;
@@ -291,7 +303,7 @@ impl<'a> Dynamics<'a> {
     ///
     /// # Errors
     /// [`LatticeError::NotSettled`] with the last residual if they still move after `most_steps`.
-    pub(super) fn watch(
+    pub(crate) fn watch(
         &mut self,
         loads: &[BodyLoad],
         watch: usize,

@@ -1,9 +1,12 @@
 //! The surface that a lattice shows to an object: a ball for every rod of the front plate, capsules between.
 
-use super::Lattice;
+use super::bodies::BodyLoad;
+use super::energy::{BodyMotion, Energy};
 use super::settling::{Dynamics, rapier};
 use super::springs::BodyIndex;
+use super::{Lattice, LatticeError};
 use finray_model::finger::Plate;
+use finray_model::mesh::FingerShape;
 use finray_model::{NodeId, Vector};
 use rapier2d::prelude::{CoefficientCombineRule, ColliderBuilder, Group, InteractionGroups, InteractionTestMode};
 
@@ -49,7 +52,7 @@ pub struct Touch {
 
 /// A collider of the finger.
 #[derive(Clone, Copy)]
-pub(super) enum Skin {
+pub(crate) enum Skin {
     Rod(NodeId),
     /// Where the piece begins along the plate (mm), and the same point from the centre of its body.
     Plate {
@@ -67,12 +70,12 @@ fn groups(own: Group, other: Group) -> InteractionGroups {
 }
 
 /// What the object touches: the finger.
-pub(super) fn groups_of_object() -> InteractionGroups {
+pub(crate) fn groups_of_object() -> InteractionGroups {
     groups(OBJECT, FINGER)
 }
 
 /// Gives the lattice its surface: a ball at every key node of the front plate, capsules between.
-pub(super) fn add_skin(
+pub(crate) fn add_skin(
     lattice: &Lattice,
     rod_radius_mm: f64,
     friction: f64,
@@ -107,4 +110,27 @@ pub(super) fn add_skin(
             (body, part)
         })
         .collect()
+}
+
+impl Lattice {
+    /// Shape of least energy under the forces of touches, kept as they are: if these are right, the shape in which they
+    /// were found. Newton's method knows nothing of contact, engine or object.
+    ///
+    /// # Errors
+    /// [`LatticeError::NoEquilibrium`] where there is none.
+    pub fn equilibrium_under(&self, touches: &[Touch]) -> Result<FingerShape, LatticeError> {
+        let load = |touch: &Touch| BodyLoad {
+            body: touch.body,
+            force: touch.force,
+            share: 1.0,
+            lever: touch.arm,
+            moment_nmm: 0.0,
+        };
+        let loads: Vec<BodyLoad> = touches.iter().map(load).collect();
+        let mut motions = vec![BodyMotion::default(); self.assembly.bodies.len()];
+        Energy::new(&self.assembly)
+            .follow(&mut motions, &loads, 0.0, 1.0)
+            .map_err(|lost| LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction })?;
+        Ok(self.shape(&motions))
+    }
 }

@@ -4,4 +4,5 @@ mod energy;
 mod grasp {
     mod contact;
 }
+mod pressing;
 mod settling;

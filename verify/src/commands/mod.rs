@@ -158,9 +158,10 @@ impl From<LatticeError> for Failure {
             | LatticeError::Overlap { .. }
             | LatticeError::NoSegments
             | LatticeError::TooFine { .. } => bad_input(error),
-            LatticeError::LetGo { .. } | LatticeError::NotSettled { .. } | LatticeError::NoEquilibrium { .. } => {
-                not_computed(error)
-            }
+            LatticeError::LetGo { .. }
+            | LatticeError::NotSettled { .. }
+            | LatticeError::NoContactEquilibrium { .. }
+            | LatticeError::NoEquilibrium { .. } => not_computed(error),
         }
     }
 }

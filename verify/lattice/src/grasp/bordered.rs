@@ -1,4 +1,4 @@
-//! Linear equations of fingers and of what they share, the border: the object's pose and the forces of contacts.
+//! Linear equations of fingers and of what they share, the border: the object's pose.
 
 use super::elimination::Order;
 use nalgebra::{DMatrix, DVectorViewMut, Matrix3};

@@ -47,14 +47,16 @@ impl Order {
             [place(a, b), place(b, a)]
         };
         let links = links.iter().map(|link| link.map(&mut of_link)).collect();
-        let mut left: BTreeSet<usize> = (0..body_count).collect();
+        // Those that are left, by how many are linked to them.
+        let mut left: BTreeSet<(usize, usize)> = (0..body_count).map(|body| (linked[body].len(), body)).collect();
         let mut pivots = Vec::with_capacity(body_count);
-        while let Some(body) = left.iter().copied().min_by_key(|body| linked[*body].len()) {
-            left.remove(&body);
+        while let Some((_, body)) = left.pop_first() {
             let others: Vec<usize> = std::mem::take(&mut linked[body]).into_iter().collect();
             for &other in &others {
+                left.remove(&(linked[other].len(), other));
                 linked[other].remove(&body);
                 linked[other].extend(others.iter().filter(|another| **another != other));
+                left.insert((linked[other].len(), other));
             }
             let later =
                 |&other: &usize| CoupledBody { body: other, right: place(body, other), below: place(other, body) };

@@ -46,7 +46,11 @@ impl Scene<'_> {
         let mut statuses: BTreeMap<Key, ContactStatus> = BTreeMap::new();
         let mut passed: Vec<(Vec<Option<Grip>>, f64)> = Vec::new();
         for step in 0..MOST_STEPS {
-            let pairs = self.near_pairs(&state, before, around);
+            // The finger first follows a hand with the contacts that it has: what the object overlaps until then says nothing.
+            let pairs = match step == 0 && self.held == [true; 3] {
+                true => self.loaded_pairs(&state, before, around),
+                false => self.near_pairs(&state, before, around),
+            };
             state.forces = self.inherited(&state, &pairs);
             statuses = self.statuses(&pairs, &state.forces, &statuses);
             let grips: Vec<Option<Grip>> = pairs.iter().map(|pair| statuses[&pair.key].grip).collect();

@@ -1,12 +1,16 @@
 //! The linear equations of one step of Newton's method: balance of the fingers' bodies and of the object, and two laws a contact.
+//!
+//! The laws of a contact hold its two forces alone beside the motions of its body and of the object, so they are solved for the forces, contact by
+//! contact: what remains has no more unknowns than motions, however many contacts are closed.
 
 use super::bordered::Bordered;
 use super::contact::{Tangent, Touching};
 use super::near::{ContactPair, Grip};
 use super::scene::{Scene, State, Surroundings};
 use crate::energy::SpringEnergy;
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-/// Residual and its derivatives. Unknowns are the motions of the fingers' bodies, then the object's pose and the two forces of each closed pair.
+/// Residual and its derivatives. Unknowns are the motions of the fingers' bodies, then the object's pose.
 struct Equations<'s> {
     residual: Vec<f64>,
     derivatives: Bordered<'s>,
@@ -19,9 +23,27 @@ struct Law {
     by_forces: [f64; 2],
 }
 
-/// Number of the i-th of a contact's six unknowns: of a body, none where that is clamped or the support, then of the object.
-fn unknown(of_body: Option<usize>, object: usize, i: usize) -> Option<usize> {
-    if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) }
+/// The laws of a contact, solved for the change of its forces: `value` + `by_motion` times the motions, with the opposite sign.
+struct ForceChange {
+    value: Vector2<f64>,
+    by_motion: SMatrix<f64, 2, 6>,
+}
+
+impl ForceChange {
+    /// `None` for laws that do not determine the forces.
+    fn of(laws: &[Law; 2]) -> Option<ForceChange> {
+        let inverse = Matrix2::from_fn(|law, force| laws[law].by_forces[force]).try_inverse()?;
+        let by_motion = SMatrix::<f64, 2, 6>::from_fn(|law, unknown| laws[law].by_motion[unknown]);
+        Some(ForceChange {
+            value: inverse * Vector2::new(laws[0].value, laws[1].value),
+            by_motion: inverse * by_motion,
+        })
+    }
+}
+
+/// Numbers of a contact's six unknowns: of a body, none where that is clamped or the support, then of the object.
+fn unknowns(of_body: Option<usize>, object: usize) -> [Option<usize>; 6] {
+    [0, 1, 2, 3, 4, 5].map(|i| if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) })
 }
 
 impl Scene<'_> {
@@ -35,22 +57,26 @@ impl Scene<'_> {
         is_lagging: bool,
     ) -> Option<Vec<f64>> {
         let object = self.first(self.fingers.len());
-        let count = object + 3 + 2 * closed.len();
         let orders = self.fingers.iter().map(|standing| &standing.order);
-        let derivatives = Bordered::new(orders, count - object);
-        let mut equations = Equations { residual: vec![0.0; count], derivatives };
+        let mut equations = Equations { residual: vec![0.0; object + 3], derivatives: Bordered::new(orders, 3) };
         for finger in 0..self.fingers.len() {
             self.balance_finger(&mut equations, finger, state, before, around);
         }
         self.balance_object(&mut equations, object, state, before, around);
-        for (k, (pair, grip)) in closed.iter().enumerate() {
+        let mut changes = Vec::with_capacity(closed.len());
+        for (pair, grip) in closed {
             let (tangent, forces) = (self.tangent(pair, state, before), state.forces[&pair.key]);
-            self.add_contact(&mut equations, object, object + 3 + 2 * k, pair, &tangent, forces);
-            let laws = self.laws(*grip, &pair.touching, &tangent, forces, is_lagging);
-            self.add_laws(&mut equations, object, object + 3 + 2 * k, pair, &laws);
+            let change = ForceChange::of(&self.laws(*grip, &pair.touching, &tangent, forces, is_lagging))?;
+            let of_contact = unknowns(self.first_of_body(pair), object);
+            self.add_contact(&mut equations, of_contact, &tangent, forces, &change);
+            changes.push((of_contact, change));
         }
         let mut correction: Vec<f64> = equations.residual.iter().map(|r| -r).collect();
         equations.derivatives.solve(&mut correction)?;
+        for (of_contact, change) in changes {
+            let motions = SVector::<f64, 6>::from(of_contact.map(|unknown| unknown.map_or(0.0, |i| correction[i])));
+            correction.extend((change.value + change.by_motion * motions).iter().map(|change| -change));
+        }
         Some(correction)
     }
 
@@ -100,10 +126,14 @@ impl Scene<'_> {
         let loads = [around.weight.x, around.weight.y, arm.perp(&around.weight)];
         let from = around.carried_from(before.object);
         for i in 0..3 {
-            equations.residual[object + i] += drags[i] * (state.object[i] - from[i]) - loads[i];
-            equations.derivatives.add(object + i, object + i, drags[i]);
+            // Where a hand holds the object, that it stays there stands in place of its balance.
+            let (drag, load) = if self.held[i] { (1.0, 0.0) } else { (drags[i], loads[i]) };
+            equations.residual[object + i] += drag * (state.object[i] - from[i]) - load;
+            equations.derivatives.add(object + i, object + i, drag);
         }
-        equations.derivatives.add(object + 2, object + 2, arm.dot(&around.weight));
+        if !self.held[2] {
+            equations.derivatives.add(object + 2, object + 2, arm.dot(&around.weight));
+        }
     }
 
     /// The first unknown of the finger's body in a pair; none where it is clamped, or the support.
@@ -112,26 +142,25 @@ impl Scene<'_> {
         Some(self.first(pair.key.0) + self.fingers[pair.key.0].energy.first_unknown(body)?)
     }
 
-    /// What the forces of a pair do to the balance of its bodies.
+    /// What the forces of a pair, and their change with the motions, do to the balance of its bodies.
     fn add_contact(
         &self,
         equations: &mut Equations,
-        object: usize,
-        first_row: usize,
-        pair: &ContactPair,
+        of_contact: [Option<usize>; 6],
         Tangent { pull, pull_by, .. }: &Tangent,
         forces: [f64; 2],
+        change: &ForceChange,
     ) {
-        let of_body = self.first_of_body(pair);
-        for i in 0..6 {
-            let Some(row) = unknown(of_body, object, i) else { continue };
+        let is_held = |i: usize| i >= 3 && self.held[i - 3];
+        for i in (0..6).filter(|i| !is_held(*i)) {
+            let Some(row) = of_contact[i] else { continue };
             for axis in 0..2 {
-                equations.residual[row] -= forces[axis] * pull[axis][i];
-                equations.derivatives.add(row, first_row + axis, -pull[axis][i]);
+                equations.residual[row] -= (forces[axis] - change.value[axis]) * pull[axis][i];
             }
             for (j, by) in pull_by.iter().enumerate() {
-                let Some(column) = unknown(of_body, object, j) else { continue };
-                equations.derivatives.add(row, column, -forces[0] * by[0][i] - forces[1] * by[1][i]);
+                let Some(column) = of_contact[j] else { continue };
+                let of_axis = |axis: usize| pull[axis][i] * change.by_motion[(axis, j)] - forces[axis] * by[axis][i];
+                equations.derivatives.add(row, column, of_axis(0) + of_axis(1));
             }
         }
     }
@@ -153,29 +182,6 @@ impl Scene<'_> {
                 let by_normal = if is_lagging { 0.0 } else { -bound };
                 let value = friction_n - bound * normal_n;
                 [closed, Law { value, by_motion: no_motion, by_forces: [by_normal, 1.0] }]
-            }
-        }
-    }
-
-    fn add_laws(
-        &self,
-        equations: &mut Equations,
-        object: usize,
-        first_row: usize,
-        pair: &ContactPair,
-        laws: &[Law; 2],
-    ) {
-        let of_body = self.first_of_body(pair);
-        for (axis, law) in laws.iter().enumerate() {
-            let row = first_row + axis;
-            equations.residual[row] = law.value;
-            for (other, by) in law.by_forces.into_iter().enumerate() {
-                equations.derivatives.add(row, first_row + other, by);
-            }
-            for (i, by) in law.by_motion.into_iter().enumerate() {
-                if let Some(column) = unknown(of_body, object, i) {
-                    equations.derivatives.add(row, column, by);
-                }
             }
         }
     }

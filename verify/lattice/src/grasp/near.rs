@@ -9,6 +9,9 @@ use finray_model::Vector;
 use finray_model::gripper::Placement;
 use std::collections::BTreeMap;
 
+/// Distance, in lengths of a piece of plate, up to which others are next to it.
+const NEXT: f64 = 1.5;
+
 /// Distance, as a share of the object's size, up to which a pair counts.
 const NEAR: f64 = 0.2;
 
@@ -57,13 +60,28 @@ impl State {
 impl Scene<'_> {
     /// All pairs that are near each other.
     pub(super) fn near_pairs(&self, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
+        self.pairs_near_at(state, state, before, around)
+    }
+
+    /// All pairs that carried a force before, as they are now.
+    pub(super) fn loaded_pairs(&self, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
+        let is_loaded = |pair: &ContactPair| before.forces.get(&pair.key).is_some_and(|[normal_n, _]| *normal_n > 0.0);
+        self.pairs_near_at(before, state, before, around).into_iter().filter(is_loaded).collect()
+    }
+
+    /// All pairs that are near each other at one state, as they are at another.
+    fn pairs_near_at(&self, at: &State, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
         let mut pairs = Vec::new();
         let within_mm = NEAR * self.size_mm;
         for (finger, standing) in self.fingers.iter().enumerate() {
             for (index, part) in standing.front.parts.iter().enumerate() {
                 let body = standing.lattice.assembly().bodies[part.body];
+                if body.fixed && self.held == [true; 3] {
+                    // Neither gives way: no force is determined.
+                    continue;
+                }
                 let [now, then] = [state, before].map(|state| state.stand(finger, Some(part)));
-                for (feature, pair) in self.shape.near(part, &body, &now, within_mm) {
+                for (feature, pair) in self.shape.near(part, &body, &at.stand(finger, Some(part)), within_mm) {
                     let touching = pair.touching(body.position, &now, &then);
                     pairs.push(ContactPair { key: (finger, index, feature), part: Some(*part), pair, touching });
                 }
@@ -92,22 +110,47 @@ impl Scene<'_> {
         pair.tangent(part.map_or(Vector::zeros(), rest), &now, &then)
     }
 
-    /// Forces of the pairs that are near now: their own, or for a new one those of a pair of the same part that is no longer near.
+    /// Forces of the pairs that are near now: their own, or those of a pair of the same part, or of the same corner, that is no longer near. Of several new
+    /// ones next to it on the plate that which overlaps most takes them, or else the nearest.
     pub(super) fn inherited(&self, state: &State, pairs: &[ContactPair]) -> BTreeMap<Key, [f64; 2]> {
-        let mut gone: BTreeMap<Key, [f64; 2]> = state.forces.clone();
-        pairs.iter().for_each(|pair| {
-            gone.remove(&pair.key);
-        });
-        let mut force = |key: Key| {
-            state.forces.get(&key).copied().unwrap_or_else(|| {
-                let of_same = gone.keys().find(|(finger, part, feature)| {
-                    *finger == key.0 && (*part == key.1 || matches!(feature, Feature::Corner(_)) && *feature == key.2)
-                });
-                let of_same = of_same.copied();
-                of_same.and_then(|key| gone.remove(&key)).unwrap_or_default()
-            })
+        let own = |pair: &ContactPair| (pair.key, state.forces.get(&pair.key).copied().unwrap_or_default());
+        let mut forces: BTreeMap<Key, [f64; 2]> = pairs.iter().map(own).collect();
+        let mut new: Vec<&ContactPair> = pairs.iter().filter(|pair| !state.forces.contains_key(&pair.key)).collect();
+        let is_gone = |(key, force): &(&Key, &[f64; 2])| !forces.contains_key(key) && **force != [0.0; 2];
+        let gone: Vec<(&Key, &[f64; 2])> = state.forces.iter().filter(is_gone).collect();
+        for (gone, force) in gone {
+            let is_heir = |key: &Key| {
+                key.0 == gone.0 && (key.1 == gone.1 || matches!(gone.2, Feature::Corner(_)) && key.2 == gone.2)
+            };
+            let rank = |pair: &ContactPair| {
+                let away_mm = self.along_plate_mm(pair.key, *gone);
+                let (beyond_mm, gap_mm) = (away_mm - NEXT * self.length_mm(*gone), pair.touching.gap_mm);
+                if beyond_mm <= 0.0 { (0.0, gap_mm) } else { (beyond_mm, 0.0) }
+            };
+            let heirs = new.iter().enumerate().filter(|(_, pair)| is_heir(&pair.key));
+            let heir = heirs
+                .map(|(index, pair)| (rank(pair), index))
+                .min_by(|(a, _), (b, _)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            if let Some((_, index)) = heir {
+                forces.insert(new.swap_remove(index).key, *force);
+            }
+        }
+        forces
+    }
+
+    /// Distance of two parts of a finger along its plate, mm, from where each begins; 0 of the support.
+    fn along_plate_mm(&self, a: Key, b: Key) -> f64 {
+        let at_mm = |(finger, part, _): Key| {
+            let standing = self.fingers.get(finger);
+            standing.map_or(0.0, |standing| standing.front.parts[part].touched.position_mm(standing.lattice))
         };
-        pairs.iter().map(|pair| (pair.key, force(pair.key))).collect()
+        (at_mm(a) - at_mm(b)).abs()
+    }
+
+    /// Length of a flat piece of a finger, mm; 0 of a ball and of the support.
+    fn length_mm(&self, (finger, part, _): Key) -> f64 {
+        let part = self.fingers.get(finger).map(|standing| standing.front.parts[part]);
+        part.and_then(|part| Some((part.to? - part.from).norm())).unwrap_or(0.0)
     }
 
     /// The status of all pairs after a step in which they had the status `before`. Where the support has let go of the object, others hold it alone,
@@ -120,6 +163,11 @@ impl Scene<'_> {
     ) -> BTreeMap<Key, ContactStatus> {
         let status = |pair: &ContactPair| (pair.key, self.status(pair, forces[&pair.key], before.get(&pair.key)));
         let mut statuses: BTreeMap<Key, ContactStatus> = pairs.iter().map(status).collect();
+        if self.held == [true; 3] {
+            for shallow in beside_deepest(pairs, forces, &statuses) {
+                statuses.insert(shallow, ContactStatus { grip: None, is_pulled: false });
+            }
+        }
         let lets_go = |pair: &ContactPair| {
             let was_closed = before.get(&pair.key).is_some_and(|status| status.grip.is_some());
             pair.part.is_none() && was_closed && statuses[&pair.key].grip.is_none()
@@ -177,4 +225,26 @@ pub(super) fn touched(part: &Part, arm: Vector) -> TouchedPart {
         }
         (touched, _) => touched,
     }
+}
+
+/// Pairs without force that would close beside one that overlaps deeper, where pieces of the plate follow each other. A step that moves the plate off the
+/// deepest mostly frees the others, which all together would bend it at will.
+fn beside_deepest(
+    pairs: &[ContactPair],
+    forces: &BTreeMap<Key, [f64; 2]>,
+    statuses: &BTreeMap<Key, ContactStatus>,
+) -> Vec<Key> {
+    let closes = |pair: &&ContactPair| {
+        let is_piece = pair.part.is_some_and(|part| matches!(part.touched, TouchedPart::Plate(_)));
+        is_piece && forces[&pair.key] == [0.0; 2] && statuses[&pair.key].grip.is_some()
+    };
+    let closing: Vec<&ContactPair> = pairs.iter().filter(closes).collect();
+    // A flat piece and the ball at its end follow each other, and so do two flat pieces.
+    let follows = |a: &&ContactPair, b: &&ContactPair| a.key.0 == b.key.0 && b.key.1 - a.key.1 <= 2;
+    let mut shallow = Vec::new();
+    for run in closing.chunk_by(follows) {
+        let deepest = run.iter().map(|pair| pair.touching.gap_mm).fold(f64::INFINITY, f64::min);
+        shallow.extend(run.iter().filter(|pair| pair.touching.gap_mm > deepest).map(|pair| pair.key));
+    }
+    shallow
 }

@@ -51,8 +51,10 @@ pub(super) struct Scene<'l> {
     pub centre: Vector,
     /// A stiffness of the fingers, N/mm.
     pub stiffness: f64,
-    /// Size of the object, mm.
+    /// Size of the object, mm, or of one that a hand holds a share of the finger's.
     pub size_mm: f64,
+    /// Whether a hand holds the object where it is in x and y, and keeps it from turning.
+    pub held: [bool; 3],
 }
 
 /// Where all is, and the forces of contacts.

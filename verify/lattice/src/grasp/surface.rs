@@ -53,6 +53,18 @@ impl Front {
         }
         Front { parts }
     }
+
+    /// The same with a ball at the other end of every piece, too: where the plate bends sharply, or a clamped piece ends, pieces that meet part.
+    pub fn round_at_both_ends(mut self) -> Front {
+        let end = |flat: &Part| {
+            let (to, TouchedPart::Plate(from_mm)) = (flat.to?, flat.touched) else { return None };
+            let touched = TouchedPart::Plate(from_mm + (to - flat.from).norm());
+            Some(Part { from: to, to: None, touched, ..*flat })
+        };
+        let ends: Vec<Part> = self.parts.iter().filter_map(end).collect();
+        self.parts.extend(ends);
+        self
+    }
 }
 
 /// Outline of an object in its own frame, mm.

@@ -1,9 +1,15 @@
 //! What fingers must not meet: each other, and a table.
 
 use super::World;
+use crate::energy::BodyMotion;
+use crate::grasp::contact::PairPose;
 use crate::grasp::surface::Part;
 use finray_model::Vector;
 use finray_model::finger::{FingerPoint, Plate};
+use finray_model::gripper::Placement;
+
+/// An overlap that is rounding, mm.
+const ROUNDING_MM: f64 = 1e-9;
 
 /// A part of a front as it is bent: all that is within a radius of a straight line, world, mm.
 struct Round {
@@ -20,6 +26,18 @@ impl World<'_> {
         let [left, right] = [0, 1].map(|finger| self.front(finger));
         let of_pair = |a: &Round, b: &Round| distance_mm(a.ends, b.ends) - a.radius_mm - b.radius_mm;
         left.iter().flat_map(|a| right.iter().map(move |b| of_pair(a, b))).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the object would overlap a clamped part of a finger that stands at a placement, by more than rounding.
+    pub fn meets_clamp(&self, finger: usize, placement: &Placement) -> bool {
+        let standing = &self.scene.fingers[finger];
+        let bodies = &standing.lattice.assembly().bodies;
+        let at = PairPose { finger: *placement, body: BodyMotion::default(), object: self.state.object };
+        standing.front.parts.iter().filter(|part| bodies[part.body].fixed).any(|part| {
+            let body = &bodies[part.body];
+            let pairs = self.scene.shape.near(part, body, &at, 0.0);
+            pairs.iter().any(|(_, pair)| pair.touching(body.position, &at, &at).gap_mm < -ROUNDING_MM)
+        })
     }
 
     /// Height of a finger's lowest part above a plane (a point of it and its upward unit normal), mm: 0 or less where it touches.

@@ -86,7 +86,7 @@ impl<'l> World<'l> {
         let placements = drive.placements.clone();
         let state = State { placements, motions: motions.collect(), object, forces: Default::default() };
         let (centre, size_mm) = (shape.centroid(), shape.size_mm());
-        let scene = Scene { fingers, shape, friction, centre, stiffness, size_mm };
+        let scene = Scene { fingers, shape, friction, centre, stiffness, size_mm, held: [false; 3] };
         let mut world = World {
             scene,
             before: state.clone(),
@@ -106,13 +106,41 @@ impl<'l> World<'l> {
         }
     }
 
+    /// The same with an object that a hand holds where it is. By `size_mm`, instead of the object's size, lengths are judged: a large object does not move by
+    /// a share of its size, and a small one moves the finger by more.
+    pub fn holding(mut self, size_mm: f64) -> World<'l> {
+        self.scene.size_mm = size_mm;
+        for finger in &mut self.scene.fingers {
+            finger.front = finger.front.clone().round_at_both_ends();
+        }
+        self.hold([true; 3]);
+        self
+    }
+
+    /// Lets the hand hold the object where it is in x and y, and keep it from turning, each if asked.
+    pub fn hold(&mut self, held: [bool; 3]) {
+        self.scene.held = held;
+    }
+
     /// Moves the fingers' bases and the weight, and lets all come to rest.
     ///
     /// # Errors
     /// [`GraspFailure`]; fingers and object are then where they last were at rest.
     pub fn advance(&mut self, to: &Drive) -> Result<(), GraspFailure> {
+        self.attempt(|world| world.move_to(to).and_then(|()| world.come_to_rest(FIRST_DRAG, BOLDER)))
+    }
+
+    /// Moves the fingers' bases and the weight. An object that nothing holds is then where the resistance against its motion left it.
+    ///
+    /// # Errors
+    /// As of [`advance`](Self::advance).
+    pub fn pass(&mut self, to: &Drive) -> Result<(), GraspFailure> {
+        self.attempt(|world| world.move_to(to))
+    }
+
+    fn attempt(&mut self, moves: impl FnOnce(&mut Self) -> Result<(), GraspFailure>) -> Result<(), GraspFailure> {
         let start = self.clone();
-        let outcome = self.move_to(to).and_then(|()| self.come_to_rest(FIRST_DRAG, BOLDER));
+        let outcome = moves(self);
         if outcome.is_err() {
             *self = start;
         }

@@ -138,7 +138,9 @@ impl World<'_> {
             let moved_mm = self.scene.way_mm(&held, &self.state);
             let resistance_n = drag * self.scene.stiffness * moved_mm;
             let forces = self.near_pairs().into_iter().filter_map(|pair| self.state.forces.get(&pair.key).copied());
-            let largest_n = forces.map(|[normal, _]| normal).fold(drive.weight.norm(), f64::max);
+            // A finger that has snapped off an object that a hand holds rests without force.
+            let least_n = drive.weight.norm().max(self.scene.nothing_n());
+            let largest_n = forces.map(|[normal, _]| normal).fold(least_n, f64::max);
             if resistance_n <= AT_REST * largest_n && (drag <= DRAG || moved_mm <= AT_REST * self.scene.size_mm) {
                 return Ok(());
             }

@@ -2,6 +2,7 @@
 
 use super::motion::AT_REST;
 use super::{Account, ObjectContact, TouchedBody, World};
+use crate::energy::BodyMotion;
 use crate::grasp::contact::Touching;
 use crate::grasp::near::{ContactPair, touched};
 use crate::grasp::surface::Shape;
@@ -38,6 +39,16 @@ impl World<'_> {
     /// Where the fingers stand.
     pub fn placements(&self) -> &[Placement] {
         &self.drive.placements
+    }
+
+    /// A stiffness of the fingers, N/mm: of the middle of the softest one at rest.
+    pub fn stiffness(&self) -> f64 {
+        self.scene.stiffness
+    }
+
+    /// Motions of a finger's bodies, in its own frame.
+    pub fn motions(&self, finger: usize) -> &[BodyMotion] {
+        &self.state.motions[finger]
     }
 
     /// Shape of a finger, in its own frame.

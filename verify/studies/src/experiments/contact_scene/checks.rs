@@ -1,32 +1,24 @@
 //! Checks of contact scenes: balance and equilibrium of all, sensing of those that ship.
 
-use super::SceneStep;
 use super::samples::NoiseSamples;
 use super::study::SceneStudy;
+use super::{SceneStep, VerifiedStep};
 use crate::check::{Check, Kind, SETTLED_LATTICE, Subject, worst};
+use crate::problems::lattice::NEWTON;
 use finray_lattice::skin::Touch;
-use finray_model::Vector;
 
 /// Source of the rows about sensing.
 const TRUE_FORCES: &str = "true forces";
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
-/// Contact forces against the hand's, as a share of their sum: what rapier's sweeps leave over (6.4e-4 for the box).
-pub const BALANCE_TOLERANCE: f64 = 1e-3;
-
-/// How far a settled lattice may be off balance with its clamps, over the contact forces, and off equilibrium, over displacement.
-struct Settled {
-    clamps: f64,
-    equilibrium: f64,
-}
-
-/// Settled shapes against the lattice's equilibrium under the contact forces, as a share of the largest displacement, of any scene and
-/// finger: a stiff finger on many segments may rest farther off than those that ship before its forces are in doubt.
-pub const SETTLING_TOLERANCE: f64 = 5e-4;
-/// Of any scene and finger.
-const SETTLED: Settled = Settled { clamps: BALANCE_TOLERANCE, equilibrium: SETTLING_TOLERANCE };
-/// Of the scenes that ship, which come within 1.1e-6.
-const SHIPPED: Settled = Settled { clamps: 1.5e-6, equilibrium: 1.5e-6 };
-/// Settled shapes against converged beams under the contact forces, as a share of the largest displacement, and sensed totals against the
+/// Contact forces against those on the clamps, as a share of their sum: rounding.
+pub const BALANCE_TOLERANCE: f64 = 1e-6;
+/// Shapes against the lattice's equilibrium under the contact forces, as a share of the largest displacement.
+const EQUILIBRIUM_TOLERANCE: f64 = 1e-6;
+/// Shapes against those in which rapier comes to rest, as a share of the largest displacement: what sweeps and the measure of rest leave.
+const ENGINE_TOLERANCE: f64 = 5e-4;
+/// The same of the sum of contact forces, as a share of it.
+const ENGINE_FORCE_TOLERANCE: f64 = 2e-3;
+/// Shapes against converged beams under the contact forces, as a share of the largest displacement, and sensed totals against the
 /// true ones, as forces follow shapes: what two segments between rods leave of box and disc under 5 N (1.0e-3 and 1.1e-3; a single force at its
 /// worst direction leaves four times as much), and less by the square of more segments (2.0e-4 for the disc on four).
 const BEAMS_TOLERANCE: f64 = 1.3e-3;
@@ -51,52 +43,36 @@ fn coverage_tolerance(samples: usize, standard_errors: f64) -> f64 {
 }
 
 impl SceneStudy {
-    /// Checks of any scene: balance, equilibrium, no overlap, Coulomb's cone.
+    /// Checks of any scene: balance, rapier, equilibrium, no overlap, Coulomb's cone.
     pub fn checks(&self) -> Vec<Check> {
-        self.settled_within(&SETTLED)
-    }
-
-    fn settled_within(&self, settled: &Settled) -> Vec<Check> {
         let touching =
             || self.steps.iter().map(|studied| &studied.step).filter(|step| !step.pressed.touches.is_empty());
         if touching().next().is_none() {
             return Vec::new();
         }
         let over = |figure: &dyn Fn(&SceneStep) -> f64| worst(touching().map(figure));
-        let share = |difference: Vector, step: &SceneStep| difference.norm() / step.pressed.contact_force().norm();
-        let relative = "largest difference / force";
-        let by_hand = over(&|step| share(step.pressed.contact_force() - step.pressed.hand_force, step));
-        let at_clamps = over(&|step| share(step.pressed.contact_force() - step.pressed.base_force, step));
+        let at_clamps = over(&|step| {
+            let force = step.pressed.contact_force();
+            (force - step.pressed.base_force).norm() / force.norm()
+        });
         let moment = over(&|step| {
             let off_nmm = step.pressed.base_moment_nmm - step.pressed.contact_moment_nmm();
             off_nmm.abs() / (step.pressed.contact_force().norm() * self.length_mm)
         });
-        let settling = over(&|step| step.equilibrium_difference.unwrap_or(f64::NAN));
         let overlap_mm = over(&|step| worst(step.pressed.touches.iter().map(|touch| touch.overlap_mm.abs())));
         let beyond_cone_n = over(&|step| worst(step.pressed.touches.iter().map(|touch| self.beyond_cone_n(touch))));
         let balance = |what: &str| self.on(Kind::Internal, what, "force balance");
-        vec![
-            balance("sum of contact forces against the force of the hand").vanishes(
-                relative,
-                by_hand,
-                BALANCE_TOLERANCE,
-            ),
+        let mut checks = vec![
             balance("sum of contact forces against the force on the clamps").vanishes(
-                relative,
+                "largest difference / force",
                 at_clamps,
-                settled.clamps,
+                BALANCE_TOLERANCE,
             ),
             balance("moment of contact forces against that on the clamps").vanishes(
                 "largest difference / (force x length of the front plate)",
                 moment,
-                settled.clamps,
+                BALANCE_TOLERANCE,
             ),
-            self.on(
-                Kind::External,
-                "settled shape against the lattice's equilibrium under the contact forces",
-                SETTLED_LATTICE,
-            )
-            .vanishes(DISPLACEMENT, settling, settled.equilibrium),
             self.on(Kind::Internal, "no overlap and no gap at a contact", "geometry").vanishes(
                 "largest overlap or gap, mm",
                 overlap_mm,
@@ -107,6 +83,37 @@ impl SceneStudy {
                 beyond_cone_n,
                 CONE_TOLERANCE_N,
             ),
+        ];
+        checks.extend(self.engine_checks());
+        checks
+    }
+
+    /// Steps against rapier's rest, and against the equilibrium under their forces.
+    fn engine_checks(&self) -> Vec<Check> {
+        // A finger that nothing touches has no displacement to compare with.
+        let verified = self.verified.iter().zip(&self.steps);
+        let verified: Vec<&VerifiedStep> =
+            verified.filter(|(_, studied)| !studied.step.pressed.touches.is_empty()).map(|(step, _)| step).collect();
+        let over = |figure: &dyn Fn(&VerifiedStep) -> Option<f64>| {
+            worst(verified.iter().map(|step| figure(step).unwrap_or(f64::NAN)))
+        };
+        let shape = over(&|step| Some(step.engine?.shape));
+        let force = over(&|step| Some(step.engine?.force));
+        let equilibrium = over(&|step| step.equilibrium);
+        let engine = |what: &str| self.on(Kind::External, what, SETTLED_LATTICE);
+        vec![
+            engine("shape against that in which rapier, beginning there, comes to rest").vanishes(
+                DISPLACEMENT,
+                shape,
+                ENGINE_TOLERANCE,
+            ),
+            engine("sum of contact forces against that of rapier").vanishes(
+                "largest difference / force",
+                force,
+                ENGINE_FORCE_TOLERANCE,
+            ),
+            self.on(Kind::Internal, "shape against the lattice's equilibrium under the contact forces", NEWTON)
+                .vanishes(DISPLACEMENT, equilibrium, EQUILIBRIUM_TOLERANCE),
         ]
     }
 
@@ -121,14 +128,14 @@ impl SceneStudy {
 
     /// Checks of a scene that ships: those of any, more closely; that it ends; beams' shapes without friction; coverage of intervals.
     pub fn shipped_checks(&self) -> Vec<Check> {
-        let mut checks = self.settled_within(&SHIPPED);
+        let mut checks = self.checks();
         let stopped = usize::from(self.stopped.is_some());
         checks.push(self.on(Kind::Internal, "goes to its end", "itself").counts("scenes that ended early", 0, stopped));
         let beams_tolerance = BEAMS_TOLERANCE * (SEGMENTS / self.fineness as f64).powi(2);
         if self.friction == 0.0 {
             let beams = worst(self.beams_differences.iter().map(|difference| difference.unwrap_or(f64::NAN)));
-            let against_beams = "settled shape against beams under the contact forces";
-            let check = self.on(Kind::External, against_beams, SETTLED_LATTICE);
+            let against_beams = "shape against beams under the contact forces";
+            let check = self.on(Kind::Internal, against_beams, NEWTON);
             checks.push(check.vanishes(DISPLACEMENT, beams, beams_tolerance));
             let clean = self.steps.iter().filter_map(|studied| studied.clean.as_ref().ok()?.as_ref());
             let total = worst(clean.map(|sensed| sensed.total.relative_error().abs()));

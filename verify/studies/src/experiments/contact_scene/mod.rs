@@ -2,7 +2,7 @@
 //!
 //! The camera sees where the object touches and which way it faces there, with noise, and not how hard (`camera`). Sensing is
 //! given these contacts, the noisy displacements of the markers and a bound of the friction coefficient (`outline_estimator`), and its
-//! forces stand beside those that the engine's contacts carry.
+//! forces stand beside those of the contacts. Presses are quasi-static equilibria on lattices fine enough (`refined`); rapier verifies them (`verified`).
 
 mod camera;
 pub mod checks;
@@ -11,25 +11,28 @@ pub mod file;
 mod object;
 pub mod objects;
 mod outline_estimator;
+pub mod refined;
 mod rows;
 pub mod samples;
 pub mod study;
+mod verified;
 
 pub use camera::{baseline_mm, read_contact};
 pub use contacts::{HalfSpan, SeenContact, angle_deg, seen_contacts};
 pub use object::{HandStep, OutlineError, PreparedObject, TurnedOutline};
 pub use outline_estimator::OutlineEstimator;
+pub use refined::{Refinement, TotalChange};
 pub use rows::{ForceRow, contacts_sensed, force_rows};
+pub use verified::{EngineDifference, VerifiedStep};
 
-use crate::lattice::accuracy::difference;
 use crate::prelude::*;
-use finray_lattice::pressing::{Pressed, Pressing, Push};
+use finray_lattice::pressing::Pressed;
 use finray_model::measurement::MarkerErrors;
 use finray_model::scene::ContactDescription;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::Refusal;
 
-/// Segments of plate between two rods: the paper's finger under 5 N is then within 0.1 % of converged beams.
+/// Segments of plate between two rods on which rapier verifies: the paper's finger under 5 N is then within 0.1 % of converged beams.
 pub const FINENESS: usize = 3;
 
 /// A scene's finger as a simulation has it: forces act on the bare plate, displacements count from a known base, and nothing is stated of their errors.
@@ -50,7 +53,8 @@ pub struct ContactScene {
     /// As it is [`simulated`].
     scene: Scene,
     object: PreparedObject,
-    fineness: usize,
+    /// Segments in a plate member of mean length, if asked for.
+    fineness: Option<usize>,
     /// Bound of the coefficient of friction that sensing assumes.
     assumed_friction: f64,
 }
@@ -60,14 +64,14 @@ pub struct ContactScene {
 pub struct SceneStep {
     /// Length of the way that the object has come, mm.
     pub travel_mm: f64,
+    /// How far the clamped end of the finger keeps the object from where it is told to be, mm.
+    pub stopped_mm: f64,
     /// Unit vector of the way that the step ends on.
     pub along: Vector,
     /// Finger and object.
     pub pressed: Pressed,
     /// Contacts in front of the camera, without its noise, with their true forces.
     pub contacts: Vec<SeenContact>,
-    /// Distance of the shape from the lattice's equilibrium, over the largest displacement; `None` without one.
-    pub equilibrium_difference: Option<f64>,
 }
 
 impl SceneStep {
@@ -129,19 +133,14 @@ impl ContactScene {
         Ok(ContactScene {
             scene: simulated(scene),
             object: PreparedObject::new(scene, object, corners)?,
-            fineness: FINENESS,
+            fineness: None,
             assumed_friction: object.friction,
         })
     }
 
-    /// The same scene with another number of segments a plate member.
+    /// The same scene on a lattice with so many segments in a plate member of mean length, however coarse that is.
     pub fn with_fineness(self, fineness: usize) -> ContactScene {
-        ContactScene { fineness, ..self }
-    }
-
-    /// Segments of plate between two rods of the lattice.
-    pub fn fineness(&self) -> usize {
-        self.fineness
+        ContactScene { fineness: Some(fineness), ..self }
     }
 
     /// The same scene with another bound of the coefficient of friction for sensing, which otherwise knows the object's.
@@ -162,39 +161,6 @@ impl ContactScene {
     /// The object.
     pub fn object(&self) -> &PreparedObject {
         &self.object
-    }
-
-    /// Runs the scene; `each` is handed every step as soon as it rests.
-    ///
-    /// # Errors
-    /// [`LatticeError`] if the object starts within the finger, or a step does not settle; earlier steps were handed out.
-    pub fn run(&self, mut each: impl FnMut(SceneStep)) -> Result<(), LatticeError> {
-        let lattice = Lattice::new(self.finger(), self.fineness)?;
-        let PreparedObject { rigid, start, along, steps, .. } = &self.object;
-        let mut pressing = Pressing::new(&lattice, self.scene.contact.rod_radius_mm, rigid, *start, *along)?;
-        let (mut travel_mm, mut last) = (0.0, *start);
-        for step in steps {
-            for &corner in &step.corners {
-                pressing.pass(Push::To(corner))?;
-                travel_mm += (corner - last).norm();
-                last = corner;
-            }
-            let pressed = pressing.push(step.end)?;
-            travel_mm += (pressed.object - last).norm();
-            last = pressed.object;
-            let equilibrium = lattice.equilibrium_under(&pressed.touches);
-            each(SceneStep {
-                travel_mm,
-                along: step.along,
-                contacts: seen_contacts(&lattice, &pressed.touches, |touch| {
-                    let outline = &self.object.outline;
-                    camera::baseline_mm(self.finger(), self.scene.contact.rod_radius_mm, outline, pressed.object, touch)
-                }),
-                equilibrium_difference: equilibrium.ok().map(|shape| difference(&shape, &pressed.shape)),
-                pressed,
-            });
-        }
-        Ok(())
     }
 
     /// Senses the forces of a step from what the camera sees: the key nodes, and the contacts, both with noise of a standard deviation

@@ -1,8 +1,10 @@
-//! From the object of a scene to a shape that the engine can push with, and where it begins.
+//! From the object of a scene to a shape that presses, and where it begins.
 
 use crate::prelude::*;
 use earcut::Earcut;
-use finray_lattice::pressing::{Push, RigidObject};
+use finray_lattice::grasp::surface::Shape;
+use finray_lattice::pressing::Push;
+use finray_lattice::pressing::settled::RigidObject;
 use finray_model::scene::{ObjectDescription, ObjectMotion, Outline, Until};
 use nalgebra::Rotation2;
 use rapier2d::parry::transformation::hertel_mehlhorn;
@@ -68,8 +70,16 @@ impl TurnedOutline {
         })
     }
 
+    /// The shape whose contacts are solved for.
+    pub fn shape(&self) -> Shape {
+        match self {
+            TurnedOutline::Disc(radius_mm) => Shape::disc(*radius_mm),
+            TurnedOutline::Polygon(corners) => Shape::polygon(corners),
+        }
+    }
+
     /// The shape for the engine; an outline that is not convex becomes convex pieces.
-    pub(crate) fn shape(&self) -> Result<SharedShape, OutlineError> {
+    pub(crate) fn engine_shape(&self) -> Result<SharedShape, OutlineError> {
         let corners = match self {
             TurnedOutline::Disc(radius_mm) => return Ok(SharedShape::ball(*radius_mm)),
             TurnedOutline::Polygon(corners) => corners,
@@ -139,8 +149,8 @@ fn triangles(corners: &[Vector]) -> Result<Vec<[u32; 3]>, OutlineError> {
 pub struct PreparedObject {
     /// Its outline.
     pub outline: TurnedOutline,
-    /// What the engine needs of it.
-    pub rigid: RigidObject,
+    /// Coefficient of friction.
+    pub friction: f64,
     /// Where it begins, finger frame, mm.
     pub start: Vector,
     /// Unit vector that it is pressed along; of a path, its first segment.
@@ -168,7 +178,6 @@ impl PreparedObject {
     pub fn new(scene: &Scene, object: &ObjectDescription, corners: &[Vector]) -> Result<PreparedObject, OutlineError> {
         let finger = &scene.finger;
         let outline = TurnedOutline::new(object, corners)?;
-        let rigid = RigidObject { shape: outline.shape()?, friction: object.friction };
         let share = |step: usize| step as f64 / object.steps as f64;
         let (start, along, steps) = match &object.motion {
             ObjectMotion::Free { .. } => return Err(OutlineError::Free),
@@ -190,7 +199,15 @@ impl PreparedObject {
                 (points[0], steps.first().map_or(finger.direction(0.0), |step| step.along), steps)
             }
         };
-        Ok(PreparedObject { outline, rigid, start, along, steps })
+        Ok(PreparedObject { outline, friction: object.friction, start, along, steps })
+    }
+
+    /// What the engine needs of it.
+    ///
+    /// # Errors
+    /// [`OutlineError::Crossed`] for an outline without convex pieces.
+    pub fn rigid(&self) -> Result<RigidObject, OutlineError> {
+        Ok(RigidObject { shape: self.outline.engine_shape()?, friction: self.friction })
     }
 }
 

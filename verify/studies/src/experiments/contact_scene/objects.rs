@@ -1,6 +1,5 @@
 //! Objects pressed onto the finger.
 
-use super::FINENESS;
 use super::study::{SAMPLES, SceneStudy, SceneStudyError, SceneWithOutline, run_all, shipped};
 use crate::experiments::{Context, Evidence};
 use crate::prelude::*;
@@ -18,8 +17,8 @@ const QUICK_STEPS: usize = 3;
 
 /// Contact scenes that are to be run.
 pub struct Objects {
-    /// Each with the fineness of its lattice.
-    scenes: Vec<(SceneWithOutline, usize)>,
+    /// Each with the fineness of its lattice, if it is not to be found.
+    scenes: Vec<(SceneWithOutline, Option<usize>)>,
     samples: usize,
 }
 
@@ -28,8 +27,8 @@ impl Objects {
     pub(crate) fn of(context: &Context) -> Result<Objects, SceneStudyError> {
         let &Context { given, is_paper, effort, .. } = context;
         let mut scenes = match &given.scene.object {
-            Some(_) => vec![(given.clone(), FINENESS)],
-            None if is_paper => shipped()?,
+            Some(_) => vec![(given.clone(), None)],
+            None if is_paper => shipped()?.into_iter().map(|(scene, fineness)| (scene, Some(fineness))).collect(),
             None => Vec::new(),
         };
         let mut samples = SAMPLES;
@@ -38,7 +37,7 @@ impl Objects {
             samples = 0;
             scenes.truncate(1);
             for (given, fineness) in &mut scenes {
-                *fineness = QUICK_FINENESS;
+                *fineness = Some(QUICK_FINENESS);
                 if let Some(object) = &mut given.scene.object {
                     object.steps = object.steps.min(QUICK_STEPS);
                 }

@@ -1,7 +1,7 @@
 //! A scene run to its end, sensed at every step, and the scenes that ship.
 
 use super::samples::NoiseSamples;
-use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, force_rows};
+use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, VerifiedStep, force_rows};
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
@@ -52,6 +52,8 @@ pub struct SceneStudy {
     /// For each step, converged beams under the same contact forces: largest difference of a displacement, as a share of the
     /// largest. `None` where friction turns the rods, or there is nothing to compare.
     pub beams_differences: Vec<Option<f64>>,
+    /// What rapier makes of the steps; of a scene on a lattice fine enough, of the same steps on one with [`FINENESS`].
+    pub verified: Vec<VerifiedStep>,
 }
 
 /// Why a scene was not studied.
@@ -69,24 +71,27 @@ pub enum SceneStudyError {
     /// The beams under the contact forces.
     #[error(transparent)]
     Statics(#[from] StaticsError),
+    /// The lattice in rapier, without the object.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
 }
 
-/// Runs several scenes in parallel, each with its number of segments a plate member. Noise is that of each scene's camera, or
+/// Runs several scenes in parallel, each with its number of segments a plate member, or on a lattice fine enough. Noise is that of each scene's camera, or
 /// `noise_mm` for a scene without; `samples` noise samples are taken of each step.
 ///
 /// # Errors
 /// [`SceneStudyError`] for an outline that is none, or if beams have no equilibrium under contact forces that the lattice carries.
 pub fn run_all(
-    scenes: &[(SceneWithOutline, usize)],
+    scenes: &[(SceneWithOutline, Option<usize>)],
     noise_mm: f64,
     samples: usize,
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<SceneStudy>, SceneStudyError> {
-    let run = |(SceneWithOutline { scene, corners }, fineness): &(SceneWithOutline, usize)| {
+    let run = |(SceneWithOutline { scene, corners }, fineness): &(SceneWithOutline, Option<usize>)| {
         // A free object is for a gripper.
         let is_pressed = |object: &&ObjectDescription| !matches!(object.motion, ObjectMotion::Free { .. });
         let Some(object) = scene.object.as_ref().filter(is_pressed) else { return Ok(None) };
-        let prepared = ContactScene::new(scene, object, corners)?.with_fineness(*fineness);
+        let prepared = ContactScene { fineness: *fineness, ..ContactScene::new(scene, object, corners)? };
         let noise_mm = scene.noise_mm.unwrap_or(noise_mm);
         SceneStudy::run(&scene.name, &prepared, noise_mm, samples, done).map(Some)
     };
@@ -129,7 +134,8 @@ impl SceneStudy {
     /// Runs a prepared scene, and takes `samples` noise samples of each step; `done` is called after every step.
     ///
     /// # Errors
-    /// [`SceneStudyError::Statics`] if beams do not carry what the lattice does. A step that does not settle ends the scene.
+    /// [`SceneStudyError::Statics`] if beams have no equilibrium under contact forces that the lattice carries. A step without equilibrium
+    /// ends the scene instead.
     pub fn run(
         name: &str,
         scene: &ContactScene,
@@ -139,16 +145,19 @@ impl SceneStudy {
     ) -> Result<SceneStudy, SceneStudyError> {
         let (mut steps, mut rows) = (Vec::new(), Vec::new());
         let mut noise = Noise::new(1);
-        let stopped = scene
-            .run(|step| {
-                let clean = scene.sense(&step, 0.0, || 0.0);
-                let noisy = scene.sense(&step, noise_mm, || noise.standard_normal());
-                rows.extend(force_rows(scene, steps.len() + 1, &step, noisy.as_ref().ok().and_then(Option::as_ref)));
-                steps.push(StudiedStep { step, clean, noisy, samples: None });
-                done();
-            })
-            .err();
-        let friction = scene.object().rigid.friction;
+        let (mut fineness, mut stopped) = (scene.fineness.unwrap_or(FINENESS), None);
+        let run = scene.run(|step| {
+            let clean = scene.sense(&step, 0.0, || 0.0);
+            let noisy = scene.sense(&step, noise_mm, || noise.standard_normal());
+            rows.extend(force_rows(scene, steps.len() + 1, &step, noisy.as_ref().ok().and_then(Option::as_ref)));
+            steps.push(StudiedStep { step, clean, noisy, samples: None });
+            done();
+        });
+        match run {
+            Ok(refinement) => fineness = refinement.fineness,
+            Err(error) => stopped = Some(error),
+        }
+        let friction = scene.object().friction;
         let compared = |studied: &StudiedStep| {
             let touches = &studied.step.pressed.touches;
             if friction > 0.0 || touches.iter().all(|touch| touch.clamped) {
@@ -158,6 +167,13 @@ impl SceneStudy {
             Ok(Some(difference(&beams, &studied.step.pressed.shape)))
         };
         let beams_differences = steps.iter().map(compared).collect::<Result<_, StaticsError>>()?;
+        let verified = match scene.fineness {
+            Some(fineness) => {
+                let steps: Vec<SceneStep> = steps.iter().map(|studied| studied.step.clone()).collect();
+                scene.verify(&steps, fineness)?
+            }
+            None => scene.verify(&scene.press(FINENESS).0, FINENESS)?,
+        };
         if noise_mm > 0.0 {
             for (number, studied) in steps.iter_mut().enumerate() {
                 let first_seed = SEEDS_A_STEP * (number as u64 + 1);
@@ -166,7 +182,7 @@ impl SceneStudy {
         }
         Ok(SceneStudy {
             name: name.to_owned(),
-            fineness: scene.fineness(),
+            fineness,
             friction,
             length_mm: scene.finger().plate_length_mm(Plate::Front),
             noise_mm,
@@ -175,6 +191,7 @@ impl SceneStudy {
             rows,
             stopped,
             beams_differences,
+            verified,
         })
     }
 }

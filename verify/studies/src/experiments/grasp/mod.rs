@@ -29,7 +29,7 @@ use course::Course;
 use finray_lattice::grasp::{Account, TouchedBody, World, WorldError, surface::Shape};
 use finray_model::estimators::network::Networks;
 use finray_model::keys::{GRASP, GRIPPER, OBJECT, SceneTable};
-use finray_model::scene::{GraspDescription, ObjectMotion, Outline};
+use finray_model::scene::{GraspDescription, ObjectMotion};
 use rapier2d::parry::query::intersection_test;
 use rapier2d::parry::shape::Triangle;
 use rapier2d::prelude::{Pose, Vector as EngineVector};
@@ -149,11 +149,7 @@ impl GraspScene {
         let object = scene.object.clone().ok_or_else(|| missing(&OBJECT, OBJECT.with(&keys)))?;
         let ObjectMotion::Free { mass_g, centre_mm } = object.motion else { return Err(GraspError::NotFree) };
         let outline = TurnedOutline::new(&ObjectDescription { rotation_deg: 0.0, ..object.clone() }, corners)?;
-        let shape = match (&object.outline, &outline) {
-            (Outline::Disc { radius_mm }, _) => Shape::disc(*radius_mm),
-            (_, TurnedOutline::Polygon(corners)) => Shape::polygon(corners),
-            (_, TurnedOutline::Disc(radius_mm)) => Shape::disc(*radius_mm),
-        };
+        let shape = outline.shape();
         let down = grasp.gravity_m_s2.try_normalize(0.0);
         if let Some(down) = down.filter(|_| grasp.support.is_some()) {
             let depth = |point: &Vector| point.dot(&down);
@@ -223,7 +219,7 @@ impl GraspScene {
 
     /// Which of two fingers the object lies across at the start, by the triangle of middle lines: what the front meets is outside.
     fn finger_across(&self, placements: &[Placement]) -> Option<usize> {
-        let object = self.outline.shape().ok()?;
+        let object = self.outline.engine_shape().ok()?;
         let engine = |point: Vector| EngineVector::new(point.x, point.y);
         let start = Pose::new(engine(self.centre_mm), self.object.rotation_deg.to_radians());
         let length_mm = self.scene.finger.plate_length_mm(Plate::Front);

@@ -34,7 +34,7 @@ fn an_object_that_the_finger_lets_go_is_said_so() {
     for (object, too_much_n) in [at_tip, in_middle] {
         let pressed = |force_n: f64| {
             let scene = scene(&format!("shape = \"disc\"\n{object}\nforce_n = {force_n:?}\nsteps = 1"));
-            prepared(&scene).with_fineness(COARSE).run(|_| ())
+            prepared(&scene).with_fineness(COARSE).run(|_| ()).map(|_| ())
         };
         let outcome = pressed(too_much_n);
         let Err(LatticeError::LetGo { touched_n: Some(touched_n) }) = outcome else { panic!("{object}: {outcome:?}") };
@@ -71,6 +71,6 @@ fn a_free_object_is_not_pressed() {
     let refused = finray_studies::experiments::contact_scene::ContactScene::new(&scene, &object, &[]);
     assert_eq!(refused.err(), Some(finray_studies::experiments::contact_scene::OutlineError::Free));
     let given = finray_studies::experiments::contact_scene::study::SceneWithOutline { scene, corners: Vec::new() };
-    let studies = finray_studies::experiments::contact_scene::study::run_all(&[(given, 1)], 0.0, 0, &|| ());
+    let studies = finray_studies::experiments::contact_scene::study::run_all(&[(given, Some(1))], 0.0, 0, &|| ());
     assert!(studies.expect("nothing to study").is_empty());
 }

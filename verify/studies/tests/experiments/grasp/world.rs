@@ -1,67 +1,17 @@
-//! Equilibria of fingers and object: against rapier, which presses an object onto one finger, and against the laws that any equilibrium keeps.
+//! Equilibria of fingers and object against the laws that any equilibrium keeps.
 
 use super::energy::object;
 use finray_lattice::Lattice;
 use finray_lattice::grasp::surface::Shape;
 use finray_lattice::grasp::{Drive, GraspFailure, TouchedBody, World};
-use finray_lattice::pressing::{Pressing, Push};
 use finray_model::gripper::Placement;
 use finray_model::scene::{ObjectMotion, Outline};
 use finray_model::{Scene, Vector};
-use finray_studies::experiments::contact_scene::PreparedObject;
 use finray_studies::experiments::grasp::{Eyes, GraspEnd, GraspScene, GraspStep, Phase};
 use std::f64::consts::FRAC_PI_2;
 
-/// Segments a plate member: the comparison is of two ways to the same equilibrium of the same lattice.
+/// Segments a plate member.
 const FINENESS: usize = 2;
-
-/// A disc pressed onto one finger with 5 N: what rapier settles to, and what is solved for with the force as weight and the guide of rapier's hand as a
-/// smooth support beside the disc, which a newton presses against it.
-#[test]
-fn a_pressed_disc_is_held_as_rapier_has_it() {
-    const FORCE_N: f64 = 5.0;
-    let scene = Scene::from_toml(finray_fixtures::DISC_SCENE).unwrap();
-    let object = scene.object.clone().unwrap();
-    assert!(matches!(object.motion, ObjectMotion::Press { .. }));
-    let prepared = PreparedObject::new(&scene, &object, &[]).unwrap();
-    let lattice = Lattice::new(&scene.finger, FINENESS).unwrap();
-    let PreparedObject { rigid, start, along, .. } = &prepared;
-    let mut pressing = Pressing::new(&lattice, scene.contact.rod_radius_mm, rigid, *start, *along).unwrap();
-    let settled = pressing.push(Push::With(FORCE_N)).unwrap();
-
-    // On the side from which the hand guides.
-    let guided = settled.hand_force - along * settled.hand_force.dot(along);
-    let (radius_mm, away) = (20.0, guided.normalize());
-    let wall = Some((start - away * radius_mm, away));
-    let drive = |share: f64| Drive {
-        placements: vec![Placement::IDENTITY],
-        weight: along * (FORCE_N * share) - away,
-        gripper: Vector::zeros(),
-    };
-    let object = [start.x, start.y, 0.0];
-    let mut world =
-        World::new(&[&lattice], scene.contact.rod_radius_mm, (Shape::disc(radius_mm), 0.0), object, drive(0.0), wall)
-            .unwrap();
-    for step in 0..=5 {
-        world.advance(&drive(f64::from(step) / 5.0)).unwrap();
-    }
-    let contacts = world.contacts();
-    let touches: Vec<_> = contacts.iter().filter_map(|contact| contact.touch).collect();
-    // Rapier's rest is known to 2e-5 of the largest displacement a look; friction-free forces follow from it.
-    assert_eq!(touches.len(), settled.touches.len());
-    for (ours, theirs) in touches.iter().zip(&settled.touches) {
-        assert_eq!(ours.part, theirs.part);
-        assert!((ours.force - theirs.force).norm() <= 2e-3 * FORCE_N, "{:?} and {:?}", ours.force, theirs.force);
-    }
-    let shape = world.finger_shape(0);
-    let largest_mm = settled.shape.largest_displacement_mm();
-    for (ours, theirs) in shape.motions().iter().zip(settled.shape.motions()) {
-        assert!((ours.displacement - theirs.displacement).norm() <= 1e-3 * largest_mm);
-    }
-    let support: Vector =
-        contacts.iter().filter(|contact| contact.partner == TouchedBody::Support).map(|contact| contact.force).sum();
-    assert!((support - away - guided).norm() <= 2e-3 * FORCE_N, "{support} and {guided}");
-}
 
 fn grasp(text: &str) -> GraspScene {
     GraspScene::new(&Scene::from_toml(text).unwrap(), &[]).unwrap().with_fineness(FINENESS)

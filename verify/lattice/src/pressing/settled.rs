@@ -1,73 +1,25 @@
-//! An object pressed onto the lattice in rapier.
+//! An object pressed onto the lattice in rapier: the verification of equilibria.
 //!
-//! The object is a rigid body that does not turn. It touches the [`skin`](super::skin) of the front plate; neither the other
-//! plate, nor the finger itself, touches anything. It hangs in a hand by stiff springs; where the hand moves, the object
-//! follows until the finger holds against it. So three forces are known that nothing forces to agree: what the engine's
-//! contacts carry, what the hand's springs do, and what the lattice's springs put on the clamps.
+//! The object is a rigid body that does not turn. It touches the [`skin`](crate::skin) of the front plate; neither the other
+//! plate, nor the finger itself, touches anything. A hand puts it where it is told, or pulls it, and then guides it across its line by stiff springs.
 //!
-//! Every step comes to rest as in [`settling`], from the step before.
+//! Every step comes to rest as in [`settling`], from the step before, or from an equilibrium that is to be verified. Without friction both end where
+//! Newton's method does. With friction rest is not unique: friction is then what the engine's motion left, anywhere within its cone. So an equilibrium
+//! with friction is verified from where it was found: rapier, with its own contacts, must stay there.
 
-use super::bodies::BodyLoad;
-use super::energy::{BodyMotion, Energy};
-use super::settling::{self, Dynamics, mass_for, own, rapier};
-use super::skin::{Skin, Touch, TouchedPart, add_skin, groups_of_object};
-use super::springs::BodyIndex;
-use super::{Lattice, LatticeError};
+use super::{Pressed, Push};
+use crate::energy::{BodyMotion, Energy};
+use crate::settling::{self, Dynamics, mass_for, own, rapier};
+use crate::skin::{Skin, Touch, TouchedPart, add_skin, groups_of_object};
+use crate::springs::BodyIndex;
+use crate::{Lattice, LatticeError};
 use finray_model::Vector;
 use finray_model::finger::{Part, Plate};
-use finray_model::mesh::{FingerShape, Load};
+use finray_model::mesh::Load;
 use rapier2d::prelude::{
-    CoefficientCombineRule, ColliderBuilder, ColliderHandle, GenericJointBuilder, ImpulseJointHandle, JointAxesMask,
-    JointAxis, MotorModel, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, SolverContact,
+    CoefficientCombineRule, ColliderBuilder, ColliderHandle, GenericJointBuilder, JointAxesMask, JointAxis, MotorModel,
+    Pose, RigidBodyBuilder, RigidBodyHandle, RigidBodyType, SharedShape, SolverContact,
 };
-
-/// Drive of the object along the line that it is pressed on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Push {
-    /// The hand stands where the object is wanted, finger frame, mm.
-    To(Vector),
-    /// The hand pulls with a force, N; across the line it guides the object.
-    With(f64),
-}
-
-/// Finger and object at rest.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Pressed {
-    /// Motion of the key nodes.
-    pub shape: FingerShape,
-    /// Where the object's own point is, finger frame, mm.
-    pub object: Vector,
-    /// Where the object pushes on the finger.
-    pub touches: Vec<Touch>,
-    /// Force of the hand on the object, N.
-    pub hand_force: Vector,
-    /// Force of the lattice's springs, and of the object where it touches a clamped part, on the clamps, N.
-    pub base_force: Vector,
-    /// Moment of the same about the origin, N mm.
-    pub base_moment_nmm: f64,
-    /// Steps taken.
-    pub steps: usize,
-}
-
-impl Pressed {
-    /// Force of all touches on the finger, N.
-    pub fn contact_force(&self) -> Vector {
-        self.touches.iter().map(|touch| touch.force).sum()
-    }
-
-    /// How far contact forces are from balance with the hand's and with those on the clamps, as a share of their sum; `None` where
-    /// nothing touches.
-    pub fn imbalance(&self) -> Option<f64> {
-        let contact = self.contact_force();
-        let off = |other: Vector| (contact - other).norm() / contact.norm();
-        (!self.touches.is_empty()).then(|| off(self.hand_force).max(off(self.base_force)))
-    }
-
-    /// Moment of all touches about the origin, N mm.
-    pub fn contact_moment_nmm(&self) -> f64 {
-        self.touches.iter().map(|touch| touch.point.perp(&touch.force)).sum()
-    }
-}
 
 /// The pressed object: a shape, turned, with friction.
 #[derive(Debug, Clone)]
@@ -79,16 +31,15 @@ pub struct RigidObject {
 }
 
 /// A lattice with an object in front of it.
-pub struct Pressing<'l> {
+pub struct EnginePressing<'l> {
     lattice: &'l Lattice,
     dynamics: Dynamics<'l>,
     object: RigidBodyHandle,
     collider: ColliderHandle,
     hand: RigidBodyHandle,
-    holder: ImpulseJointHandle,
     /// The part of the finger that each of its colliders stands for, by the collider's user data.
     parts: Vec<(BodyIndex, Skin)>,
-    /// Stiffness of the hand, N/mm.
+    /// Stiffness with which the hand guides an object that it pulls, N/mm.
     stiffness: f64,
     /// Direction of the line that the object is pressed along; a unit vector.
     along: Vector,
@@ -100,16 +51,6 @@ pub struct Pressing<'l> {
     last: Push,
     /// Pull under which the object last touched the finger, N.
     touched_n: Option<f64>,
-}
-
-/// A share of the way from one push to another.
-fn between(from: Push, to: Push, share: f64) -> Push {
-    match (from, to) {
-        (Push::To(from), Push::To(to)) => Push::To(from + (to - from) * share),
-        (Push::With(from), Push::With(to)) => Push::With(from + (to - from) * share),
-        (Push::To(_), Push::With(to)) => Push::With(to * share),
-        (Push::With(_), Push::To(to)) => Push::To(to),
-    }
 }
 
 /// From this distance on, as a share of the front plate's length, the engine looks after a contact to come. No body may move by
@@ -132,7 +73,7 @@ const PROBE: f64 = 1e-3;
 /// A force, N, under which every finger is linear.
 const TINY_N: f64 = 1e-9;
 
-impl<'l> Pressing<'l> {
+impl<'l> EnginePressing<'l> {
     /// Puts the object where it does not yet touch; it is going to be pressed along the unit vector `along`.
     ///
     /// # Errors
@@ -144,7 +85,7 @@ impl<'l> Pressing<'l> {
         object: &RigidObject,
         start: Vector,
         along: Vector,
-    ) -> Result<Pressing<'l>, LatticeError> {
+    ) -> Result<EnginePressing<'l>, LatticeError> {
         let assembly = lattice.assembly();
         let length_mm = lattice.finger().plate_length_mm(Plate::Front);
         let (watch, middle_stiffness) = slowest_motion(lattice)?;
@@ -169,14 +110,13 @@ impl<'l> Pressing<'l> {
         let world = &mut dynamics.world;
         let collider = world.colliders.insert_with_parent(collider, body, &mut world.bodies);
         let mut joint = GenericJointBuilder::new(JointAxesMask::empty());
-        for axis in [JointAxis::LinX, JointAxis::LinY] {
-            joint = joint.motor_model(axis, MotorModel::ForceBased).motor_position(axis, 0.0, stiffness, 0.0);
-        }
+        let across = JointAxis::LinY;
+        joint = joint.motor_model(across, MotorModel::ForceBased).motor_position(across, 0.0, stiffness, 0.0);
         let mut joint = joint.build();
         let turn = along.y.atan2(along.x);
         joint.local_frame1 = Pose::new(rapier(Vector::zeros()), turn);
         joint.local_frame2 = joint.local_frame1;
-        let holder = world.impulse_joints.insert(hand, body, joint, true);
+        world.impulse_joints.insert(hand, body, joint, true);
         world.detect_collisions(&(), &());
         let overlap_mm = world
             .narrow_phase
@@ -190,13 +130,12 @@ impl<'l> Pressing<'l> {
         let way_mm = length_mm * if object.friction > 0.0 { WAY_WITH_FRICTION } else { WAY };
         let pace = (way_mm, way_mm * middle_stiffness);
         let last = Push::To(start);
-        Ok(Pressing {
+        Ok(EnginePressing {
             lattice,
             dynamics,
             object: body,
             collider,
             hand,
-            holder,
             parts,
             stiffness,
             along,
@@ -217,7 +156,7 @@ impl<'l> Pressing<'l> {
         // Steps without touch of a pulled object that the finger held before.
         let mut untouched = None;
         for step in 1..=steps {
-            let at = between(from, push, step as f64 / steps as f64);
+            let at = from.towards(push, step as f64 / steps as f64);
             self.drive(at);
             self.dynamics.damped_step(&[]);
             let Push::With(force_n) = at else { continue };
@@ -242,16 +181,34 @@ impl<'l> Pressing<'l> {
     /// [`LatticeError::LetGo`] if the finger no longer holds against a force, [`LatticeError::NotSettled`] if it does not rest.
     pub fn push(&mut self, push: Push) -> Result<Pressed, LatticeError> {
         let steps = self.pass(push)?;
-        let stiffness = self.drive(push);
-        let pull_n = if let Push::With(force_n) = push { force_n } else { 0.0 };
-        let steps = self.settle(push, steps)?;
+        self.rest(push, steps)
+    }
 
+    /// Puts finger and object where they were found under a push, and lets everything come to rest.
+    ///
+    /// # Errors
+    /// As of [`push`](Self::push).
+    pub fn hold(&mut self, found: &Pressed, push: Push) -> Result<Pressed, LatticeError> {
+        self.dynamics.place(&found.motions);
+        self.dynamics.world.bodies[self.object].set_translation(rapier(found.object), true);
+        self.last = push;
+        self.rest(push, 0)
+    }
+
+    /// Lets everything come to rest, after so many steps.
+    fn rest(&mut self, push: Push, steps: usize) -> Result<Pressed, LatticeError> {
+        self.drive(push);
+        self.settle(push, steps)?;
         let motions = self.dynamics.motions();
         let touches = self.touches(&motions);
         let object = own(self.dynamics.world.bodies[self.object].translation());
-        let elongation = own(self.dynamics.world.bodies[self.hand].translation()) - object;
-        let across = elongation - self.along * elongation.dot(&self.along);
-        let hand_force = across * self.stiffness + self.along * (elongation.dot(&self.along) * stiffness + pull_n);
+        let hand_force = match push {
+            Push::To(_) => touches.iter().map(|touch| touch.force).sum(),
+            Push::With(force_n) => {
+                let off = own(self.dynamics.world.bodies[self.hand].translation()) - object;
+                (off - self.along * off.dot(&self.along)) * self.stiffness + self.along * force_n
+            }
+        };
         let energy = Energy::new(self.lattice.assembly());
         let base = energy.stiff_base();
         let (mut base_force, mut base_moment_nmm) = energy.on_bodies(&motions, &base);
@@ -260,7 +217,7 @@ impl<'l> Pressing<'l> {
             base_moment_nmm += touch.point.perp(&touch.force);
         }
         let shape = self.lattice.shape(&motions);
-        Ok(Pressed { shape, object, touches, hand_force, base_force, base_moment_nmm, steps })
+        Ok(Pressed { shape, motions, object, touches, hand_force, base_force, base_moment_nmm })
     }
 
     fn lets_go(&self) -> LatticeError {
@@ -299,24 +256,20 @@ impl<'l> Pressing<'l> {
         (way * self.watch as f64).ceil() as usize
     }
 
-    /// Drives hand and object; the stiffness of the hand along the line, N/mm.
-    fn drive(&mut self, push: Push) -> f64 {
-        let world = &mut self.dynamics.world;
-        let (stiffness, pull_n) = match push {
-            Push::To(position) => {
-                world.bodies[self.hand].set_translation(rapier(position), true);
-                (self.stiffness, 0.0)
-            }
-            Push::With(force_n) => (0.0, force_n),
-        };
-        if let Some(joint) = world.impulse_joints.get_mut(self.holder, true) {
-            // A motor without stiffness would hold the object all the same.
-            joint.data.motor_axes.set(JointAxesMask::LIN_X, stiffness > 0.0);
-        }
-        let object = &mut world.bodies[self.object];
+    /// Puts the object where the hand has it, or lets the hand pull it.
+    fn drive(&mut self, push: Push) {
+        let object = &mut self.dynamics.world.bodies[self.object];
         object.reset_forces(true);
-        object.add_force(rapier(self.along * pull_n), true);
-        stiffness
+        match push {
+            Push::To(position) => {
+                object.set_body_type(RigidBodyType::KinematicPositionBased, true);
+                object.set_next_kinematic_translation(rapier(position));
+            }
+            Push::With(force_n) => {
+                object.set_body_type(RigidBodyType::Dynamic, true);
+                object.add_force(rapier(self.along * force_n), true);
+            }
+        }
     }
 
     /// Whether the object pushes on the finger.
@@ -392,27 +345,4 @@ fn slowest_motion(lattice: &Lattice) -> Result<(usize, f64), LatticeError> {
     let probe_n = PROBE * finger.plate_length_mm(Plate::Front) * stiffness;
     let loads = lattice.body_loads(&[push(probe_n)])?;
     Ok((Dynamics::new(lattice.assembly()).settle(&loads, settling::MOST_STEPS)?.watch, stiffness))
-}
-
-impl Lattice {
-    /// Shape of least energy under the forces of touches, kept as they are: if these are right, the shape in which they
-    /// were found. Newton's method knows nothing of contact, engine or object.
-    ///
-    /// # Errors
-    /// [`LatticeError::NoEquilibrium`] where there is none.
-    pub fn equilibrium_under(&self, touches: &[Touch]) -> Result<FingerShape, LatticeError> {
-        let load = |touch: &Touch| BodyLoad {
-            body: touch.body,
-            force: touch.force,
-            share: 1.0,
-            lever: touch.arm,
-            moment_nmm: 0.0,
-        };
-        let loads: Vec<BodyLoad> = touches.iter().map(load).collect();
-        let mut motions = vec![BodyMotion::default(); self.assembly.bodies.len()];
-        Energy::new(&self.assembly)
-            .follow(&mut motions, &loads, 0.0, 1.0)
-            .map_err(|lost| LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction })?;
-        Ok(self.shape(&motions))
-    }
 }

@@ -1,0 +1,110 @@
+//! Lattices fine enough for a scene: the segments of the plate are halved until no total changes.
+
+use super::{ContactScene, SceneStep};
+use crate::prelude::*;
+use finray_lattice::pressing::{Pressing, Push};
+
+/// Change of a total, as a share of it, from one lattice to one twice as fine, up to which the finer one is fine enough.
+pub const TOTAL_TOLERANCE: f64 = 1e-3;
+/// A total below this share of the scene's largest is judged by that share of the largest.
+const SMALL: f64 = 0.1;
+/// Segments of the front plate in the first lattice, whatever its members.
+const FIRST_SEGMENTS: usize = 36;
+/// Segments of the front plate in the finest lattice.
+const MOST_SEGMENTS: usize = 600;
+
+/// The lattice that the steps of a scene are of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Refinement {
+    /// Segments in a plate member of mean length.
+    pub fineness: usize,
+    /// Largest change of a total from the lattice of half this fineness; none if there was none.
+    pub change: Option<TotalChange>,
+}
+
+/// By how much the total of a step differs between two lattices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TotalChange {
+    /// Number of the step, from 1.
+    pub step: usize,
+    /// Share of the total.
+    pub share: f64,
+}
+
+impl TotalChange {
+    /// The largest from a lattice to a finer one. A step that only one of them reaches changes by all.
+    pub fn largest(coarse: &[SceneStep], fine: &[SceneStep]) -> Option<TotalChange> {
+        let largest_n = fine.iter().map(|step| step.total_n().abs()).fold(0.0, f64::max);
+        let share = |(coarse, fine): (&SceneStep, &SceneStep)| {
+            let change_n = (coarse.total_n() - fine.total_n()).abs();
+            if change_n == 0.0 { 0.0 } else { change_n / fine.total_n().abs().max(SMALL * largest_n) }
+        };
+        let shares = coarse.iter().zip(fine).map(share);
+        let changes = shares.enumerate().map(|(index, share)| TotalChange { step: index + 1, share });
+        let missing =
+            (coarse.len() != fine.len()).then_some(TotalChange { step: coarse.len().min(fine.len()) + 1, share: 1.0 });
+        changes.chain(missing).max_by(|a, b| a.share.total_cmp(&b.share))
+    }
+}
+
+/// Steps up to the end, or to an error.
+pub(super) type Pressed = (Vec<SceneStep>, Option<LatticeError>);
+
+impl ContactScene {
+    /// Runs the scene; `each` is handed every step. Without a fineness that was asked for, the segments of the lattice are halved until no total changes
+    /// by more than [`TOTAL_TOLERANCE`], or they are as short as they may be.
+    ///
+    /// # Errors
+    /// [`LatticeError`] if the object does not start outside the finger, or a step has no equilibrium: the steps before were handed out.
+    pub fn run(&self, mut each: impl FnMut(SceneStep)) -> Result<Refinement, LatticeError> {
+        let members = self.finger().rib_count() + 1;
+        let mut fineness = self.fineness.unwrap_or_else(|| FIRST_SEGMENTS.div_ceil(members));
+        let (mut steps, mut stopped) = self.press(fineness);
+        let (mut change, mut finer) = (None, 2 * fineness);
+        while self.fineness.is_none() && finer * members <= MOST_SEGMENTS {
+            let (their_steps, their_end) = self.press(finer);
+            let their_change = TotalChange::largest(&steps, &their_steps);
+            // A step can fail on one lattice alone, where contacts are about to change.
+            if their_steps.len() >= steps.len() {
+                (steps, stopped, fineness, change) = (their_steps, their_end, finer, their_change);
+            }
+            if their_change.is_none_or(|change| change.share <= TOTAL_TOLERANCE) {
+                break;
+            }
+            finer *= 2;
+        }
+        steps.into_iter().for_each(&mut each);
+        stopped.map_or(Ok(Refinement { fineness, change }), Err)
+    }
+
+    /// Presses the object onto a lattice of some fineness.
+    pub(super) fn press(&self, fineness: usize) -> Pressed {
+        let mut steps = Vec::new();
+        let outcome = self.press_each(fineness, &mut steps);
+        (steps, outcome.err())
+    }
+
+    fn press_each(&self, fineness: usize, pressed: &mut Vec<SceneStep>) -> Result<(), LatticeError> {
+        let lattice = Lattice::new(self.finger(), fineness)?;
+        let object = (self.object.outline.shape(), self.object.friction);
+        let (start, rod_radius_mm) = (self.object.start, self.scene.contact.rod_radius_mm);
+        let mut pressing = Pressing::new(&lattice, rod_radius_mm, object, start, self.object.along)?;
+        let (mut travel_mm, mut last) = (0.0, start);
+        for step in &self.object.steps {
+            for &corner in &step.corners {
+                pressing.pass(Push::To(corner))?;
+                travel_mm += (corner - last).norm();
+                last = corner;
+            }
+            let found = pressing.push(step.end)?;
+            travel_mm += (found.object - last).norm();
+            last = found.object;
+            let baseline_mm =
+                |touch: &_| super::baseline_mm(self.finger(), rod_radius_mm, &self.object.outline, found.object, touch);
+            let contacts = super::seen_contacts(&lattice, &found.touches, baseline_mm);
+            let stopped_mm = if let Push::To(told) = step.end { (told - found.object).norm() } else { 0.0 };
+            pressed.push(SceneStep { travel_mm, stopped_mm, along: step.along, contacts, pressed: found });
+        }
+        Ok(())
+    }
+}
