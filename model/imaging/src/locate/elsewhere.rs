@@ -4,90 +4,21 @@
 //! the markers are named at the least cost is it.
 
 use super::LocateError;
+use super::finger_placement::FingerPlacement;
 use super::naming::{Candidate, Marked, Names, NamingError, name_at_cost};
 use finray_model::camera::{Camera, Pixel};
 use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
-use nalgebra::{Complex, Rotation2};
 
 /// Ribs from the base that propose a place where the clamped markers are hidden, and standard deviation of the base then, as a share of the
 /// length of the plate up to the rib: it bends.
 const PROPOSING: usize = 2;
 const BEND_SHARE: f64 = 0.2;
-/// Sizes that are looked for: markers of others are not measured.
-const SCALES: std::ops::Range<f64> = 0.4..2.5;
 /// How far the next markers along the plates may be from where a proposal has them, as a share of their distance from the base.
 const BENT: f64 = 0.35;
 /// Another place must cost less than the scene's by as much as this, which is more than two hidden markers cost, and name this share of the markers.
 const GAIN: f64 = 13.0;
 const LEAST_NAMED: f64 = 0.65;
-/// Turns, deg, sizes and distances, mm, that are worth a word.
-const TURN_DEG: f64 = 1.0;
-const SCALE: f64 = 0.01;
-const SHIFT_MM: f64 = 1.0;
-
-/// Where the finger is seen, against where the scene's camera has it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Elsewhere {
-    /// Whether it is seen as in a mirror.
-    pub is_mirrored: bool,
-    /// Turn in its plane, rad; of a mirrored one, after it was mirrored about its x axis.
-    pub turn_rad: f64,
-    /// How many times as large it is.
-    pub scale: f64,
-    /// Where the origin of its frame is seen, mm.
-    pub origin: Vector,
-}
-
-impl std::fmt::Display for Elsewhere {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        let turn_deg = self.turn_rad.to_degrees().abs();
-        let mut parts = Vec::new();
-        if self.is_mirrored {
-            parts.push("mirrored".to_owned());
-        }
-        if turn_deg > TURN_DEG {
-            parts.push(format!("turned by {turn_deg:.0} degrees"));
-        }
-        if (self.scale - 1.0).abs() > SCALE {
-            parts.push(format!("{:.2} times as large", self.scale));
-        }
-        if self.origin.norm() > SHIFT_MM {
-            parts.push(format!("its base displaced by {:.1} mm", self.origin.norm()));
-        }
-        write!(f, "{}", parts.join(", "))
-    }
-}
-
-impl Elsewhere {
-    /// The place at which two points of the finger frame are seen at two others; `None` where either two coincide.
-    fn through(ends: [Vector; 2], seen: [Vector; 2], is_mirrored: bool) -> Option<Elsewhere> {
-        let [from, to] = ends.map(|end| mirrored(&end, is_mirrored));
-        let [along, seen_along] = [to - from, seen[1] - seen[0]].map(|step| Complex::new(step.x, step.y));
-        let ratio = seen_along / along;
-        let (scale, turn_rad) = (ratio.norm(), ratio.arg());
-        let origin = seen[0] - Rotation2::new(turn_rad) * from * scale;
-        SCALES.contains(&scale).then_some(Elsewhere { is_mirrored, turn_rad, scale, origin })
-    }
-
-    /// A point in the finger frame.
-    fn to_finger(self, seen: &Vector) -> Vector {
-        let turned = Rotation2::new(-self.turn_rad) * (seen - self.origin) / self.scale;
-        mirrored(&turned, self.is_mirrored)
-    }
-
-    /// Whether it is another place than the scene's.
-    fn is_other(&self) -> bool {
-        self.is_mirrored
-            || self.turn_rad.to_degrees().abs() > TURN_DEG
-            || (self.scale - 1.0).abs() > SCALE
-            || self.origin.norm() > SHIFT_MM
-    }
-}
-
-fn mirrored(at: &Vector, is_mirrored: bool) -> Vector {
-    if is_mirrored { Vector::new(at.x, -at.y) } else { *at }
-}
 
 /// What an image may have been through: signs of u and v about its middle.
 const FLIPS: [(&str, [f64; 2]); 3] = [
@@ -131,7 +62,7 @@ impl Scenery<'_> {
         if let Some((_, name)) = flips.min_by(|a, b| a.0.total_cmp(&b.0)) {
             return Some(LocateError::Flipped(name));
         }
-        let mut best: Option<(f64, Elsewhere)> = None;
+        let mut best: Option<(f64, FingerPlacement)> = None;
         for (ends, sd_mm) in proposing_ends(finger) {
             for place in places(finger, &candidates, ends) {
                 let to_finger = |candidate: &Candidate| Candidate { at: place.to_finger(&candidate.at), ..*candidate };
@@ -171,7 +102,7 @@ fn proposing_ends(finger: &Finger) -> Vec<([NodeId; 2], f64)> {
 }
 
 /// Places at which two candidates are two nodes, and the next markers along the plates are about where they must be.
-fn places(finger: &Finger, candidates: &[Candidate], ends: [NodeId; 2]) -> Vec<Elsewhere> {
+fn places(finger: &Finger, candidates: &[Candidate], ends: [NodeId; 2]) -> Vec<FingerPlacement> {
     let at = ends.map(|node| finger.marker_position(node));
     let next = (0..finger.rib_count().min(PROPOSING)).flat_map(|rib| {
         let reach = BENT * finger.plate_positions_mm(Plate::Front)[rib + 1];
@@ -186,7 +117,7 @@ fn places(finger: &Finger, candidates: &[Candidate], ends: [NodeId; 2]) -> Vec<E
     for front in of_side(0) {
         for back in of_side(1).filter(|back| back.at != front.at) {
             for is_mirrored in [false, true] {
-                let Some(place) = Elsewhere::through(at, [front.at, back.at], is_mirrored) else { continue };
+                let Some(place) = FingerPlacement::through(at, [front.at, back.at], is_mirrored) else { continue };
                 let is_seen = |(side, at, reach): &(usize, Vector, f64)| {
                     of_side(*side).any(|candidate| (place.to_finger(&candidate.at) - at).norm() < *reach)
                 };

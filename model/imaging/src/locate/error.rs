@@ -2,8 +2,8 @@
 
 use super::blobs::LEAST_RADIUS_PX;
 use super::disc::LARGEST_BLUR;
-use super::together::LARGEST_MOTION;
-use super::{Elsewhere, GreyMarker, NamingError};
+use super::motion::LARGEST_MOTION;
+use super::{FingerPlacement, GreyMarker, NamingError};
 use finray_model::camera::ViewError;
 
 /// Why an image shows no finger.
@@ -64,7 +64,7 @@ pub enum LocateError {
         "the finger is not where the scene's camera has it: {0}; is the image turned, mirrored or resized, or the pose another one? (--rest finds the pose \
          in an image of the unloaded finger)"
     )]
-    Elsewhere(Elsewhere),
+    Elsewhere(FingerPlacement),
     /// Patches of the markers' colours have another size.
     #[error(
         "markers of this camera have a radius of {expected_px:.1} px, found patches of their colours with {found_px:.1} px: is the image resized, or the \

@@ -8,6 +8,7 @@ mod colour;
 mod disc;
 mod elsewhere;
 mod error;
+mod finger_placement;
 mod motion;
 mod naming;
 mod observer;
@@ -18,8 +19,8 @@ mod rim_locator;
 mod together;
 
 pub use colour::GreyMarker;
-pub use elsewhere::Elsewhere;
 pub use error::{LocateError, LocatorError};
+pub use finger_placement::FingerPlacement;
 pub use naming::NamingError;
 pub use observer::{Observer, ObserverError};
 pub use rest::{Rest, RestError};

@@ -16,6 +16,8 @@ const ROOM: f64 = 1.4;
 /// Directions of the edge over which its gradients are summed, and steps in which the ratio is solved for.
 const DIRECTIONS: usize = 32;
 const STEPS: usize = 50;
+/// Largest blur of a motion, as a share of a disc's radius: of a larger one up to half is not seen, which no stated standard deviation holds.
+pub(super) const LARGEST_MOTION: f64 = 0.2;
 /// Largest variance of the motion over that of the round blur.
 const MOST: f64 = 1e4;
 

@@ -1,7 +1,7 @@
 //! What the markers of an image have in common: outline, blur, noise, and what compression and lenses do to colours.
 
 use super::disc::{Buffers, ColourShift, Disc, LARGEST_BLUR, Outline, View};
-use super::motion::motion_blur_px;
+use super::motion::{LARGEST_MOTION, motion_blur_px};
 use super::{LocateError, Located};
 use finray_model::scene::Markers;
 use finray_model::{NodeId, Vector};
@@ -17,8 +17,6 @@ const COLOUR_SIGMAS: f64 = 4.0;
 const COLOUR_ROUNDS: usize = 4;
 /// Standard deviation of a coordinate that a motion's blur leaves, as a share of that blur: edges are taken to be as blurred in all directions.
 const MOTION_SD: f64 = 0.1;
-/// Largest blur of a motion, as a share of the radius: a larger one, of which up to half is not seen, is not held by that standard deviation.
-pub(super) const LARGEST_MOTION: f64 = 0.2;
 
 /// What the discs of an image have in common: their outline, and what brightness and colour count.
 #[derive(Debug, Clone, Copy)]

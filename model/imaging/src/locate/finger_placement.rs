@@ -1,0 +1,74 @@
+//! Where an image shows a finger, against where the scene's camera has it.
+
+use finray_model::Vector;
+use nalgebra::{Complex, Rotation2};
+
+/// Sizes that are looked for: markers of others are not measured.
+const SCALES: std::ops::Range<f64> = 0.4..2.5;
+/// Turns, deg, sizes and distances, mm, that are worth a word.
+const TURN_DEG: f64 = 1.0;
+const SCALE: f64 = 0.01;
+const SHIFT_MM: f64 = 1.0;
+
+/// Where the finger is seen, against where the scene's camera has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FingerPlacement {
+    /// Whether it is seen as in a mirror.
+    pub is_mirrored: bool,
+    /// Turn in its plane, rad; of a mirrored one, after it was mirrored about its x axis.
+    pub turn_rad: f64,
+    /// How many times as large it is.
+    pub scale: f64,
+    /// Where the origin of its frame is seen, mm.
+    pub origin: Vector,
+}
+
+impl std::fmt::Display for FingerPlacement {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let turn_deg = self.turn_rad.to_degrees().abs();
+        let mut parts = Vec::new();
+        if self.is_mirrored {
+            parts.push("mirrored".to_owned());
+        }
+        if turn_deg > TURN_DEG {
+            parts.push(format!("turned by {turn_deg:.0} degrees"));
+        }
+        if (self.scale - 1.0).abs() > SCALE {
+            parts.push(format!("{:.2} times as large", self.scale));
+        }
+        if self.origin.norm() > SHIFT_MM {
+            parts.push(format!("its base displaced by {:.1} mm", self.origin.norm()));
+        }
+        write!(f, "{}", parts.join(", "))
+    }
+}
+
+impl FingerPlacement {
+    /// The place at which two points of the finger frame are seen at two others; `None` where either two coincide.
+    pub(super) fn through(ends: [Vector; 2], seen: [Vector; 2], is_mirrored: bool) -> Option<FingerPlacement> {
+        let [from, to] = ends.map(|end| mirrored(&end, is_mirrored));
+        let [along, seen_along] = [to - from, seen[1] - seen[0]].map(|step| Complex::new(step.x, step.y));
+        let ratio = seen_along / along;
+        let (scale, turn_rad) = (ratio.norm(), ratio.arg());
+        let origin = seen[0] - Rotation2::new(turn_rad) * from * scale;
+        SCALES.contains(&scale).then_some(FingerPlacement { is_mirrored, turn_rad, scale, origin })
+    }
+
+    /// A point in the finger frame.
+    pub(super) fn to_finger(self, seen: &Vector) -> Vector {
+        let turned = Rotation2::new(-self.turn_rad) * (seen - self.origin) / self.scale;
+        mirrored(&turned, self.is_mirrored)
+    }
+
+    /// Whether it is another place than the scene's.
+    pub(super) fn is_other(&self) -> bool {
+        self.is_mirrored
+            || self.turn_rad.to_degrees().abs() > TURN_DEG
+            || (self.scale - 1.0).abs() > SCALE
+            || self.origin.norm() > SHIFT_MM
+    }
+}
+
+pub(super) fn mirrored(at: &Vector, is_mirrored: bool) -> Vector {
+    if is_mirrored { Vector::new(at.x, -at.y) } else { *at }
+}
