@@ -7,6 +7,7 @@ use crate::Vector;
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
 use crate::statics::StaticsError;
+use nalgebra::DVectorView;
 
 /// A force known to within this share of itself is far from where its standard deviation would mislead.
 const WELL_KNOWN: f64 = 0.3;
@@ -43,15 +44,22 @@ impl NonlinearEstimator<'_> {
         }
         let least_mm2 = state.linearised.misfit(state.posed(), measurement);
         let axes = estimate.covariance_n2.clone().symmetric_eigen();
-        for (variance_n2, axis) in axes.eigenvalues.iter().zip(axes.eigenvectors.column_iter()) {
+        for (i, (variance_n2, axis)) in axes.eigenvalues.iter().zip(axes.eigenvectors.column_iter()).enumerate() {
             let sd_n = variance_n2.max(0.0).sqrt();
-            let mut widened = Vec::with_capacity(2);
+            // By the end towards which the misfit grows less: the true force may be there.
+            let mut widened = 0.0_f64;
             for reach in [-REACH, REACH] {
                 let forces_n: Vec<f64> = state.forces_n.iter().zip(&axis).map(|(f, a)| f + reach * sd_n * a).collect();
                 // A finger that does not carry the forces does not have them.
                 let Some(end) = self.state_under(&state.contacts, &forces_n, Some(state)) else { continue };
                 let shape = Posed { nuisances: &state.nuisances, ..end.posed() };
-                let growth = (state.linearised.misfit(shape, measurement) - least_mm2) / (noise_mm * noise_mm);
+                // The region may be bent: the misfit is less beside the axis.
+                let beside = axes.eigenvectors.column_iter().enumerate().filter(|(j, _)| *j != i);
+                let explained = |(_, other): (usize, DVectorView<f64>)| {
+                    end.linearised.explained_along(other.iter().copied(), shape, measurement)
+                };
+                let misfit_mm2 = state.linearised.misfit(shape, measurement) - beside.map(explained).sum::<f64>();
+                let growth = (misfit_mm2 - least_mm2) / (noise_mm * noise_mm);
                 if growth < LEAST_GROWTH {
                     let contact = axis.iamax();
                     let sigma = estimate.forces.sigmas_n[contact];
@@ -62,11 +70,11 @@ impl NonlinearEstimator<'_> {
                         unit: "N",
                     });
                 }
-                widened.push((REACH * REACH / growth - 1.0).max(0.0));
+                widened = widened.max(REACH * REACH / growth - 1.0);
             }
-            let more = widened.iter().sum::<f64>() / widened.len().max(1) as f64 * variance_n2;
-            for (i, sigma_n) in estimate.forces.sigmas_n.iter_mut().enumerate() {
-                *sigma_n = sigma_n.hypot(more.sqrt() * axis[i]);
+            let more = widened * variance_n2;
+            for (sigma_n, share) in estimate.forces.sigmas_n.iter_mut().zip(&axis) {
+                *sigma_n = sigma_n.hypot(more.sqrt() * share);
             }
             estimate.covariance_n2 += &axis * axis.transpose() * more;
         }

@@ -165,6 +165,25 @@ impl Linearised {
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
     }
 
+    /// By how much forces that change along a direction, in proportion to `shares`, can decrease a shape's misfit of the markers, mm^2.
+    pub(super) fn explained_along(
+        &self,
+        shares: impl Iterator<Item = f64> + Clone,
+        shape: Posed,
+        measurement: &Measurement,
+    ) -> f64 {
+        let (mut along, mut squares) = (0.0, 0.0);
+        for marker in measurement.markers() {
+            let key_node = marker.node.0 - 1;
+            let weight = self.weights[key_node];
+            let rates = shares.clone().enumerate().map(|(i, share)| self.rate(i, key_node) * share);
+            let rate = rates.sum::<Vector>() * (marker.weight * weight);
+            along += rate.dot(&(distance(&self.marker_points, marker, shape) * weight));
+            squares += rate.norm_squared();
+        }
+        if squares > 0.0 { along * along / squares } else { 0.0 }
+    }
+
     /// Finds the Levenberg-Marquardt step for a damping; its decrease is in mm^2, its reach in mm.
     ///
     /// # Errors

@@ -66,8 +66,13 @@ impl NonlinearEstimator<'_> {
         let mut search = Search { measurement, noise_mm, history, best, failure: None, all: Vec::new() };
         let starts = self.search_from_starts(&mut search, largest_misfit)?;
         let many = MANY_COORDINATES[usize::from(self.questions.len() > 1)];
-        let is_only_one = is_good(&search.best, self) && coordinates >= many;
-        let scanned = if is_at_hand || is_only_one { Vec::new() } else { self.search_from_scan(&mut search) };
+        let has_many = coordinates >= many;
+        // Positions, directions and a base that are sought too make a scan coarse and its points many: few markers alone are worth it.
+        let is_coarse = self.unknowns.len() > self.questions.len();
+        let is_only_one = is_good(&search.best, self) && has_many;
+        let is_worth_it = !is_coarse || self.priors.count() == 0 && !has_many;
+        let is_scanned = !is_at_hand && !is_only_one && is_worth_it;
+        let scanned = if is_scanned { self.search_from_scan(&mut search) } else { Vec::new() };
         let Search { best, failure, all, .. } = search;
         let best = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
         Ok(Minima { best, all, starts, scanned })

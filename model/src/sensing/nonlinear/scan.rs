@@ -1,7 +1,8 @@
-//! Equilibria under all forces that the finger carries at known contacts, so that a search misses no minimum.
+//! Equilibria under all forces that the finger carries, so that a search misses no minimum.
 //!
 //! One force with a known position and direction leaves one curve of equilibria, through rest. Two leave a surface, which is covered by
-//! curves of the second force, one from each point of the curve of the first. Misfits between the points of a curve follow from the
+//! curves of the second force, one from each point of the curve of the first. Of one force whose position or direction is sought, curves at
+//! some positions and directions lead near every minimum. Misfits between the points of a curve follow from the
 //! displacements and their derivatives at its points (cubic Hermite interpolation).
 
 use super::{NonlinearEstimator, State};
@@ -27,8 +28,9 @@ const MOST_FIRST_HALVINGS: usize = 12;
 const MOST_POINTS: usize = 200;
 /// Points between two of a curve at which the misfit is taken.
 const BETWEEN: usize = 8;
-/// Most forces whose equilibria are scanned.
-const MOST_FORCES: usize = 2;
+/// Where equilibria are scanned of a force whose position is sought, as shares of the front plate, and whose direction is sought, degrees.
+const POSITIONS: [f64; 6] = [0.15, 0.35, 0.5, 0.65, 0.8, 0.95];
+const ANGLES_DEG: [f64; 3] = [0.0, -40.0, 40.0];
 
 /// Equilibria under one varying force, from the most negative to the most positive.
 #[derive(Debug, Clone)]
@@ -63,20 +65,49 @@ fn change(from: &FrameMotion, to: &FrameMotion, length_mm: f64, step: [f64; 2]) 
 }
 
 impl NonlinearEstimator<'_> {
-    /// Scans the equilibria of all forces at the contacts; nothing where more than forces is sought, or forces of more than two contacts.
+    /// Scans the equilibria of all forces at the contacts; nothing of more than two forces, of two whose positions or directions are sought, and where
+    /// an object is touched.
     pub(super) fn scanned(&mut self) -> Option<Scan> {
-        if self.questions.len() > MOST_FORCES || self.object.is_some() {
+        if self.object.is_some() {
             return None;
         }
-        let contacts: Vec<Contact> = self.questions.iter().map(scanned_contact).collect::<Option<_>>()?;
-        let rest = self.state_under(&contacts, &vec![0.0; contacts.len()], None)?;
-        let step = STEPS[contacts.len() - 1];
-        let first = self.curve(rest, 0, step);
-        if contacts.len() == 1 {
-            return Some(Scan { curves: vec![first] });
-        }
-        let curves = first.points.into_iter().map(|point| self.curve(point, 1, step)).collect();
+        let curves = match self.questions.clone()[..] {
+            [question] => {
+                let contacts = self.scanned_contacts(&question);
+                let step = STEPS[usize::from(contacts.len() > 1)];
+                let of_contact = |contact: Contact| {
+                    let rest = self.state_under(&[contact], &[0.0], None)?;
+                    Some(self.curve(rest, 0, step))
+                };
+                contacts.into_iter().filter_map(of_contact).collect()
+            }
+            [first, second] => {
+                let contacts = [first, second].map(|question| self.scanned_contacts(&question));
+                let [[first], [second]] = [&contacts[0][..], &contacts[1][..]] else { return None };
+                let rest = self.state_under(&[*first, *second], &[0.0; 2], None)?;
+                let of_first = self.curve(rest, 0, STEPS[1]);
+                of_first.points.into_iter().map(|point| self.curve(point, 1, STEPS[1])).collect()
+            }
+            _ => return None,
+        };
         Some(Scan { curves })
+    }
+
+    /// Contacts at which equilibria are scanned: the contact that is asked for, along the undeformed normal where its direction follows the plate, or
+    /// some positions and directions where they are sought.
+    fn scanned_contacts(&self, question: &ContactQuestion) -> Vec<Contact> {
+        let length_mm = self.finger().plate_length_mm(Plate::Front);
+        let positions = match question.position {
+            Some(position) => vec![position],
+            None => POSITIONS.map(|share| ContactPosition::At(share * length_mm)).to_vec(),
+        };
+        let angles_deg = match question.direction {
+            Direction::Angle(angle_deg) => vec![angle_deg],
+            Direction::Leaning(lean) => vec![lean.angle_deg],
+            Direction::Auto => ANGLES_DEG.to_vec(),
+        };
+        let at = |position: ContactPosition| angles_deg.iter().map(move |&angle_deg| Contact { position, angle_deg });
+        positions.into_iter().flat_map(at).collect()
     }
 
     /// The curve through a point along which one force varies.
@@ -134,16 +165,6 @@ impl NonlinearEstimator<'_> {
             self.pad.loads(self.mesh, &start.contacts[varying], 1.0, 0.0).collect::<Result<Vec<_>, _>>().ok()?;
         let moved = Statics::ladder(self.mesh, Kinematics::Linear).equilibrium(&loads).ok()?.motion;
         Some(by_mm / moved.largest_displacement()).filter(|by_n| by_n.is_finite())
-    }
-}
-
-/// A contact as its equilibria are scanned: along the undeformed normal where the direction follows the plate; nothing where it is sought.
-fn scanned_contact(question: &ContactQuestion) -> Option<Contact> {
-    let position: ContactPosition = question.position?;
-    match question.direction {
-        Direction::Angle(angle_deg) => Some(Contact { position, angle_deg }),
-        Direction::Leaning(lean) => Some(Contact { position, angle_deg: lean.angle_deg }),
-        Direction::Auto => None,
     }
 }
 
