@@ -76,7 +76,7 @@ impl NonlinearEstimator<'_> {
             for (sigma_n, share) in estimate.forces.sigmas_n.iter_mut().zip(&axis) {
                 *sigma_n = sigma_n.hypot(more.sqrt() * share);
             }
-            estimate.covariance_n2 += &axis * axis.transpose() * more;
+            estimate.covariance_n2 += axis * axis.transpose() * more;
         }
         Ok(())
     }
