@@ -69,7 +69,8 @@ impl NonlinearEstimator<'_> {
         let has_many = coordinates >= many;
         // Positions, directions and a base that are sought too make a scan coarse and its points many: few markers alone are worth it.
         let is_coarse = self.unknowns.len() > self.questions.len();
-        let is_only_one = is_good(&search.best, self) && has_many;
+        // Many markers show which is the only one, too, where searches agree that none explains them.
+        let is_only_one = has_many && (is_good(&search.best, self) || search.history.agree_on_none());
         let is_worth_it = !is_coarse || self.priors.count() == 0 && !has_many;
         let is_scanned = !is_at_hand && !is_only_one && is_worth_it;
         let scanned = if is_scanned { self.search_from_scan(&mut search) } else { Vec::new() };
