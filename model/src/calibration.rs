@@ -129,10 +129,9 @@ const BISECTIONS: usize = 1200;
 /// Young's modulus of the linear finger by eq. (11): the factor on all moduli for which the sum of the distances
 /// between measured and computed nodes, over all nodes and cases, is smallest.
 ///
-/// Computed displacements v are proportional to c = 1 / factor, so the sum of |m - c v| is convex in c alone, and its
-/// derivative, which grows with c, is bisected. Sums of distances (not of their squares) forgive single bad markers.
-/// The standard deviation is the sandwich estimate of an M-estimator, sqrt(sum g^2) / sum h with g and h the first and
-/// second derivative of each node's distance (Huber 1967).
+/// Computed displacements v are proportional to c = 1 / factor, so the sum of |m - c v| is convex in c alone, and its derivative, which grows with c,
+/// is bisected. Sums of distances (not of their squares) forgive single bad markers. The standard deviation is the sandwich estimate of an
+/// M-estimator, sqrt(sum g^2) / sum h with g and h the first and second derivative of each node's distance (Huber 1967).
 ///
 /// # Errors
 /// [`CalibrationError`] when no factor follows from the measurements.

@@ -2,9 +2,8 @@
 //!
 //! The solvers in [`crate::statics`] see this; [`crate::mesh`] makes one from a finger, problems build theirs by hand.
 //!
-//! Translations belong to nodes. Rotations are separate: a node carries one, the *rotation slot* that its beams are
-//! clamped to, but a pin gives a beam end a slot of its own, and a rigid link lets two nodes share one. So hinges and
-//! undeformable members are exact, without penalty stiffness.
+//! Translations belong to nodes. Rotations are separate: a node carries one, the *rotation slot* that its beams are clamped to, but a pin gives a
+//! beam end a slot of its own, and a rigid link lets two nodes share one. So hinges and undeformable members are exact, without penalty stiffness.
 
 mod equations;
 mod links;

@@ -1,8 +1,7 @@
 //! What one image, a table or a simulation shows of a finger, and the measurement that it is for a scene.
 //!
-//! An [`Observation`] knows nothing of the finger that it is held against: it has positions or displacements of markers, their standard
-//! deviations, and where the base is. [`Observation::for_sensing`] and [`Observation::for_calibration`] turn it into a [`Measurement`] of a
-//! scene's finger.
+//! An [`Observation`] knows nothing of the finger that it is held against: it has positions or displacements of markers, their standard deviations,
+//! and where the base is. [`Observation::for_sensing`] and [`Observation::for_calibration`] turn it into a [`Measurement`] of a scene's finger.
 
 mod clamped;
 

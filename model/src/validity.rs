@@ -17,10 +17,9 @@ use crate::{Kinematics, NodeId, Vector};
 
 /// Strain of a fibre up to which stress is taken as E times strain where the material states no limit of its own.
 ///
-/// An incompressible rubber in tension carries the stress E / 3 (l - 1 / l^2) at the stretch l (Treloar, The Physics of Rubber Elasticity,
-/// 1975, ch. 5: neo-Hookean), which is E eps (1 - eps + ...): at 5 % strain it is 5 % under E eps, and engineering and
-/// logarithmic strain differ by 2.5 %. Flexural tests of plastics by beam formulas end at this strain of the outer
-/// fibre, too (ASTM D790).
+/// An incompressible rubber in tension carries the stress E / 3 (l - 1 / l^2) at the stretch l (Treloar, The Physics of Rubber Elasticity, 1975, ch.
+/// 5: neo-Hookean), which is E eps (1 - eps + ...): at 5 % strain it is 5 % under E eps, and engineering and logarithmic strain differ by 2.5 %.
+/// Flexural tests of plastics by beam formulas end at this strain of the outer fibre, too (ASTM D790).
 pub const LARGEST_STRAIN: f64 = 0.05;
 
 /// Elements a member for equilibria that are solved to be examined: shapes are within 0.04 % under 3 N.

@@ -75,8 +75,7 @@ impl FactorEstimate {
         pairs.into_iter().any(|((own, other), sigma)| (other / own).ln().abs() > *sigma)
     }
 
-    /// Pairs of unknowns (by index) that the data hardly distinguish, with their correlation: one may rise while the other
-    /// falls or rises with it.
+    /// Pairs of unknowns (by index) that the data hardly distinguish, with their correlation: one may rise while the other falls or rises with it.
     pub fn entangled(&self) -> Vec<(usize, usize, f64)> {
         let pairs = (0..self.factors.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
         let correlated = pairs.map(|(i, j)| (i, j, self.correlation[(i, j)]));

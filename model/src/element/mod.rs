@@ -69,10 +69,9 @@ pub struct Beam<R = f64> {
 impl<R: Number> Beam<R> {
     /// Energy, nodal forces and tangent stiffness at the given motion of the two ends.
     ///
-    /// Every kinematics follows one pattern. The end motions give three natural deformations, the elongation of the
-    /// chord e and the rotations phi_a, phi_b of the two ends against it (Argyris' natural modes); the energy
-    /// U(e, phi_a, phi_b) is that of a beam fixed to its chord; the chain rule brings its
-    /// derivatives back. Written with `d` for the 3 x 6 derivative of the natural deformations,
+    /// Every kinematics follows one pattern. The end motions give three natural deformations, the elongation of the chord e and the rotations phi_a,
+    /// phi_b of the two ends against it (Argyris' natural modes); the energy U(e, phi_a, phi_b) is that of a beam fixed to its chord; the chain rule
+    /// brings its derivatives back. Written with `d` for the 3 x 6 derivative of the natural deformations,
     ///
     /// gradient = d^T U',   tangent = d^T U'' d + sum_i U'_i (second derivative of deformation i).
     ///

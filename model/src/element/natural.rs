@@ -117,11 +117,10 @@ impl<R: Number> Chord<R> {
 impl<R: Number> NaturalResponse<R> {
     /// Chain rule to the six end coordinates.
     ///
-    /// The energy depends on the displacement d of the second end against the first and on the two end rotations, so
-    /// four coordinates carry everything: d along and across the chord, theta_a, theta_b. By them the chord's length
-    /// has the derivative (1, 0, 0, 0) and its rotation (0, 1 / l, 0, 0); with the end rotations against the chord, phi
-    /// = theta - rotation, that gives all first derivatives. The second derivatives are those of the length, 1 / l
-    /// across-across, and of the rotation, -1 / l^2 along-across; `curved`: whether they count.
+    /// The energy depends on the displacement d of the second end against the first and on the two end rotations, so four coordinates carry
+    /// everything: d along and across the chord, theta_a, theta_b. By them the chord's length has the derivative (1, 0, 0, 0) and its rotation (0, 1
+    /// / l, 0, 0); with the end rotations against the chord, phi = theta - rotation, that gives all first derivatives. The second derivatives are
+    /// those of the length, 1 / l across-across, and of the rotation, -1 / l^2 along-across; `curved`: whether they count.
     #[inline(always)]
     pub(super) fn on_chord(&self, chord: &Chord<R>, curved: bool) -> Response<R> {
         let (axial, a, b) = (self.gradient.x, self.gradient.y, self.gradient.z);

@@ -1,9 +1,8 @@
 //! Where a branch of stable equilibria ends, predicted from the determinant of the tangent stiffness.
 //!
-//! At the end the tangent loses its last positive pivot, so its determinant D goes to zero there: like (1 - s / s*)^p in
-//! the share s of the way, with p = 1/2 at a fold (limit load, snap-through) and p = 1 at a bifurcation (a straight rib
-//! that buckles). Where the path only comes close to a fold and goes on, p is 2/3 for a while. Three equilibria give s*
-//! and p.
+//! At the end the tangent loses its last positive pivot, so its determinant D goes to zero there: like (1 - s / s*)^p in the share s of the way, with
+//! p = 1/2 at a fold (limit load, snap-through) and p = 1 at a bifurcation (a straight rib that buckles). Where the path only comes close to a fold
+//! and goes on, p is 2/3 for a while. Three equilibria give s* and p.
 
 /// Powers with which the determinant goes to zero.
 const FOLD: f64 = 0.5;

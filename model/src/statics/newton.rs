@@ -1,8 +1,7 @@
 //! Newton's method: the equilibrium under one load, near the one before it.
 //!
-//! Every load step must keep the rotations small and end in a stable equilibrium (positive definite tangent), so the
-//! solution stays on the branch that starts at rest. [`LoadStep`] decides that; how long the steps are is decided in
-//! [`continuation`](super::continuation).
+//! Every load step must keep the rotations small and end in a stable equilibrium (positive definite tangent), so the solution stays on the branch
+//! that starts at rest. [`LoadStep`] decides that; how long the steps are is decided in [`continuation`](super::continuation).
 
 use super::load_step::{LoadStep, Rejected, Taken};
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};

@@ -1,8 +1,7 @@
 //! Training of sensing networks with burn.
 //!
-//! Random load cases ([`crate::samples`]) become inputs and wanted forces (`cases`); a linear branch starts from least
-//! squares (`regression`) and the layers beside it from random weights; Adam does the rest (`descent`). The same recipe
-//! and seed give the same weights on the same machine.
+//! Random load cases ([`crate::samples`]) become inputs and wanted forces (`cases`); a linear branch starts from least squares (`regression`) and the
+//! layers beside it from random weights; Adam does the rest (`descent`). The same recipe and seed give the same weights on the same machine.
 
 mod adam;
 mod any_of;

@@ -10,9 +10,8 @@ use std::str::FromStr;
 /// Significant digits that count: ribs by number and at the same positions by hand differ by rounding.
 const DIGITS: i32 = 10;
 
-/// SHA-256 over the numbers of a finger: key nodes, rigid arms, clips and ends, rigidities, joints, brackets with
-/// what markers are on, zones. Neither names, nor order of
-/// zones, nor the way the ribs were written, nor what a scene says besides the finger takes part.
+/// SHA-256 over the numbers of a finger: key nodes, rigid arms, clips and ends, rigidities, joints, brackets with what markers are on, zones. Neither
+/// names, nor order of zones, nor the way the ribs were written, nor what a scene says besides the finger takes part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fingerprint([u8; 32]);
 

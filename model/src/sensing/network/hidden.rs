@@ -1,9 +1,8 @@
 //! Markers that are not seen, filled in by what the training shapes say of them.
 //!
-//! Training shapes are x = mean + V^T c + noise, with independent coefficients c of the stored variances L along the
-//! principal directions V. Given the seen coordinates d = x_s - mean_s, the expected coordinates are mean + F d, F the
-//! identity on seen ones and S_hs S_ss^-1 on hidden ones, with S = V^T L V + noise^2 (Rasmussen and Williams, Gaussian
-//! Processes for Machine Learning, eq. (A.6)). With everything seen, F is the identity.
+//! Training shapes are x = mean + V^T c + noise, with independent coefficients c of the stored variances L along the principal directions V. Given
+//! the seen coordinates d = x_s - mean_s, the expected coordinates are mean + F d, F the identity on seen ones and S_hs S_ss^-1 on hidden ones, with
+//! S = V^T L V + noise^2 (Rasmussen and Williams, Gaussian Processes for Machine Learning, eq. (A.6)). With everything seen, F is the identity.
 
 use super::Network;
 use nalgebra::DMatrix;

@@ -1,9 +1,8 @@
 //! Sensing by a neural network: what it is, its file, and its fast evaluation.
 //!
-//! A network turns the measured displacements x (mm: ux, uy of each of its markers) into inputs z = P (x - mean) and
-//! these into forces (N). With [`ContactSet::Fixed`], f = skip z + MLP(z). With [`ContactSet::AnyOf`] and the contacts S
-//! that touch, ridge forces r = G_S x on the linear finger come first, and f_S = r_S + MLP_S([z, mask, r / prior]).
-//! Hidden layers of the MLP end in tanh, the last one is linear.
+//! A network turns the measured displacements x (mm: ux, uy of each of its markers) into inputs z = P (x - mean) and these into forces (N). With
+//! [`ContactSet::Fixed`], f = skip z + MLP(z). With [`ContactSet::AnyOf`] and the contacts S that touch, ridge forces r = G_S x on the linear finger
+//! come first, and f_S = r_S + MLP_S([z, mask, r / prior]). Hidden layers of the MLP end in tanh, the last one is linear.
 
 mod card;
 mod error;

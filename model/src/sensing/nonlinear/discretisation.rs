@@ -63,8 +63,7 @@ impl<'m> Discretisation<'m> {
         }
     }
 
-    /// Adds the mesh's error to the standard deviations of the estimator's last estimate, and warns where it is the larger
-    /// part.
+    /// Adds the mesh's error to the standard deviations of the estimator's last estimate, and warns where it is the larger part.
     ///
     /// # Errors
     /// [`SensingError`] if the finer mesh has no equilibrium under the sensed forces, or there was no estimate.

@@ -1,9 +1,8 @@
 //! Sensing with the co-rotational finger: Gauss-Newton on forces, positions and directions.
 //!
-//! An estimate starts from least squares on the linear finger ([`start`]) or from the estimate before it. Where the
-//! minimum of the difference between measured and computed shape ([`linearised`]) is near, forces and shape are
-//! corrected together ([`simultaneous`]); otherwise every step goes to an equilibrium ([`search`]). What is found is
-//! judged before it is handed out ([`judgement`]).
+//! An estimate starts from least squares on the linear finger ([`start`]) or from the estimate before it. Where the minimum of the difference between
+//! measured and computed shape ([`linearised`]) is near, forces and shape are corrected together ([`simultaneous`]); otherwise every step goes to an
+//! equilibrium ([`search`]). What is found is judged before it is handed out ([`judgement`]).
 
 mod discretisation;
 mod follow;
@@ -76,9 +75,8 @@ impl NonlinearEstimate {
     }
 }
 
-/// Senses forces with the co-rotational finger of one mesh; each estimate starts from the one before it, if there is
-/// one, as a stream of camera frames wants it. For a batch of unrelated measurements, [`reset`](NonlinearEstimator::reset)
-/// before each, and give every thread a clone.
+/// Senses forces with the co-rotational finger of one mesh; each estimate starts from the one before it, if there is one, as a stream of camera
+/// frames wants it. For a batch of unrelated measurements, [`reset`](NonlinearEstimator::reset) before each, and give every thread a clone.
 ///
 /// # Requirements
 /// At least as many measured coordinates as unknowns (a force a contact, and one more for each unknown position or
@@ -151,8 +149,7 @@ impl State {
     }
 }
 
-/// A minimum, the steps to it, and whether it was near or the way to it straight: then it is the only one about, otherwise
-/// there may be others.
+/// A minimum, the steps to it, and whether it was near or the way to it straight: then it is the only one about, otherwise there may be others.
 struct Found {
     state: State,
     steps: usize,
@@ -206,8 +203,7 @@ impl<'m> NonlinearEstimator<'m> {
         self.last.clone_from(&self.held);
     }
 
-    /// Holds the last estimate: after a [`reset`](NonlinearEstimator::reset) estimates start from it. For measurements that differ by
-    /// noise alone.
+    /// Holds the last estimate: after a [`reset`](NonlinearEstimator::reset) estimates start from it. For measurements that differ by noise alone.
     pub fn hold(&mut self) {
         self.held.clone_from(&self.last);
     }

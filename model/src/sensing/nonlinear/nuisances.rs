@@ -1,8 +1,7 @@
 //! What is unknown beside forces and positions, but not quite: where the base is, by how much friction turns a force, and where an object is.
 //!
-//! Each has a Gaussian prior, which stands below the markers as one more row of the least squares problem: the deviation from
-//! what is expected, in its standard deviations, times the noise of a coordinate. A base that gives way is expected to turn with the forces, and
-//! as much less surely.
+//! Each has a Gaussian prior, which stands below the markers as one more row of the least squares problem: the deviation from what is expected, in
+//! its standard deviations, times the noise of a coordinate. A base that gives way is expected to turn with the forces, and as much less surely.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::measurement::Measurement;

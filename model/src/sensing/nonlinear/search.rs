@@ -56,9 +56,8 @@ enum End {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Gauss-Newton steps, each to the equilibrium that belongs to it, shortened where they do not help. The minimum is
-    /// near if the way was straight: every step was whole and as good as predicted. `None` where it comes upon one of the `history`
-    /// before.
+    /// Gauss-Newton steps, each to the equilibrium that belongs to it, shortened where they do not help. The minimum is near if the way was straight:
+    /// every step was whole and as good as predicted. `None` where it comes upon one of the `history` before.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not settle.
@@ -158,8 +157,7 @@ impl Search<'_, '_> {
         Some(End::Minimum(steps))
     }
 
-    /// Takes the next step, part of it, or none and lets the following reach less far. `whole` is what the step is predicted to do
-    /// without damping.
+    /// Takes the next step, part of it, or none and lets the following reach less far. `whole` is what the step is predicted to do without damping.
     fn step(&mut self, misfit_mm2: f64, whole: Prediction) -> Result<Option<End>, SensingError> {
         let prediction = self.within_reach(whole)?;
         let change = self.estimator.relative_change(&self.state);

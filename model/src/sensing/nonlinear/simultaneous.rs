@@ -23,8 +23,7 @@ const SETTLED_STEP: f64 = 1e-8;
 const SETTLED_TURN: f64 = 1e-5;
 
 impl NonlinearEstimator<'_> {
-    /// Corrects a state whose derivatives are there; `None` if the minimum is not near, the state then being anywhere.
-    /// Otherwise the number of steps.
+    /// Corrects a state whose derivatives are there; `None` if the minimum is not near, the state then being anywhere. Otherwise the number of steps.
     pub(super) fn correct(
         &mut self,
         state: &mut State,

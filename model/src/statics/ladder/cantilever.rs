@@ -1,10 +1,9 @@
 //! The elements from the first end of a chain to one of its nodes, as a cantilever that grows.
 //!
-//! Where the second end is, counted from the first end and turning with it, says how the elements between deform. By
-//! that deflection an element's stiffness is all there is to it; by positions the same stiffness stands against the
-//! motion of either end alone, and what the two ends do together is a small difference of large numbers: of a chain of n
-//! elements, eliminated node by node, n^3 times the rounding error. So the next element's deflection is eliminated, not
-//! the node before it. Elements in a row are springs in a row: the stiffness S of what is there and k of the next give
+//! Where the second end is, counted from the first end and turning with it, says how the elements between deform. By that deflection an element's
+//! stiffness is all there is to it; by positions the same stiffness stands against the motion of either end alone, and what the two ends do together
+//! is a small difference of large numbers: of a chain of n elements, eliminated node by node, n^3 times the rounding error. So the next element's
+//! deflection is eliminated, not the node before it. Elements in a row are springs in a row: the stiffness S of what is there and k of the next give
 //! S - S (S + k)^-1 S, where little is subtracted since k is large.
 //!
 //! Everything may also turn as a whole, which turns the elements' forces: a fourth unknown. Shifts change nothing.

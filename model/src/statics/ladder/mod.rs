@@ -1,9 +1,8 @@
 //! The finger as a ladder: plates condensed onto the key nodes, then pairs of key nodes eliminated from tip to base.
 //!
-//! A finger's equations have one long direction only. Members condense onto their ends ([`chain`]), which leaves the
-//! back and front node of each rib as a block of six unknowns that is coupled to its two neighbours alone: a block
-//! tridiagonal system. Its elimination from the tip costs a fixed number of operations a rib and touches no heap. The
-//! general sparse path ([`SparseEquations`](super::SparseEquations)) checks it.
+//! A finger's equations have one long direction only. Members condense onto their ends ([`chain`]), which leaves the back and front node of each rib
+//! as a block of six unknowns that is coupled to its two neighbours alone: a block tridiagonal system. Its elimination from the tip costs a fixed
+//! number of operations a rib and touches no heap. The general sparse path ([`SparseEquations`](super::SparseEquations)) checks it.
 //!
 //! Stiffness and forces are apart: [`Factor`] is what a tangent needs, and that at rest is made once for a mesh. Linear
 //! solutions need no other, and a co-rotational one begins with it. [`Balance`] is what forces need. Both are written in
@@ -33,9 +32,8 @@ pub(super) use balance::Balance;
 use ends::Ends;
 pub(super) use factor::Factor;
 
-/// A pivot below this share of what members put on its diagonal has lost digits to cancellation that may count, and so
-/// has an element's share of a member's stiffness: the paper's finger keeps 2e-2 on any mesh; thin plates, and random
-/// fingers that miss 1e-8, keep less.
+/// A pivot below this share of what members put on its diagonal has lost digits to cancellation that may count, and so has an element's share of a
+/// member's stiffness: the paper's finger keeps 2e-2 on any mesh; thin plates, and random fingers that miss 1e-8, keep less.
 const SMALL_PIVOT: f64 = 1e-3;
 
 /// Where a frame node is in the ladder.

@@ -1,11 +1,10 @@
 //! How the nodes inside a member take Newton's correction: so that chords and nodes turn together.
 //!
-//! Newton adds displacements and rotations. Where a plate member is to turn by `a`, that turns its nodes by `a` but
-//! the chords of its elements by atan(a) = a - a^3 / 3 (and by `a e` less if they are to stretch by `e` as well). So
-//! both ends of an element of length h turn by phi = a^3 / 3 against its chord, which is a shear force of
-//! 12 EI phi / h^2: nothing between key nodes, but the finer the mesh the smaller the turns that leave the tangent
-//! positive definite, as h^(2/3), and the more load steps. The end of a rigid arm or link is worse: it swings on a circle,
-//! away from neighbours that move straight.
+//! Newton adds displacements and rotations. Where a plate member is to turn by `a`, that turns its nodes by `a` but the chords of its elements by
+//! atan(a) = a - a^3 / 3 (and by `a e` less if they are to stretch by `e` as well). So both ends of an element of length h turn by phi = a^3 / 3
+//! against its chord, which is a shear force of 12 EI phi / h^2: nothing between key nodes, but the finer the mesh the smaller the turns that leave
+//! the tangent positive definite, as h^(2/3), and the more load steps. The end of a rigid arm or link is worse: it swings on a circle, away from
+//! neighbours that move straight.
 //!
 //! Any update that agrees with Newton's to first order converges as fast: a *retraction*. This one leaves the key nodes
 //! where Newton has them, takes the nodes between them along with arms and links on a smooth curve, and turns them as

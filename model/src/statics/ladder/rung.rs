@@ -7,9 +7,8 @@ use nalgebra::Vector2;
 
 /// How an undeformable rib joins the front node to the back node.
 ///
-/// The rung's unknowns are then its generalised coordinates q: back x, y, rotation; rotation of the rib; rotation of
-/// the front node (the last two are not there if all turn together). Coordinates that are not needed stay in place with
-/// unit stiffness. The nodes move by u = T q.
+/// The rung's unknowns are then its generalised coordinates q: back x, y, rotation; rotation of the rib; rotation of the front node (the last two are
+/// not there if all turn together). Coordinates that are not needed stay in place with unit stiffness. The nodes move by u = T q.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidRib<R> {
     /// From the back to the front node in pieces that turn with each of the three rotations, in their current directions, mm:
