@@ -75,7 +75,7 @@ pub enum LatticeError {
         /// Force under which the object last touched the finger, N; `None` if it never did.
         touched_n: Option<f64>,
     },
-    /// No equilibrium with the object where it is told to be.
+    /// No equilibrium with the object at its prescribed position.
     #[error("no stable equilibrium of finger and object is found{}", if *is_folded { ": the finger folds" } else { "" })]
     NoContactEquilibrium {
         /// Whether a part of the finger has turned so far that it folds.

@@ -16,7 +16,7 @@ use finray_studies::sampling::noise::Noise;
 /// Needs a scene with an object table: a disc, a box, or a polygon from a CSV file (x_mm,y_mm,
 /// beside the scene), with optional friction, pressed along a line to a travel or a force, or moved
 /// along a path; see fixtures/scenes/contact. The finger is a lattice of rigid bodies and springs;
-/// every step is its quasi-static equilibrium with the object where it is told to be, with Coulomb
+/// every step is its quasi-static equilibrium with the object at its prescribed position, with Coulomb
 /// friction and its history. The forces of its contacts are the true ones. The report has the same
 /// equilibria held in the physics engine rapier. Sensing uses what a camera measures: displacements
 /// of the key nodes, and position and direction of every contact, read from the outlines of object
@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             });
         }
         if step.stopped_mm > STOPPED_MM {
-            let short = format!("{:.3} mm before where it is told to be", step.stopped_mm);
+            let short = format!("{:.3} mm before its prescribed position", step.stopped_mm);
             bar.suspend(|| {
                 print_message(format_args!(
                     "warning: step {number}: the clamped end of the finger stops the object {short}"

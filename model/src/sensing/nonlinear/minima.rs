@@ -2,7 +2,7 @@
 //!
 //! Most measurements have one minimum, and the first start leads to it. Few markers, few ribs and plates that buckle leave several. Then the
 //! search starts from multiples of the linear forces and, for forces at known contacts, from every minimum among all equilibria that the finger
-//! has under such forces ([`scan`](super::scan)): the least one is not missed.
+//! has under such forces ([`scan`](super::scan)). Minima between the curves of a surface may still be missed.
 
 use super::scan::{ScannedPoint, least};
 use super::search_history::SearchHistory;

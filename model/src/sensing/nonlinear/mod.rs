@@ -46,6 +46,7 @@ use unknowns::Unknown;
 
 /// Turn of a deformed normal in one step, degrees, below which it counts as settled: worth 1e-6 of the force.
 const SETTLED_ANGLE_DEG: f64 = 1e-4;
+
 /// Residual, root mean square over the coordinates, up to which a measurement counts as explained under some noise.
 fn largest_explained_rms_mm(noise_mm: f64, moved_rms_mm: f64) -> f64 {
     f64::max(UNEXPLAINED_SIGMAS * noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)

@@ -12,7 +12,7 @@ const REFINEMENT_TOLERANCE: f64 = 2e-3;
 const REMAINS: f64 = 1.0 / 3.0;
 /// Elements a member at which refinement begins and ends.
 const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
-/// Refinement begins with this number of elements at least, so that the mesh of a finger of few ribs tells minima apart as a fine one does.
+/// Refinement begins with this number of elements at least, so that the mesh of a finger of few ribs distinguishes minima as a fine one does.
 const LEAST_ELEMENTS: usize = 40;
 
 /// Senses on ever finer meshes until doubling the mesh changes no force by more than 0.2 % of the largest; what the last

@@ -1,4 +1,4 @@
-//! Equilibria under all forces that the finger carries, so that a search misses no minimum.
+//! Equilibria under all forces that the finger carries, to start a search near every minimum that they show.
 //!
 //! One force with a known position and direction leaves one curve of equilibria, through rest. Two leave a surface, which is covered by
 //! curves of the second force, one from each point of the curve of the first. Of one force whose position or direction is sought, curves at

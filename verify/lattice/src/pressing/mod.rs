@@ -1,7 +1,7 @@
 //! An object pressed onto the lattice, in quasi-static equilibrium with Coulomb friction and its history.
 //!
 //! The object is rigid and does not turn. It touches the front plate and its rods; neither the other plate, nor the finger itself, touches
-//! anything. A hand holds it where it is told, or pulls it with a force along a line on which it is guided. Where the clamped end of the plate is in
+//! anything. A hand holds it at a prescribed position, or pulls it with a force along a line on which it is guided. Where the clamped end of the plate is in
 //! its way, a held object is stopped there, as neither gives way. Every step is an equilibrium of
 //! [`grasp`](crate::grasp)'s Newton method, with one finger and a held object. The hand goes there in short parts: friction depends on all of the way.
 //!

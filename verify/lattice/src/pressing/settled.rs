@@ -1,7 +1,7 @@
 //! An object pressed onto the lattice in rapier: the verification of equilibria.
 //!
 //! The object is a rigid body that does not turn. It touches the [`skin`](crate::skin) of the front plate; neither the other
-//! plate, nor the finger itself, touches anything. A hand puts it where it is told, or pulls it, and then guides it across its line by stiff springs.
+//! plate, nor the finger itself, touches anything. A hand puts it at a prescribed position, or pulls it, and then guides it across its line by stiff springs.
 //!
 //! Every step comes to rest as in [`settling`], from the step before, or from an equilibrium that is to be verified. Without friction both end where
 //! Newton's method does. With friction rest is not unique: friction is then what the engine's motion left, anywhere within its cone. So an equilibrium

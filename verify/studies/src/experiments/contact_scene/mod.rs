@@ -64,7 +64,7 @@ pub struct ContactScene {
 pub struct SceneStep {
     /// Length of the way that the object has come, mm.
     pub travel_mm: f64,
-    /// How far the clamped end of the finger keeps the object from where it is told to be, mm.
+    /// How far the clamped end of the finger keeps the object from its prescribed position, mm.
     pub stopped_mm: f64,
     /// Unit vector of the way that the step ends on.
     pub along: Vector,
