@@ -8,7 +8,6 @@
 use finray_model::camera::Pixel;
 use finray_model::scene::Shade;
 use image::{GrayImage, ImageBuffer, Luma};
-use imageproc::gradients::{horizontal_sobel, vertical_sobel};
 
 /// Smallest slope of an edge, grey levels a pixel; Sobel's filter gives eight times the slope.
 const LEAST_SLOPE: f32 = 5.0;
@@ -24,14 +23,40 @@ const MOST: usize = 200;
 
 type Votes = ImageBuffer<Luma<f32>, Vec<f32>>;
 
-/// What Sobel's filter gives of an image's light along u and along v: eight times its slope, grey levels a pixel.
-pub(super) struct Slopes([Slope; 2]);
-
-type Slope = ImageBuffer<Luma<i16>, Vec<i16>>;
+/// What Sobel's filter gives of an image's light along u and along v: eight times its slope, grey levels a pixel. By rows.
+///
+/// Most of what an image costs were these slopes and the sums of votes by filters for any kernel.
+pub(super) struct Slopes {
+    width: usize,
+    along: Vec<[i16; 2]>,
+}
 
 impl Slopes {
+    /// The edge of the image goes on beyond it.
     pub fn of(grey: &GrayImage) -> Slopes {
-        Slopes([horizontal_sobel(grey), vertical_sobel(grey)])
+        let [width, height] = [grey.width() as usize, grey.height() as usize];
+        let row = |v: usize| &grey.as_raw()[v * width..(v + 1) * width];
+        let mut along = Vec::with_capacity(width * height);
+        // Of each column light smoothed along v and its change along v, with one column more on either side.
+        let (mut smoothed, mut changes) = (vec![0_i16; width + 2], vec![0_i16; width + 2]);
+        for v in 0..height {
+            let rows = row(v.saturating_sub(1)).iter().zip(row(v)).zip(row((v + 1).min(height - 1)));
+            for (u, ((above, here), below)) in rows.enumerate() {
+                let [above, here, below] = [above, here, below].map(|light| i16::from(*light));
+                smoothed[u + 1] = above + 2 * here + below;
+                changes[u + 1] = below - above;
+            }
+            for column in [&mut smoothed, &mut changes] {
+                (column[0], column[width + 1]) = (column[1], column[width]);
+            }
+            let around = smoothed.windows(3).zip(changes.windows(3));
+            along.extend(around.map(|(light, change)| [light[2] - light[0], change[0] + 2 * change[1] + change[2]]));
+        }
+        Slopes { width, along }
+    }
+
+    fn height(&self) -> usize {
+        self.along.len() / self.width.max(1)
     }
 }
 
@@ -66,32 +91,46 @@ pub(super) fn centres(slopes: &Slopes, radius_px: f64, shade: Shade) -> Vec<Pixe
 }
 
 /// Votes by pixel.
-fn cast(Slopes([along_u, along_v]): &Slopes, radius_px: f64, shade: Shade) -> Votes {
-    let (width, height) = along_u.dimensions();
-    let mut votes = Votes::new(width, height);
+fn cast(slopes: &Slopes, radius_px: f64, shade: Shade) -> Votes {
+    let [width, height] = [slopes.width, slopes.height()];
+    let mut votes = Votes::new(width as u32, height as u32);
     let towards = match shade {
         Shade::Bright => 1.0,
         Shade::Dark => -1.0,
     };
     let radii = (RADII[0] * radius_px).round() as u32..=(RADII[1] * radius_px).round() as u32;
-    for (u, v, slope) in along_u.enumerate_pixels() {
-        let slope = [f32::from(slope.0[0]), f32::from(along_v.get_pixel(u, v).0[0])];
-        let size = slope[0].hypot(slope[1]);
-        if size < LEAST_SLOPE * SOBEL {
-            continue;
-        }
-        for radius in radii.clone() {
-            let step = towards * radius as f32 / size;
-            let to = [u as f32 + step * slope[0], v as f32 + step * slope[1]].map(f32::round);
-            if to[0] >= 0.0 && to[1] >= 0.0 && to[0] < width as f32 && to[1] < height as f32 {
-                votes.get_pixel_mut(to[0] as u32, to[1] as u32).0[0] += 1.0;
+    for (v, row) in slopes.along.chunks(width.max(1)).enumerate() {
+        for (u, slope) in row.iter().enumerate() {
+            let slope = slope.map(f32::from);
+            if slope[0] * slope[0] + slope[1] * slope[1] < (LEAST_SLOPE * SOBEL).powi(2) {
+                continue;
+            }
+            let size = slope[0].hypot(slope[1]);
+            for radius in radii.clone() {
+                let step = towards * radius as f32 / size;
+                let to = [u as f32 + step * slope[0], v as f32 + step * slope[1]].map(f32::round);
+                if to[0] >= 0.0 && to[1] >= 0.0 && to[0] < width as f32 && to[1] < height as f32 {
+                    votes.get_pixel_mut(to[0] as u32, to[1] as u32).0[0] += 1.0;
+                }
             }
         }
     }
     votes
 }
 
-/// Votes of each pixel with those of its neighbours.
+/// Votes of each pixel with those of its neighbours; none at the edges of the image, where no rim has its centre.
 fn summed(votes: &Votes) -> Votes {
-    imageproc::filter::separable_filter(votes, &[1.0, 1.0, 1.0], &[1.0, 1.0, 1.0])
+    let [width, height] = [votes.width().max(1) as usize, votes.height() as usize];
+    let mut sums = Votes::new(votes.width(), votes.height());
+    let mut columns = vec![0.0; width];
+    let rows = votes.as_raw().windows(3 * width).step_by(width);
+    for (three, sums) in rows.zip(sums.chunks_mut(width).skip(1)).take(height.saturating_sub(2)) {
+        for (u, column) in columns.iter_mut().enumerate() {
+            *column = three[u] + three[width + u] + three[2 * width + u];
+        }
+        for (sum, around) in sums[1..].iter_mut().zip(columns.windows(3)) {
+            *sum = around.iter().sum();
+        }
+    }
+    sums
 }
