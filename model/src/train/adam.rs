@@ -2,6 +2,7 @@
 //!
 //! Reference: Kingma, Ba, Adam: a method for stochastic optimization, ICLR 2015, algorithm 1, both corrections in one (end of sec. 2).
 
+use super::TrainError;
 use burn_tensor::{Device, Gradients, Tensor, TensorData};
 
 /// Decay rates of the moments, as the paper recommends.
@@ -9,47 +10,62 @@ const DECAY: [f32; 2] = [0.9, 0.999];
 /// Guard against division by zero: far below the gradients of losses of order one.
 const EPSILON: f32 = 1e-8;
 
-/// A tensor that is trained, with the moments of its gradients once there were any.
+/// A tensor that is trained, its numbers in row-major order, and the moments of its gradients.
 #[derive(Debug)]
 pub(super) struct Parameter<const D: usize> {
     value: Tensor<D>,
-    moments: Option<[Tensor<D>; 2]>,
+    numbers: Vec<f32>,
+    moments: [Vec<f32>; 2],
 }
 
 impl<const D: usize> Parameter<D> {
-    /// Numbers in row-major order; on a device with autodiff their gradients are kept.
+    /// On a device with autodiff its gradients are kept.
     pub(super) fn new(numbers: &[f32], shape: [usize; D], device: &Device) -> Parameter<D> {
-        let value = Tensor::from_data(TensorData::new(numbers.to_vec(), shape), device);
-        Parameter { value: if device.is_autodiff() { value.require_grad() } else { value }, moments: None }
+        let moments = [0, 1].map(|_| vec![0.0; numbers.len()]);
+        Parameter { value: tracked(numbers.to_vec(), shape, device), numbers: numbers.to_vec(), moments }
     }
 
     pub(super) fn value(&self) -> Tensor<D> {
         self.value.clone()
     }
 
-    /// The parameter after a step; as it is if the loss does not depend on it.
-    pub(super) fn stepped(self, gradients: &mut Gradients, step: &Step) -> Parameter<D> {
-        let Some(gradient) = self.value.grad_remove(gradients) else { return self };
-        let parts = [gradient.clone(), gradient.square()];
-        let moments = match self.moments {
-            None => [0, 1].map(|i| parts[i].clone().mul_scalar(1.0 - DECAY[i])),
-            Some(before) => {
-                [0, 1].map(|i| before[i].clone().mul_scalar(DECAY[i]).add(parts[i].clone().mul_scalar(1.0 - DECAY[i])))
-            }
-        };
-        let [first, second] = moments.clone();
-        let towards = first
-            .mul_scalar(step.second_correction / step.first_correction)
-            .div(second.sqrt().add_scalar(EPSILON * step.second_correction));
-        let value = self.value.inner() - towards.mul_scalar(step.rate);
-        Parameter { value: value.autodiff().require_grad(), moments: Some(moments) }
+    /// Takes a step; none if the loss does not depend on the parameter.
+    pub(super) fn step(&mut self, gradients: &mut Gradients, step: &Step) -> Result<(), TrainError> {
+        let Some(gradient) = self.value.grad_remove(gradients) else { return Ok(()) };
+        let [first, second] = &mut self.moments;
+        let moments = first.iter_mut().zip(second);
+        // In one loop over plain numbers: as tensors each of these twelve operations would be a pass of its own.
+        for ((number, (first, second)), gradient) in self.numbers.iter_mut().zip(moments).zip(numbers(gradient)?) {
+            *first = *first * DECAY[0] + gradient * (1.0 - DECAY[0]);
+            *second = *second * DECAY[1] + gradient * gradient * (1.0 - DECAY[1]);
+            let towards = *first * (step.second_correction / step.first_correction)
+                / (second.sqrt() + EPSILON * step.second_correction);
+            *number -= towards * step.rate;
+        }
+        self.value = tracked(self.numbers.clone(), self.value.dims(), &self.value.device());
+        Ok(())
     }
+}
+
+/// As a tensor, whose gradients are kept on a device with autodiff.
+fn tracked<const D: usize>(numbers: Vec<f32>, shape: [usize; D], device: &Device) -> Tensor<D> {
+    let tensor = Tensor::from_data(TensorData::new(numbers, shape), device);
+    if device.is_autodiff() { tensor.require_grad() } else { tensor }
+}
+
+/// Row-major numbers of a tensor.
+///
+/// # Errors
+/// [`TrainError::Backend`].
+pub(super) fn numbers<const D: usize>(tensor: Tensor<D>) -> Result<Vec<f32>, TrainError> {
+    let data = tensor.try_into_data().map_err(|error| TrainError::Backend(format!("{error:?}")))?;
+    data.try_into_vec::<f32>().map_err(|error| TrainError::Backend(format!("{error:?}")))
 }
 
 /// One step for all parameters.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
-    rate: f64,
+    rate: f32,
     /// `1 - decay^number` of the first moment, and its square root of the second.
     first_correction: f32,
     second_correction: f32,
@@ -59,7 +75,7 @@ impl Step {
     /// Step `number`, from 1, of this learning rate.
     pub(super) fn new(number: usize, rate: f64) -> Step {
         let [first_correction, second] = DECAY.map(|decay| 1.0 - decay.powi(number as i32));
-        Step { rate, first_correction, second_correction: second.sqrt() }
+        Step { rate: rate as f32, first_correction, second_correction: second.sqrt() }
     }
 }
 

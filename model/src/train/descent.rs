@@ -1,7 +1,7 @@
 //! Gradient descent with burn: Adam under a cosine-shaped learning rate, stopped early on a validation set.
 
 use super::TrainError;
-use super::adam::{Parameter, Step};
+use super::adam::{Parameter, Step, numbers};
 use super::recipe::TrainingRecipe;
 use burn_tensor::module::linear;
 use burn_tensor::{Device, Gradients, Tensor, TensorData};
@@ -136,12 +136,12 @@ impl Perceptron {
         error.clone() * error
     }
 
-    fn stepped(self, mut gradients: Gradients, step: &Step) -> Perceptron {
-        let layers = self.layers.into_iter().map(|Dense { weight, bias }| Dense {
-            weight: weight.stepped(&mut gradients, step),
-            bias: bias.stepped(&mut gradients, step),
-        });
-        Perceptron { layers: layers.collect(), skip: self.skip.map(|skip| skip.stepped(&mut gradients, step)) }
+    fn step(&mut self, mut gradients: Gradients, step: &Step) -> Result<(), TrainError> {
+        for Dense { weight, bias } in &mut self.layers {
+            weight.step(&mut gradients, step)?;
+            bias.step(&mut gradients, step)?;
+        }
+        self.skip.as_mut().map_or(Ok(()), |skip| skip.step(&mut gradients, step))
     }
 
     fn weights(&self) -> Result<Weights, TrainError> {
@@ -155,11 +155,6 @@ impl Perceptron {
             skip: self.skip.as_ref().map(|skip| numbers(skip.value())).transpose()?,
         })
     }
-}
-
-fn numbers<const D: usize>(tensor: Tensor<D>) -> Result<Vec<f32>, TrainError> {
-    let data = tensor.try_into_data().map_err(|error| TrainError::Backend(format!("{error:?}")))?;
-    data.try_into_vec::<f32>().map_err(|error| TrainError::Backend(format!("{error:?}")))
 }
 
 /// One epoch's outcome.
@@ -206,7 +201,7 @@ impl Descent<'_> {
                 let loss = model.squared_errors(table.batch(cases, &device)).mean();
                 step += 1;
                 let rate = learning_rate * cosine.max(LEAST_RATE_SHARE);
-                model = model.stepped(loss.backward(), &Step::new(step, rate));
+                model.step(loss.backward(), &Step::new(step, rate))?;
                 if training_loss.is_none() {
                     let loss = numbers(loss)?.first().copied();
                     training_loss = loss.map(|loss| f64::from(loss) / table.counted_share(cases));

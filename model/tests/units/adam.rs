@@ -10,7 +10,7 @@ fn steps_are_those_of_the_paper() {
     let mut by_hand = (1.0_f64, 0.0_f64, 0.0_f64);
     for number in 1..=5 {
         let mut gradients = x.value().square().mul_scalar(0.5).sum().backward();
-        x = x.stepped(&mut gradients, &Step::new(number, 0.1));
+        x.step(&mut gradients, &Step::new(number, 0.1)).expect("gradients are numbers");
         let (value, m, v) = by_hand;
         let (m, v) = (0.9 * m + 0.1 * value, 0.999 * v + 0.001 * value * value);
         let [m_hat, v_hat] = [m / (1.0 - 0.9_f64.powi(number as i32)), v / (1.0 - 0.999_f64.powi(number as i32))];
