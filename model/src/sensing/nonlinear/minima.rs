@@ -62,6 +62,11 @@ impl NonlinearEstimator<'_> {
         let is_good = |found: &Option<Found>, estimator: &Self| {
             found.as_ref().is_some_and(|it| it.near && estimator.misfit(&it.state, measurement) <= largest_misfit)
         };
+        if std::mem::take(&mut self.is_chosen)
+            && let Some(best) = best
+        {
+            return Ok(Minima { best, all: Vec::new(), starts: Vec::new(), scanned: Vec::new() });
+        }
         let is_at_hand = is_good(&best, self);
         let mut search = Search { measurement, noise_mm, history, best, failure: None, all: Vec::new() };
         let starts = self.search_from_starts(&mut search, largest_misfit)?;

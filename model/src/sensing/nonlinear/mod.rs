@@ -99,6 +99,8 @@ pub struct NonlinearEstimator<'m> {
     last: Option<State>,
     /// Where estimates start after a [`reset`](NonlinearEstimator::reset).
     held: Option<State>,
+    /// Whether the minimum near the last estimate was chosen among all, on a coarser mesh.
+    is_chosen: bool,
     /// Equilibria of all forces; the inner option is empty where they are not scanned, the outer one until somebody asks.
     scan: Option<Option<Scan>>,
 }
@@ -187,6 +189,7 @@ impl<'m> NonlinearEstimator<'m> {
             statics: Statics::ladder(mesh, Kinematics::Corotational),
             last: None,
             held: None,
+            is_chosen: false,
             scan: None,
         })
     }
@@ -215,6 +218,13 @@ impl<'m> NonlinearEstimator<'m> {
         let before = self.held.take();
         self.forget();
         self.held = self.state_at(forces_n, before);
+    }
+
+    /// Begins at forces that a coarser mesh has chosen among all minima: the minimum near them counts, and no others are sought.
+    fn refine_from(&mut self, forces_n: &[f64]) {
+        self.hold_at(forces_n);
+        self.reset();
+        self.is_chosen = self.held.is_some();
     }
 
     /// The state under known forces, followed from another one or else from rest.
@@ -246,7 +256,7 @@ impl<'m> NonlinearEstimator<'m> {
 
     /// Forgets the last estimate and the one that is held.
     pub fn forget(&mut self) {
-        (self.last, self.held) = (None, None);
+        (self.last, self.held, self.is_chosen) = (None, None, false);
     }
 
     fn finger(&self) -> &'m Finger {

@@ -6,8 +6,11 @@ use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::sensing::{ContactQuestion, Meeting, SensingError, Warning};
 
-/// Change of a force between a mesh and one twice as fine at which refinement ends, as a share of the largest force.
+/// Refinement ends where, between a mesh and one twice as fine, no force changes by more than this share of the largest, nor by more than this
+/// many of its own standard deviations, unless that is less than the smaller share.
 const REFINEMENT_TOLERANCE: f64 = 2e-3;
+const REFINEMENT_SIGMAS: f64 = 0.5;
+const NEGLIGIBLE: f64 = 1e-4;
 /// Errors fall with the square of the element length: of the last change, a third is still to come (Richardson).
 const REMAINS: f64 = 1.0 / 3.0;
 /// Elements a member at which refinement begins and ends.
@@ -15,8 +18,10 @@ const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
 /// Refinement begins with this number of elements at least, so that the mesh of a finger of few ribs distinguishes minima as a fine one does.
 const LEAST_ELEMENTS: usize = 40;
 
-/// Senses on ever finer meshes until doubling the mesh changes no force by more than 0.2 % of the largest; what the last
-/// mesh still gets wrong is part of the standard deviations.
+/// Senses on ever finer meshes until doubling the mesh changes no force by more than half of its standard deviation (and 0.2 % of the
+/// largest force; 0.01 % is enough); what the last mesh still gets wrong is part of the standard deviations.
+///
+/// Small changes alone show no convergence: near a limit load, and of loads between nodes, they are small by chance, and grow again.
 ///
 /// # Errors
 /// [`SensingError`] from the estimate on any of the meshes.
@@ -33,8 +38,7 @@ pub fn sense_refining<'o>(
         let mesh = Mesh::with_elements_per_member(finger, elements);
         let mut estimator = NonlinearEstimator::new(&mesh, questions)?.with_pad(pad).with_object(object);
         if let Some(near) = near {
-            estimator.hold_at(&near.forces.forces_n);
-            estimator.reset();
+            estimator.refine_from(&near.forces.forces_n);
         }
         estimator.estimate(measurement, noise_mm)
     };
@@ -47,9 +51,14 @@ pub fn sense_refining<'o>(
         let largest_n = fine.forces.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let pairs = fine.forces.forces_n.iter().zip(&coarse.forces.forces_n);
         let change_n: Vec<f64> = pairs.map(|(fine, coarse)| fine - coarse).collect();
-        let settled = change_n.iter().all(|change| change.abs() <= REFINEMENT_TOLERANCE * largest_n);
-        if settled || 2 * elements > *ELEMENTS.end() {
-            fine.add_model_error(change_n.iter().map(|change| REMAINS * change).collect(), Warning::Discretisation);
+        let is_small = |(change, sigma_n): (&f64, &f64)| {
+            change.abs()
+                <= (REFINEMENT_SIGMAS * sigma_n).clamp(NEGLIGIBLE * largest_n, REFINEMENT_TOLERANCE * largest_n)
+        };
+        let is_settled = change_n.iter().zip(&fine.forces.sigmas_n).all(is_small);
+        if is_settled || 2 * elements > *ELEMENTS.end() {
+            let remains = if is_settled { REMAINS } else { 1.0 };
+            fine.add_model_error(change_n.iter().map(|change| remains * change).collect(), Warning::Discretisation);
             return Ok(fine);
         }
         coarse = fine;

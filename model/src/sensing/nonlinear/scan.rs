@@ -6,12 +6,11 @@
 //! displacements and their derivatives at its points (cubic Hermite interpolation).
 
 use super::{NonlinearEstimator, State};
+use crate::Vector;
 use crate::finger::Plate;
 use crate::frame::FrameMotion;
 use crate::measurement::{Marker, Measurement};
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
-use crate::statics::Statics;
-use crate::{Kinematics, Vector};
 
 /// Largest change of a displacement, as a share of the front plate, and of a rotation, rad, from point to point: of the curve of a single
 /// force, and of the curves that cover a surface.
@@ -20,10 +19,12 @@ const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
 const TOO_LONG: f64 = 1.5;
 /// A curve ends where displacements, as a share of the front plate, or rotations, rad, exceed what a finger that grasps shows.
 const ENDS: [f64; 2] = [0.5, 1.5];
-/// A curve ends where so many steps in a row, each half of the one before it, led to no equilibrium.
-const MOST_HALVINGS: usize = 3;
-/// First steps may be far too long: a plate pushed along itself moves little until it buckles.
-const MOST_FIRST_HALVINGS: usize = 12;
+/// A step that led to no equilibrium is repeated with this share of its length: [`Statics::tried`](crate::statics::Statics) has tried longer ones.
+const SHORTER: f64 = 0.125;
+/// A curve ends where so many such steps in a row led to none.
+const MOST_FAILED: usize = 2;
+/// First steps from rest may be far too long: a plate pushed along itself moves little until it buckles.
+const MOST_FAILED_AT_REST: usize = 5;
 /// Most points of one curve on either side of its start.
 const MOST_POINTS: usize = 200;
 /// Points between two of a curve at which the misfit is taken.
@@ -129,7 +130,7 @@ impl NonlinearEstimator<'_> {
         let Some(mut by_n) = self.first_step_n(start, varying, length_mm * step[0]).map(|by_n| sign * by_n) else {
             return points;
         };
-        let mut halvings = 0;
+        let mut failed = 0;
         while points.len() < MOST_POINTS {
             let last = points.last().unwrap_or(start);
             let mut forces_n = last.forces_n.clone();
@@ -145,12 +146,14 @@ impl NonlinearEstimator<'_> {
                         break;
                     }
                     by_n *= (1.0 / size.max(f64::MIN_POSITIVE)).clamp(0.5, 2.0);
-                    halvings = 0;
+                    failed = 0;
                 }
-                _ => {
-                    by_n *= 0.5;
-                    halvings += 1;
-                    if halvings > if points.is_empty() { MOST_FIRST_HALVINGS } else { MOST_HALVINGS } {
+                (Some(_), _) => by_n *= 0.5,
+                (None, _) => {
+                    by_n *= SHORTER;
+                    failed += 1;
+                    let is_first = points.is_empty() && start.motion.is_at_rest();
+                    if failed >= if is_first { MOST_FAILED_AT_REST } else { MOST_FAILED } {
                         break;
                     }
                 }
@@ -159,12 +162,11 @@ impl NonlinearEstimator<'_> {
         points
     }
 
-    /// The force that moves the finger as small displacements have it by a length, mm.
+    /// The force that moves a key node by a length, mm, by the tangent at the start.
     fn first_step_n(&self, start: &State, varying: usize, by_mm: f64) -> Option<f64> {
-        let loads =
-            self.pad.loads(self.mesh, &start.contacts[varying], 1.0, 0.0).collect::<Result<Vec<_>, _>>().ok()?;
-        let moved = Statics::ladder(self.mesh, Kinematics::Linear).equilibrium(&loads).ok()?.motion;
-        Some(by_mm / moved.largest_displacement()).filter(|by_n| by_n.is_finite())
+        let rate = |key_node| start.linearised.rate(varying, key_node).norm();
+        let fastest = (0..self.finger().key_node_count()).map(rate).fold(0.0, f64::max);
+        Some(by_mm / fastest).filter(|by_n| by_n.is_finite())
     }
 }
 
