@@ -17,6 +17,7 @@ mod estimators {
 }
 mod experiments {
     mod assumed;
+    mod camera;
     mod causes;
     mod contact_scene;
     mod coverage;

@@ -6,7 +6,7 @@ use finray_model::{Kinematics, Mesh, NodeId};
 use finray_studies::settings::TWO_SIDED_95;
 use finray_studies::truths::TruthId;
 use finray_studies::truths::{MeshTruth, Truth, fine_mesh};
-use finray_tests::{CAMERA_NOISE_MM, at_node, at_position, noisy, paper, seen};
+use finray_tests::{CAMERA_NOISE_MM, at_node, at_position, case_count, noisy, paper, seen};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 /// linear finger was taken for the true one as soon as it fitted better by any chance, and 7 of 73 answers at node 19 held the truth.
 #[test]
 fn intervals_cover_the_truth_where_no_noise_is_stated() {
-    const SAMPLES: usize = 300;
+    let samples = case_count(60, 300);
     let finger = paper();
     let fine = fine_mesh(&finger).expect("684 nodes");
     let [key_nodes, four] = [1, ELEMENTS].map(|elements| Mesh::with_elements_per_member(&finger, elements));
@@ -47,7 +47,7 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
         assert_eq!(clean.markers().len(), markers);
         for (name, estimator) in &estimators {
             let mut covered = 0;
-            for _ in 0..SAMPLES {
+            for _ in 0..samples {
                 let noisy = noisy(&clean, CAMERA_NOISE_MM, &mut rng);
                 let mut prepared = estimator.prepare(&[contact], &noisy).expect("well-posed");
                 // A refusal claims nothing.
@@ -55,11 +55,11 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
                     (sensed.forces_n[0] - force_n).abs() <= TWO_SIDED_95 * sensed.sigmas_n.expect("stated")[0]
                 }));
             }
-            // 93 % less three binomial standard deviations of 300 samples.
-            let least = 0.93 - 3.0 * (0.95 * 0.05 / SAMPLES as f64).sqrt();
+            // 93 % less three binomial standard deviations.
+            let least = 0.93 - 3.0 * (0.95 * 0.05 / samples as f64).sqrt();
             assert!(
-                covered as f64 / SAMPLES as f64 > least,
-                "{name}, node {node}, {markers} markers: {covered} of {SAMPLES}"
+                covered as f64 / samples as f64 > least,
+                "{name}, node {node}, {markers} markers: {covered} of {samples}"
             );
         }
     }

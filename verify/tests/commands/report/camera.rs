@@ -67,16 +67,3 @@ fn the_noise_that_is_needed_gives_the_error_that_is_asked() {
         assert!((0.999..1.05).contains(&ratio), "node {node}: {sigma_n} of {force_n} N");
     }
 }
-
-/// What cannot be seen is a row that is refused; the rest of the report stands.
-#[test]
-fn markers_that_are_too_small_for_a_condition_are_refused() {
-    let folder = Folder::new();
-    let scene = folder.put("scene.toml", finray_fixtures::CAMERA_SCENE.replace("radius_mm = 1.5", "radius_mm = 0.7"));
-    let out = folder.path("report");
-    finray(&["report", &scene, "--quick", "--out", &out]).done();
-    let rows = Csv::of(&folder.read("report/camera.csv"));
-    let quarter = rows.texts("setting").iter().position(|setting| *setting == "1/4 along each side").expect("a row");
-    assert_eq!((rows.texts("found")[quarter], rows.texts("refused")[quarter]), ("0", rows.texts("forces")[quarter]));
-    assert_eq!((rows.texts("found")[0], rows.texts("refused")[0]), (rows.texts("markers")[0], "0"));
-}

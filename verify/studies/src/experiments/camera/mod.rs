@@ -103,7 +103,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<CameraStudy>, ExperimentEr
         Some((Camera { lens: described.lens, pose: described.pose? }, markers))
     };
     let Some((camera, markers)) = seen_by(scene).or_else(|| seen_by(&assumed?)) else { return Ok(None) };
-    CameraStudy::run(context, &camera, &markers).map(Some)
+    CameraStudy::of(context.finger, context.effort, context.progress, (&camera, &markers)).map(Some)
 }
 
 /// A bent finger, and how its free nodes move with the force.
@@ -116,12 +116,20 @@ struct Bent {
 }
 
 impl CameraStudy {
-    fn run(context: &Context, camera: &Camera, markers: &Markers) -> Result<CameraStudy, ExperimentError> {
-        let finger = context.finger;
+    /// Of a finger, a camera and the markers that it sees.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where a force cannot be sensed at all.
+    pub fn of(
+        finger: &Finger,
+        effort: Effort,
+        progress: &dyn Progress,
+        (camera, markers): (&Camera, &Markers),
+    ) -> Result<CameraStudy, ExperimentError> {
         let mesh = Mesh::key_nodes(finger);
-        let (most_nodes, most_conditions) = context.effort.camera();
+        let (most_nodes, most_conditions) = effort.camera();
         let conditions = &CONDITIONS[..most_conditions.min(CONDITIONS.len())];
-        context.progress.part("camera", conditions.len());
+        progress.part("camera", conditions.len());
         let loaded: Vec<NodeId> = finger.contact_nodes().filter(|node| *node != finger.tip()).collect();
         let mut responding = RespondingFinger::new(&mesh);
         let mut all = Vec::new();
@@ -143,7 +151,7 @@ impl CameraStudy {
         let px_a_mm = by_point.map(|by_point| by_point.fixed_columns::<2>(0).determinant().abs().sqrt());
         let row = |condition: &Condition| {
             let row = condition_row(&mesh, &asked, condition, camera, markers);
-            context.progress.step();
+            progress.step();
             row
         };
         let rows: Result<Vec<CameraRow>, ExperimentError> = conditions.par_iter().with_max_len(1).map(row).collect();
