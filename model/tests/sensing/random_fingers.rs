@@ -16,8 +16,9 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// An answer without a warning that is off by more is wrong: chance does it once in 16 000 normal errors.
+/// An answer without a warning that is off by more is wrong, but for chance, which does it once in 16 000 normal errors.
 const WRONG_SIGMAS: f64 = 4.0;
+const CHANCE: f64 = 6.3e-5;
 /// Elements of the finger that bends: its mesh must err by less than the noise does, which is 6e-4 of the largest displacements.
 const ELEMENTS: usize = 600;
 
@@ -120,7 +121,10 @@ fn assert_right(contact_count: usize, few: usize, most_refused: f64) {
         "{cases} cases of {contact_count}: {refused} refused, {} silent, coverage {coverage:.4}",
         silent().count()
     );
-    assert!(wrong.is_empty(), "wrong in silence, by so many standard deviations: {wrong:?}");
+    // Of few cases none: of 200 errors chance leaves 0.013, and four standard deviations of that are 0.45.
+    let by_chance = CHANCE * errors.len() as f64;
+    let most_wrong = by_chance + STANDARD_ERRORS * by_chance.sqrt();
+    assert!(wrong.len() as f64 <= most_wrong, "wrong in silence, by so many standard deviations: {wrong:?}");
     assert!(refused as f64 <= most_refused * cases as f64, "{refused} of {cases} are refused");
     // Errors of one measurement depend on each other.
     let chance = STANDARD_ERRORS * share_error(0.95, cases);

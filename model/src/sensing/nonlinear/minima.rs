@@ -20,6 +20,9 @@ const POOR_FIT_SIGMAS: f64 = 3.0;
 /// Measured coordinates from which on a minimum that explains them all, and to which the first start leads, is the only one: of one force, and
 /// of several.
 pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
+/// Times as many leave no other minimum near by, even where no straight way leads to the one that is found: not where it explains them all,
+/// nor where searches from several starts end in it.
+const VERY_MANY: usize = 2;
 
 /// The least minimum, and what else was met.
 pub(super) struct Minima {
@@ -36,6 +39,8 @@ pub(super) struct Minima {
 struct Search<'s> {
     measurement: &'s Measurement,
     noise_mm: Option<f64>,
+    /// Whether the measurement has [`VERY_MANY`] coordinates.
+    has_very_many: bool,
     history: SearchHistory,
     best: Option<Found>,
     failure: Option<SensingError>,
@@ -68,14 +73,17 @@ impl NonlinearEstimator<'_> {
             return Ok(Minima { best, all: Vec::new(), starts: Vec::new(), scanned: Vec::new() });
         }
         let is_at_hand = is_good(&best, self);
-        let mut search = Search { measurement, noise_mm, history, best, failure: None, all: Vec::new() };
-        let starts = self.search_from_starts(&mut search, largest_misfit)?;
         let many = MANY_COORDINATES[usize::from(self.questions.len() > 1)];
-        let has_many = coordinates >= many;
+        let (has_many, has_very_many) = (coordinates >= many, coordinates >= VERY_MANY * many);
+        let (failure, all) = (None, Vec::new());
+        let mut search = Search { measurement, noise_mm, has_very_many, history, best, failure, all };
+        let starts = self.search_from_starts(&mut search, largest_misfit)?;
         // Positions, directions and a base that are sought too make a scan coarse and its points many: few markers alone are worth it.
         let is_coarse = self.unknowns.len() > self.questions.len();
+        let fits = search.best.as_ref().is_some_and(|it| self.misfit(&it.state, measurement) <= largest_misfit);
         // Many markers show which is the only one, too, where searches agree that none explains them.
-        let is_only_one = has_many && (is_good(&search.best, self) || search.history.agree_on_none());
+        let is_only_one = has_very_many && (fits || search.history.agree())
+            || has_many && (is_good(&search.best, self) || search.history.agree_on_none());
         let is_worth_it = !is_coarse || self.priors.count() == 0 && !has_many;
         let is_scanned = !is_at_hand && !is_only_one && is_worth_it;
         let scanned = if is_scanned { self.search_from_scan(&mut search) } else { Vec::new() };
@@ -96,14 +104,16 @@ impl NonlinearEstimator<'_> {
             if let Some(found) = &mut search.best
                 && self.misfit(&found.state, measurement) <= largest_misfit
             {
-                if found.near || matches!(start, Start::Towards(_) | Start::FromMovedBase | Start::Held) {
+                let is_only_one = found.near || search.has_very_many;
+                if is_only_one || matches!(start, Start::Towards(_) | Start::FromMovedBase | Start::Held) {
                     break;
                 }
                 // An explanation that leaves the unknowns open is reason enough to refuse.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
             // The linear forces lead nowhere else; other directions and another base may.
-            if matches!(start, Start::Times(_)) && search.history.agree_on_none() {
+            let are_settled = search.history.agree_on_none() || search.has_very_many && search.history.agree();
+            if matches!(start, Start::Times(_)) && are_settled {
                 continue;
             }
             search.history.begin();

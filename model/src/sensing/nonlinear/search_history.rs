@@ -64,9 +64,20 @@ impl SearchHistory {
 
     /// Whether two searches agree on the best minimum so far, and it is far from explaining the measurement.
     pub(super) fn agree_on_none(&self) -> bool {
-        let ends = || self.ended.iter().filter_map(|way| way.end.as_ref());
-        let Some(best) = ends().min_by(|a, b| a.0.total_cmp(&b.0)) else { return false };
-        self.is_far(best.0) && ends().filter(|end| agree(end, best)).count() > 1
+        self.best().is_some_and(|(misfit_mm2, _)| self.is_far(*misfit_mm2)) && self.agree()
+    }
+
+    /// Whether two searches agree on the best minimum so far.
+    pub(super) fn agree(&self) -> bool {
+        self.best().is_some_and(|best| self.ends().filter(|end| agree(end, best)).count() > 1)
+    }
+
+    fn best(&self) -> Option<&(f64, Vec<f64>)> {
+        self.ends().min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    fn ends(&self) -> impl Iterator<Item = &(f64, Vec<f64>)> {
+        self.ended.iter().filter_map(|way| way.end.as_ref())
     }
 
     /// Begins another way.

@@ -109,9 +109,9 @@ impl NoiseStudy {
             scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, TWO_FORCES_N, &step)?;
         let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
             both.into_iter().partition(|row| row.estimator == EstimatorId::Nonlinear);
-        // Pairs that are too near to the tolerance to decide are drawn again, all of their cases anew.
-        let open: Vec<usize> =
-            (0..pairs.len()).filter(|&i| nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE)).collect();
+        // Pairs that are checked, and too near to the tolerance to decide, are drawn again, all of their cases anew.
+        let is_open = |&i: &usize| is_paper && nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE);
+        let open: Vec<usize> = (0..pairs.len()).filter(is_open).collect();
         let sets: Vec<Vec<NodeId>> = open.iter().map(|&i| pairs[i].clone()).collect();
         let again = scatter_controlled(&request(ENOUGH_PAIR_CASES), &[&of_pairs[0]], &sets, TWO_FORCES_N, &|| ())?;
         for (i, row) in open.into_iter().zip(again) {

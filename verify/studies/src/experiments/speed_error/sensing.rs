@@ -59,7 +59,10 @@ impl Stream {
             // A finger that does not carry a frame's forces is not asked for it.
             let equilibrium = statics.equilibrium(&loads).ok()?;
             let exact = Measurement::of_shape(finger, &truth.shape(&equilibrium.motion));
-            let at_truth = bound.prepare(&contacts, &exact).and_then(|mut it| it.estimate(&exact, Some(noise_mm)));
+            let at_truth = bound.prepare(&contacts, &exact).and_then(|mut prepared| {
+                prepared.expect_forces(&forces_n);
+                prepared.estimate(&exact, Some(noise_mm))
+            });
             Some((forces_n, exact, at_truth.ok().and_then(|sensed| sensed.sigmas_n)))
         };
         let statics = || Statics::ladder(truth, Kinematics::Corotational);
