@@ -4,8 +4,8 @@ mod description;
 mod placement;
 
 pub use description::{
-    BracketLengths, FingerDescription, ImpossibleFinger, Joints, MarkerPoints, Part, RibDescription, RibPositions,
-    RigidEnds, Strip, Zone,
+    BracketLengths, FingerDescription, ImpossibleFinger, Joints, MarkerPoints, OfRibs, Part, RibDescription,
+    RibPositions, RigidEnds, Strip, Zone,
 };
 
 use crate::Vector;
@@ -271,16 +271,30 @@ impl Finger {
         direction.dot(&self.front_tangent()).atan2(direction.dot(&self.inward(Plate::Front))).to_degrees()
     }
 
-    /// Section of a part without zones: plane-strain modulus E / (1 - nu^2); `None` for ribs that do not deform.
+    /// Section of a part without zones: plane-strain modulus E / (1 - nu^2); of the thickest rib; `None` for ribs that do not deform.
     pub fn section(&self, part: Part) -> Option<Section> {
         let d = &self.description;
-        let strip = match part {
-            Part::Front => Some(d.front),
-            Part::Back => Some(d.back),
-            Part::Ribs => d.ribs.strip,
-        }?;
-        let modulus = strip.youngs_modulus_mpa / (1.0 - d.poissons_ratio * d.poissons_ratio);
-        Some(Section::rectangle(strip.thickness_mm, d.depth_mm, modulus))
+        match part {
+            Part::Front => Some(self.section_of(&d.front)),
+            Part::Back => Some(self.section_of(&d.back)),
+            Part::Ribs => d.ribs.strip.as_ref().map(|strip| self.section_of(strip)),
+        }
+    }
+
+    fn section_of(&self, strip: &Strip) -> Section {
+        let modulus =
+            strip.youngs_modulus_mpa / (1.0 - self.description.poissons_ratio * self.description.poissons_ratio);
+        Section::rectangle(strip.thickness_mm, self.description.depth_mm, modulus)
+    }
+
+    /// Section of a rib, counted from 0 at the base, in the zones that hold it; `None` for one that does not deform.
+    pub fn rib_section(&self, rib: usize) -> Option<Section> {
+        let d = &self.description;
+        let mut strip = d.ribs.strip?;
+        strip.thickness_mm = d.ribs.thicknesses_mm.as_ref().map_or(strip.thickness_mm, |each_mm| each_mm[rib]);
+        let zones = d.zones.iter().filter(|zone| zone.holds_rib(self.ribs[rib][0]));
+        let factor: f64 = zones.map(|zone| zone.modulus_factor).product();
+        Some(self.section_of(&strip).scaled(factor))
     }
 
     /// The same finger with all moduli multiplied by a factor.

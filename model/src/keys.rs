@@ -10,7 +10,8 @@ mod tables;
 
 pub(crate) use kinds::described;
 pub use kinds::{
-    BracketLengths, Count, Kind, Number, Numbers, Pairs, Quantity, Range, Refused, RibLengths, SideLengths, Text, Word,
+    BracketLengths, Count, Kind, Number, Numbers, OfRibs, Pairs, Quantity, Range, Refused, RibLengths, RibNumbers,
+    SideLengths, Text, Word,
 };
 pub use reference::reference;
 pub use tables::*;

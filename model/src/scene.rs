@@ -164,13 +164,18 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     let rigid = table.is_true(&RIBS.rigid)?;
     let none = positions == RibPositions::Count(0) || positions == RibPositions::Positions(Vec::new());
     // A material that ribs have no use for must make sense all the same.
-    let strip = match (table.optional(&RIBS.thickness_mm)?, table.optional(&RIBS.youngs_modulus_mpa)?) {
-        _ if rigid => None,
-        (None, None) if none => None,
-        _ => Some(Strip {
-            thickness_mm: table.get(&RIBS.thickness_mm)?,
-            youngs_modulus_mpa: table.get(&RIBS.youngs_modulus_mpa)?,
-        }),
+    let thickness_mm = table.optional(&RIBS.thickness_mm)?;
+    let (strip, thicknesses_mm) = match (&thickness_mm, table.optional(&RIBS.youngs_modulus_mpa)?) {
+        _ if rigid => (None, None),
+        (None, None) if none => (None, None),
+        _ => {
+            let thickness_mm = table.get(&RIBS.thickness_mm)?;
+            let strip = Strip {
+                thickness_mm: thickness_mm.all().iter().copied().fold(0.0, f64::max),
+                youngs_modulus_mpa: table.get(&RIBS.youngs_modulus_mpa)?,
+            };
+            (Some(strip), thickness_mm.each())
+        }
     };
     Ok(RibDescription {
         positions,
@@ -181,6 +186,7 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
         bracket_mm: table.get(&RIBS.bracket_mm)?,
         clip_mm: table.get(&RIBS.clip_mm)?,
         strip,
+        thicknesses_mm,
     })
 }
 

@@ -8,7 +8,7 @@ mod doubt;
 
 pub use doubt::Doubt;
 
-use crate::element::Station;
+use crate::element::{Beam, Station};
 use crate::finger::{Finger, Part, Plate};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Line, Load, Mesh};
@@ -174,10 +174,11 @@ fn examine(
     loads: &[FrameLoad],
 ) -> Option<Examined> {
     let finger = mesh.finger();
-    let thickness_mm = thickness_mm(finger, line.part)?;
     let members = &mesh.frame().members()[line.members.clone()];
     let (first, last) = (line.nodes.first()?, line.nodes.last()?);
     let free_mm: f64 = members.iter().map(|member| member.beam.length_mm).sum();
+    let Beam { axial_rigidity_n, bending_rigidity_nmm2, .. } = members.first()?.beam;
+    let thickness_mm = (12.0 * bending_rigidity_nmm2 / axial_rigidity_n).sqrt();
     let examined = FingerMember {
         part: line.part,
         nodes: [NodeId(first + 1), NodeId(last + 1)],

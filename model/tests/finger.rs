@@ -1,21 +1,34 @@
 //! What signs, angles and node numbers mean, on a finger without symmetry.
 
 use finray_model::finger::{BracketLengths, Plate};
-use finray_model::{Finger, Mesh, NodeId, Scene};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
 
 /// Rounding of coordinates of a finger of some hundred mm.
 const ROUNDING: f64 = 1e-12;
 
 /// Three ribs whose ends lie at other positions along the front than along the back plate; the triangle has no symmetry.
+const LOPSIDED: &str = r#"
+name = "lopsided"
+[finger]
+base_width_mm = 60.0
+front_length_mm = 120.0
+back_length_mm = 150.0
+depth_mm = 20.0
+[finger.front]
+thickness_mm = 1.0
+youngs_modulus_mpa = 50.0
+[finger.back]
+thickness_mm = 1.0
+youngs_modulus_mpa = 50.0
+[finger.ribs]
+positions_mm = [[20.0, 60.0], [50.0, 90.0], [80.0, 120.0]]
+joints = "rigid"
+thickness_mm = 1.25
+youngs_modulus_mpa = 50.0
+"#;
+
 fn lopsided(zones: &str) -> Finger {
-    let text = format!(
-        "name = \"lopsided\"\n[finger]\nbase_width_mm = 60.0\nfront_length_mm = 120.0\nback_length_mm = 150.0\ndepth_mm = 20.0\n\
-         [finger.front]\nthickness_mm = 1.0\nyoungs_modulus_mpa = 50.0\n\
-         [finger.back]\nthickness_mm = 1.0\nyoungs_modulus_mpa = 50.0\n\
-         [finger.ribs]\npositions_mm = [[20.0, 60.0], [50.0, 90.0], [80.0, 120.0]]\njoints = \"rigid\"\nthickness_mm = 1.0\n\
-         youngs_modulus_mpa = 50.0\n{zones}"
-    );
-    Scene::from_toml(&text).expect("a sound scene").finger
+    Scene::from_toml(&format!("{LOPSIDED}{zones}")).expect("a sound scene").finger
 }
 
 /// Rib by rib, how much stiffer than without the zone.
@@ -40,6 +53,34 @@ fn zones_of_ribs_go_by_their_front_ends() {
     assert_eq!(zone(40.0, 55.0), [1.0, 0.25, 1.0]);
     // By the back ends this would be the first rib.
     assert_eq!(zone(55.0, 85.0), [1.0, 1.0, 0.25]);
+}
+
+/// A rib k times as thick stretches k times and bends k^3 times less; others are as they were. Between pins it bends not: it is one of k times the
+/// modulus.
+#[test]
+fn each_rib_may_have_its_own_thickness() {
+    let with = |thickness_mm: &str, joints: &str, zones: &str| {
+        let scene = LOPSIDED.replace("thickness_mm = 1.25", &format!("thickness_mm = {thickness_mm}"));
+        Scene::from_toml(&(scene.replace("rigid", joints) + zones)).expect("a sound scene").finger
+    };
+    let (alike, each) = (with("1.25", "rigid", ""), with("[1.25, 2.5, 0.625]", "rigid", ""));
+    for (rib, factor) in [1.0_f64, 2.0, 0.5].into_iter().enumerate() {
+        let [alike, each] = [&alike, &each].map(|finger| finger.rib_section(rib).expect("it deforms"));
+        assert!((each.axial_rigidity_n / alike.axial_rigidity_n / factor - 1.0).abs() < ROUNDING);
+        assert!((each.bending_rigidity_nmm2 / alike.bending_rigidity_nmm2 / factor.powi(3) - 1.0).abs() < ROUNDING);
+    }
+    let zone = "[[finger.zone]]\nplate = \"ribs\"\nfrom_mm = 45.0\nto_mm = 55.0\nmodulus_factor = 2.0\n";
+    let tip_mm = |finger: &Finger| {
+        let load = Load::at_node(NodeId(7), finger.direction(10.0));
+        let mesh = Mesh::with_elements_per_member(finger, 4);
+        statics::solve(&mesh, &[load], Kinematics::Corotational)
+            .expect("it is carried")
+            .motion(finger.tip())
+            .displacement
+    };
+    let (thick, stiff) = (tip_mm(&with("[1.25, 2.5, 1.25]", "hinged", "")), tip_mm(&with("1.25", "hinged", zone)));
+    let off_mm = (thick - stiff).norm();
+    assert!(off_mm < 1e-9 && (thick - tip_mm(&with("1.25", "hinged", ""))).norm() > 1e-4, "{off_mm}");
 }
 
 /// Angle 0 points from the front plate into the finger, at a right angle; positive angles lean towards the tip.

@@ -86,6 +86,7 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 back,
                 rigid_ends: Default::default(),
                 ribs: RibDescription {
+                    thicknesses_mm: None,
                     positions: RibPositions::Positions(positions),
                     joints,
                     bracket_mm: BracketLengths::NONE,

@@ -1,6 +1,6 @@
 //! A finger as the user describes it.
 
-pub use crate::keys::BracketLengths;
+pub use crate::keys::{BracketLengths, OfRibs};
 
 /// A plate or a rib as a material strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +52,8 @@ pub struct RibDescription {
     pub clip_mm: [f64; 2],
     /// Their material; `None` for ribs that do not deform (or if there are none).
     pub strip: Option<Strip>,
+    /// Thickness of each rib, mm, from base to tip, where they differ: it counts instead of the strip's, which is the largest of them.
+    pub thicknesses_mm: Option<Vec<f64>>,
 }
 
 /// Which point of a rib's end a camera sees.
@@ -86,6 +88,13 @@ pub struct Zone {
     pub to_mm: f64,
     /// Factor on Young's modulus.
     pub modulus_factor: f64,
+}
+
+impl Zone {
+    /// Whether it covers a rib with its front end at a position; on a border the zone that begins there does.
+    pub fn holds_rib(&self, position_mm: f64) -> bool {
+        self.part == Part::Ribs && self.from_mm <= position_mm && position_mm < self.to_mm
+    }
 }
 
 /// A finger as the user describes it; [`Finger::new`](super::Finger::new) checks it.

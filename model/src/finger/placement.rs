@@ -1,6 +1,6 @@
 //! What a description must hold to be a finger, and where its nodes are.
 
-use super::{BracketLengths, Finger, FingerDescription, ImpossibleFinger, Part, Plate, RibPositions};
+use super::{BracketLengths, Finger, FingerDescription, ImpossibleFinger, OfRibs, Part, Plate, RibPositions};
 use crate::Vector;
 use crate::keys::{BACK, FINGER, FRONT, Key, Kind, RIBS, ZONE};
 
@@ -31,7 +31,8 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
         check(&keys.rigid_tip_mm, &ends.tip_mm)?;
     }
     if let Some(strip) = &d.ribs.strip {
-        check(&RIBS.thickness_mm, &strip.thickness_mm)?;
+        let each_mm = d.ribs.thicknesses_mm.clone().map(OfRibs::Each);
+        check(&RIBS.thickness_mm, &each_mm.unwrap_or(OfRibs::Alike(strip.thickness_mm)))?;
         check(&RIBS.youngs_modulus_mpa, &strip.youngs_modulus_mpa)?;
     }
     check(&RIBS.bracket_mm, &d.ribs.bracket_mm)?;
@@ -129,6 +130,11 @@ pub(super) fn check_zones(d: &FingerDescription) -> Result<(), ImpossibleFinger>
 pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     check_brackets(finger)?;
     let d = &finger.description;
+    if let Some(each_mm) = &d.ribs.thicknesses_mm {
+        require(each_mm.len() == finger.rib_count(), &RIBS.thickness_mm.path(), || {
+            format!("expected a thickness for each of {} ribs, found {}", finger.rib_count(), each_mm.len())
+        })?;
+    }
     let ribs = (0..finger.rib_count()).map(|rib| finger.rib_length_mm(rib));
     let plates = [Plate::Front, Plate::Back];
     let members =

@@ -2,7 +2,9 @@
 
 mod numbers;
 
-pub use numbers::{BracketLengths, Number, Numbers, Pairs, Quantity, Range, RibLengths, SideLengths};
+pub use numbers::{
+    BracketLengths, Number, Numbers, OfRibs, Pairs, Quantity, Range, RibLengths, RibNumbers, SideLengths,
+};
 
 use std::fmt::Debug;
 use toml::de::DeValue;

@@ -6,7 +6,7 @@ use super::Need::{Of, Optional, Or, Required, RequiredIf};
 use super::Range::{Above, AtMost, Between, ByOthers, Finite, Positive, Whole, Within};
 use super::{
     BracketLengths, Count, Entry, Key, KeyList, Number, Numbers, Occurs, Pairs, Quantity, Range, RibLengths,
-    SceneTable, SideLengths, Table, Text, Word,
+    RibNumbers, SceneTable, SideLengths, Table, Text, Word,
 };
 
 /// Radius of the rods, mm: the paper's have a diameter of 3 mm (Xu et al. 2021, sec. II).
@@ -119,7 +119,7 @@ tables! {
         "Instead of count: where each rib meets front and back plate, from the base.";
     joints: Word<2>(["rigid", "hinged"]), RequiredIf("unless there are no ribs"), "How ribs are joined to the plates: hinged ones have a pin at both ends.";
     rigid: Word<2>(TRUE_FALSE), Or(1), "Whether ribs do not deform.";
-    thickness_mm: Number(LENGTH, POSITIVE), RequiredIf("unless ribs are rigid"), "Thickness.";
+    thickness_mm: RibNumbers(Number(LENGTH, POSITIVE)), RequiredIf("unless ribs are rigid"), "Thickness.";
     youngs_modulus_mpa: Number(MODULUS, POSITIVE), RequiredIf("unless ribs are rigid"), "Young's modulus E.";
     largest_strain: Number(STRAIN, Above(0.0, 1.0)), Optional, "Largest fibre strain, as of the plates.";
     bracket_mm: RibLengths(), Or(BracketLengths::NONE),

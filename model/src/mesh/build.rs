@@ -1,7 +1,7 @@
 //! From a finger to its frame: plates, ribs and what links them, line by line.
 
 use super::prepared::Prepared;
-use super::zones::{self, ElementPositions, mean_compliance};
+use super::zones::{ElementPositions, mean_compliance};
 use super::{FrontSpan, Line, Mesh};
 use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
 use crate::frame::{BeamEnd, NodeIndex, PlaneFrame, Section};
@@ -87,7 +87,7 @@ impl Mesh {
 
     fn add_rib(&mut self, rib: usize, elements: usize) {
         let [front, back] = self.finger.rib_nodes(rib).map(|node| self.hinge_node(node));
-        let Some(section) = self.finger.section(Part::Ribs) else {
+        let Some(section) = self.finger.rib_section(rib) else {
             let at = self.frame.members().len();
             self.lines.push(Line { part: Part::Ribs, nodes: vec![back, front], members: at..at });
             return;
@@ -99,11 +99,7 @@ impl Mesh {
             let rotation = if hinged { self.frame.add_rotation() } else { self.frame.rotation_of(node) };
             BeamEnd { node, rotation, arm }
         });
-        let position = self.finger.plate_positions_mm(Plate::Front)[rib + 1];
-        let zones = self.finger.description().zones.iter();
-        let factor: f64 =
-            zones.filter(|zone| zones::holds_rib(zone, position)).map(|zone| zone.modulus_factor).product();
-        self.add_line(Part::Ribs, ends, &vec![section.scaled(factor); elements]);
+        self.add_line(Part::Ribs, ends, &vec![section; elements]);
     }
 
     /// Adds a straight chain of equal elements between two ends, one section each.

@@ -27,11 +27,6 @@ impl ElementPositions {
     }
 }
 
-/// Whether a zone covers a rib with its front end at a position; on a border the zone that begins there does.
-pub(super) fn holds_rib(zone: &Zone, position_mm: f64) -> bool {
-    zone.part == Part::Ribs && zone.from_mm <= position_mm && position_mm < zone.to_mm
-}
-
 /// Length-weighted mean of 1 / (product of the zones' factors) over a section of plate.
 pub(super) fn mean_compliance(zones: &[Zone], from_mm: f64, to_mm: f64) -> f64 {
     compliance(zones, from_mm, to_mm, |_| true) / (to_mm - from_mm)
@@ -73,7 +68,7 @@ impl Mesh {
             let arms_mm = if chosen.part == Part::Ribs { [0.0; 2] } else { self.finger.member_arms_mm(plate, nth) };
             let elements = ElementPositions::new([positions[nth], positions[nth + 1]], arms_mm, line.members.len());
             let share = |i: usize| match chosen.part {
-                Part::Ribs => f64::from(u8::from(holds_rib(chosen, positions[nth + 1]))),
+                Part::Ribs => f64::from(u8::from(chosen.holds_rib(positions[nth + 1]))),
                 Part::Front | Part::Back => {
                     let (from_mm, to_mm) = (elements.start(i), elements.start(i + 1));
                     compliance(&of_part, from_mm, to_mm, |middle| covers(chosen, middle))

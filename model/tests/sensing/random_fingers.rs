@@ -41,6 +41,7 @@ fn random_finger(rng: &mut ChaCha8Rng) -> Finger {
             back: strip(rng),
             rigid_ends: Default::default(),
             ribs: RibDescription {
+                thicknesses_mm: None,
                 positions: RibPositions::Count(rng.random_range(0..=12)),
                 joints: if rng.random_bool(0.5) { Joints::Rigid } else { Joints::Hinged },
                 bracket_mm: BracketLengths::NONE,
@@ -156,6 +157,7 @@ fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
         back: strip(4.0),
         rigid_ends: Default::default(),
         ribs: RibDescription {
+            thicknesses_mm: None,
             positions: RibPositions::Count(0),
             joints: Joints::Rigid,
             bracket_mm: BracketLengths::NONE,

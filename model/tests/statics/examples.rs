@@ -38,6 +38,7 @@ fn a_buckling_load_is_not_jumped_over() {
         back: strip(0.5, 353.372),
         rigid_ends: Default::default(),
         ribs: RibDescription {
+            thicknesses_mm: None,
             positions: RibPositions::Positions(vec![[59.8018, 29.6223], [120.8031, 74.9941]]),
             joints: Joints::Hinged,
             bracket_mm: BracketLengths::NONE,

@@ -151,7 +151,7 @@ impl Assembly {
         let joint = |node: NodeId| self.key_nodes[node.0 - 1].moved(finger.bracket(node));
         let [back, front] = [back, front].map(joint);
         let hinged = finger.description().ribs.joints == Joints::Hinged;
-        let Some(section) = finger.section(Part::Ribs) else {
+        let Some(section) = finger.rib_section(rib) else {
             if hinged {
                 let ends = [back, front];
                 let section = undeformable_bar(finger);
@@ -166,12 +166,9 @@ impl Assembly {
         let borders = borders_mm([0.0, between.norm() - 2.0 * finger.description().rod_arm_mm], &[], target_mm);
         let segments = borders.len() - 1;
         let length_mm = borders[1];
-        let position = finger.plate_positions_mm(Plate::Front)[rib + 1];
-        let covers = |zone: &&Zone| zone.part == Part::Ribs && zone.from_mm <= position && position < zone.to_mm;
-        let factor: f64 = finger.description().zones.iter().filter(covers).map(|zone| zone.modulus_factor).product();
         for (i, ends) in self.divide(ends, &borders).into_iter().enumerate() {
             let pinned = [hinged && i == 0, hinged && i + 1 == segments];
-            let segment = Segment { ends, pinned, direction, length_mm, section: section.scaled(factor) };
+            let segment = Segment { ends, pinned, direction, length_mm, section };
             self.springs.extend(segment.springs(self.axial));
         }
     }

@@ -34,6 +34,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         front => of(d.front),
         back => of(d.back),
         strip => d.ribs.strip.map(of),
+        ribs_differ => d.ribs.thicknesses_mm.is_some(),
         ribs,
         are_even,
     };

@@ -117,6 +117,18 @@ fn values_of_another_type_are_refused() {
             "finger.ribs.joints: expected one of \"rigid\", \"hinged\", found the text \"glued\"",
         ),
         (
+            "joints = \"rigid\"\nthickness_mm = 1.5",
+            "joints = \"rigid\"\nthickness_mm = [2.0, 2.0]",
+            "thickness_mm = [",
+            "finger.ribs.thickness_mm: expected a thickness for each of 11 ribs, found 2",
+        ),
+        (
+            "joints = \"rigid\"\nthickness_mm = 1.5",
+            "joints = \"rigid\"\nthickness_mm = [2.0, -1.0]",
+            "thickness_mm = [",
+            "finger.ribs.thickness_mm: expected a positive length in mm, found -1.0",
+        ),
+        (
             "count = 11",
             "count = 11\nbracket_mm = \"3 mm\"",
             "bracket_mm",

@@ -170,40 +170,91 @@ impl Kind for SideLengths {
     }
 }
 
-/// Lengths of brackets on the front and the back plate, mm.
+/// What all ribs have alike, or each its own.
 #[derive(Debug, Clone, PartialEq)]
-pub enum BracketLengths {
+pub enum OfRibs<T> {
     /// All ribs alike.
-    Alike([f64; 2]),
+    Alike(T),
     /// Of each rib, from base to tip.
-    Each(Vec<[f64; 2]>),
+    Each(Vec<T>),
 }
+
+/// Lengths of brackets on the front and the back plate, mm.
+pub type BracketLengths = OfRibs<[f64; 2]>;
 
 impl BracketLengths {
     /// No brackets.
-    pub const NONE: BracketLengths = BracketLengths::Alike([0.0; 2]);
+    pub const NONE: BracketLengths = OfRibs::Alike([0.0; 2]);
+}
 
-    /// Those of a rib, counted from 0.
-    pub fn of(&self, rib: usize) -> [f64; 2] {
+impl<T: Copy> OfRibs<T> {
+    /// That of a rib, counted from 0.
+    pub fn of(&self, rib: usize) -> T {
         match self {
-            BracketLengths::Alike(lengths_mm) => *lengths_mm,
-            BracketLengths::Each(lengths_mm) => lengths_mm[rib],
+            OfRibs::Alike(all) => *all,
+            OfRibs::Each(each) => each[rib],
+        }
+    }
+
+    /// Those of each rib, where they are stated one by one.
+    pub fn each(self) -> Option<Vec<T>> {
+        if let OfRibs::Each(each) = self { Some(each) } else { None }
+    }
+
+    /// All that differ.
+    pub fn all_mut(&mut self) -> &mut [T] {
+        match self {
+            OfRibs::Alike(all) => std::slice::from_mut(all),
+            OfRibs::Each(each) => each,
         }
     }
 
     /// All that differ.
-    pub fn all_mut(&mut self) -> &mut [[f64; 2]] {
+    pub fn all(&self) -> &[T] {
         match self {
-            BracketLengths::Alike(lengths_mm) => std::slice::from_mut(lengths_mm),
-            BracketLengths::Each(lengths_mm) => lengths_mm,
+            OfRibs::Alike(all) => std::slice::from_ref(all),
+            OfRibs::Each(each) => each,
+        }
+    }
+}
+
+/// A number of all ribs, or a list with one for each rib.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RibNumbers(pub Number);
+
+impl Kind for RibNumbers {
+    type Value = OfRibs<f64>;
+
+    fn noun(&self) -> String {
+        self.0.noun()
+    }
+
+    fn expected(&self) -> String {
+        self.0.expected()
+    }
+
+    fn described(&self) -> String {
+        format!("{}, or a list of one for each rib", self.0.described())
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<OfRibs<f64>, Refused> {
+        match value {
+            DeValue::Array(each) => {
+                let each = each.iter().map(|value| self.0.parse(value.get_ref()));
+                each.collect::<Result<_, _>>().map(OfRibs::Each)
+            }
+            all => self.0.parse(all).map(OfRibs::Alike),
         }
     }
 
-    /// All that differ.
-    pub fn all(&self) -> &[[f64; 2]] {
-        match self {
-            BracketLengths::Alike(lengths_mm) => std::slice::from_ref(lengths_mm),
-            BracketLengths::Each(lengths_mm) => lengths_mm,
+    fn outside(&self, value: &OfRibs<f64>) -> Option<String> {
+        value.all().iter().find_map(|number| self.0.outside(number))
+    }
+
+    fn written(&self, value: &OfRibs<f64>) -> String {
+        match value {
+            OfRibs::Alike(all) => format!("{all:?}"),
+            OfRibs::Each(each) => format!("{each:?}"),
         }
     }
 }

@@ -46,6 +46,9 @@ impl Fingerprint {
                 numbers.number(&format!("rigid part {place} mm"), length_mm);
             }
         }
+        for (rib, thickness_mm) in d.ribs.thicknesses_mm.iter().flatten().enumerate() {
+            numbers.number(&format!("rib {rib} thickness_mm"), *thickness_mm);
+        }
         if finger.has_brackets() {
             let all = finger.description().ribs.bracket_mm.all().as_flattened();
             for (name, length_mm) in ["front", "back"].into_iter().cycle().zip(all) {

@@ -1,9 +1,7 @@
 //! The fast evaluation of a network: without allocation, on the registers that the machine has.
 
-use super::kernels::{Linear, Weights, padded, tile_frames, tiled};
-use super::number::Aligned;
 use super::prepared::Prepared;
-use super::tanh::{Tanh, tanh_all};
+use finray_numerics::dense::{Aligned, Linear, Tanh, Weights, padded, tanh_all, tile_frames, tiled};
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
 /// Which instructions evaluate a network.

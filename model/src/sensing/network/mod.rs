@@ -11,10 +11,7 @@ mod file;
 mod fingerprint;
 mod forward;
 mod hidden;
-mod kernels;
-mod number;
 mod prepared;
-mod tanh;
 
 pub use card::{ContactSet, FORMAT, NetworkCard, Origin, Scaling, TestError};
 pub use error::NetworkError;

@@ -85,6 +85,7 @@ fn variant(finger: &Finger, change: impl FnOnce(&mut FingerDescription)) -> Resu
 
 fn with_thickness(finger: &Finger, thickness_mm: f64) -> Result<Finger, Unexpected> {
     variant(finger, |d| {
+        d.ribs.thicknesses_mm = None;
         for strip in [Some(&mut d.front), Some(&mut d.back), d.ribs.strip.as_mut()].into_iter().flatten() {
             strip.thickness_mm = thickness_mm;
         }

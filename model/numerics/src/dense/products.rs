@@ -1,6 +1,6 @@
 //! y += W x, for one x and for many at once.
 
-use super::number::{Aligned, Number};
+use super::vectors::{Aligned, Number};
 use pulp::Simd;
 
 /// Vectors of outputs in registers while the inputs of a frame stream by: four sums each hide an addition's latency.
@@ -10,14 +10,14 @@ const TILE_OUTPUTS: usize = 6;
 const TILE_VECTORS: usize = 2;
 
 /// What is done with a complete sum. No closure: inlining is then not sure, without which it is ten times slower.
-pub(super) trait Finish<N: Number>: Copy {
+pub trait Finish<N: Number>: Copy {
     /// The result in each lane.
     fn finish<S: Simd>(self, simd: S, sum: N::Vector<S>) -> N::Vector<S>;
 }
 
 /// Leaves the sum as it is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Linear;
+pub struct Linear;
 
 impl<N: Number> Finish<N> for Linear {
     #[inline(always)]
@@ -28,7 +28,7 @@ impl<N: Number> Finish<N> for Linear {
 
 /// A matrix in the two orders in which it is read.
 #[derive(Debug, Clone)]
-pub(super) struct Weights<N: Number> {
+pub struct Weights<N: Number> {
     /// Length of x.
     inputs: usize,
     /// Length of y.
@@ -41,18 +41,18 @@ pub(super) struct Weights<N: Number> {
 
 /// Frames that the kernels for many frames take at once.
 #[inline(always)]
-pub(super) fn tile_frames<N: Number, S: Simd>() -> usize {
+pub fn tile_frames<N: Number, S: Simd>() -> usize {
     TILE_VECTORS * N::lanes::<S>()
 }
 
 /// The least multiple of the lanes that is not less.
 #[inline(always)]
-pub(super) fn padded<N: Number, S: Simd>(count: usize) -> usize {
+pub fn padded<N: Number, S: Simd>(count: usize) -> usize {
     count.next_multiple_of(N::lanes::<S>())
 }
 
 /// Number of outputs that the kernels for many frames write.
-pub(super) fn tiled(outputs: usize) -> usize {
+pub fn tiled(outputs: usize) -> usize {
     outputs.next_multiple_of(TILE_OUTPUTS)
 }
 
@@ -68,7 +68,7 @@ fn panel_width(vectors_left: usize) -> usize {
 
 impl<N: Number> Weights<N> {
     /// Orders a matrix for a machine; `weight(output, input)` gives its entries.
-    pub(super) fn new<S: Simd>(outputs: usize, inputs: usize, weight: impl Fn(usize, usize) -> N) -> Weights<N> {
+    pub fn new<S: Simd>(outputs: usize, inputs: usize, weight: impl Fn(usize, usize) -> N) -> Weights<N> {
         let lanes = N::lanes::<S>();
         let entry = |output: usize, input: usize| if output < outputs { weight(output, input) } else { N::ZERO };
         let mut panels = Aligned::zeros(padded::<N, S>(outputs) * inputs);
@@ -91,14 +91,14 @@ impl<N: Number> Weights<N> {
     }
 
     /// Length of y.
-    pub(super) fn outputs(&self) -> usize {
+    pub fn outputs(&self) -> usize {
         self.outputs
     }
 
     /// y = finish(y + W x) for one frame. `y` has [`padded`] outputs. What comes last is done panel by panel, while the
     /// weights of the next one are on their way: fetching them is what takes the time.
     #[inline(always)]
-    pub(super) fn add_product<S: Simd>(&self, simd: S, x: &[N], y: &mut [N], finish: impl Finish<N>) {
+    pub fn add_product<S: Simd>(&self, simd: S, x: &[N], y: &mut [N], finish: impl Finish<N>) {
         let x = &x[..self.inputs];
         let mut panels = N::vectors::<S>(self.panels.as_slice());
         let mut y = N::vectors_mut::<S>(y);
@@ -117,7 +117,7 @@ impl<N: Number> Weights<N> {
 
     /// Y += W X for [`tile_frames`] frames. X and Y hold a row of frames for each input and output; Y has [`tiled`] rows.
     #[inline(always)]
-    pub(super) fn add_products<S: Simd>(&self, simd: S, x: &[N], y: &mut [N]) {
+    pub fn add_products<S: Simd>(&self, simd: S, x: &[N], y: &mut [N]) {
         let x = N::vectors::<S>(x).as_chunks::<TILE_VECTORS>().0;
         let y = N::vectors_mut::<S>(y).as_chunks_mut::<TILE_VECTORS>().0;
         let weights = self.tiles.as_slice().as_chunks::<TILE_OUTPUTS>().0;

@@ -1,6 +1,6 @@
 //! The hyperbolic tangent of many numbers at once.
 
-use super::kernels::Finish;
+use super::products::Finish;
 use pulp::Simd;
 
 /// Beyond this, tanh is 1 within the stated error.
@@ -11,7 +11,7 @@ const DENOMINATOR: [f32; 5] = [1.0770481, 0.5037895, 0.028166784, 0.00036683367,
 
 /// tanh of every number.
 #[inline(always)]
-pub(super) fn tanh_all<S: Simd>(simd: S, numbers: &mut [f32]) {
+pub fn tanh_all<S: Simd>(simd: S, numbers: &mut [f32]) {
     let (vectors, rest) = S::as_mut_simd_f32s(numbers);
     for vector in vectors {
         *vector = tanh(simd, *vector);
@@ -24,7 +24,7 @@ pub(super) fn tanh_all<S: Simd>(simd: S, numbers: &mut [f32]) {
 
 /// tanh as what comes last in a layer.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Tanh;
+pub struct Tanh;
 
 impl Finish<f32> for Tanh {
     #[inline(always)]
@@ -72,7 +72,3 @@ fn polynomial<S: Simd>(simd: S, x: S::f32s, coefficients: [f32; 5]) -> S::f32s {
     }
     sum
 }
-
-#[cfg(test)]
-#[path = "../../../tests/units/tanh.rs"]
-mod tests;

@@ -1,7 +1,7 @@
 //! The hyperbolic tangent over all numbers.
 
-use super::*;
-use pulp::{Arch, Scalar, WithSimd};
+use finray_numerics::dense::tanh_all;
+use pulp::{Arch, Scalar, Simd, WithSimd};
 
 /// The stated error bound, for every number.
 const LARGEST_ERROR: f64 = 3e-7;

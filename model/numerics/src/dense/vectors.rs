@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 /// A number of which a machine holds several in a register.
-pub(super) trait Number: Copy + 'static {
+pub trait Number: Copy + 'static {
     /// A register of them.
     type Vector<S: Simd>: Copy;
     /// Zero.
@@ -66,7 +66,7 @@ number!(f64, f64s, F64_LANES, splat_f64s, mul_add_e_f64s, add_f64s, as_simd_f64s
 
 /// Numbers that begin on a cache line, so that no vector lies across two.
 #[derive(Debug)]
-pub(super) struct Aligned<N> {
+pub struct Aligned<N> {
     /// With room to spare.
     numbers: Vec<N>,
     start: usize,
@@ -78,7 +78,7 @@ const LINE: usize = 64;
 
 impl<N: Number> Aligned<N> {
     /// A list of zeros of this length.
-    pub(super) fn zeros(len: usize) -> Aligned<N> {
+    pub fn zeros(len: usize) -> Aligned<N> {
         let room = LINE / size_of::<N>();
         let numbers = vec![N::ZERO; len + room];
         // The address may be unknowable, as under an interpreter: then any start will do.
@@ -86,13 +86,15 @@ impl<N: Number> Aligned<N> {
         Aligned { numbers, start, len }
     }
 
+    /// The numbers.
     #[inline(always)]
-    pub(super) fn as_slice(&self) -> &[N] {
+    pub fn as_slice(&self) -> &[N] {
         &self.numbers[self.start..self.start + self.len]
     }
 
+    /// The numbers, to be written.
     #[inline(always)]
-    pub(super) fn as_mut_slice(&mut self) -> &mut [N] {
+    pub fn as_mut_slice(&mut self) -> &mut [N] {
         &mut self.numbers[self.start..self.start + self.len]
     }
 }
