@@ -46,6 +46,9 @@ pub struct Arguments {
     out: PathBuf,
 }
 
+/// Standard deviation of a focal length, as a share of it, beyond which it is warned of: the parallax of what lies off the grid's plane is wrong by
+/// about as large a share.
+const LARGEST_FOCAL_SHARE: f64 = 0.05;
 /// Largest differences between images of a plane that is in the same place: of its normal, deg, and of its distance from the camera, as a share.
 const SAME_NORMAL_DEG: f64 = 0.5;
 const SAME_DISTANCE: f64 = 0.005;
@@ -97,6 +100,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(note) = not_shown(&fit) {
         print_message(format_args!("note: {note}"));
     }
+    if let Some(warning) = uncertain_focus(&fit) {
+        print_message(format_args!("warning: {warning}"));
+    }
     Ok(())
 }
 
@@ -145,7 +151,7 @@ fn to_toml(fit: &LensFit, arguments: &Arguments, kind: GridKind, dots: usize) ->
     for (name, sd) in LENS_PARAMETERS.iter().zip(fit.sds) {
         let _ = writeln!(text, "#   {name} {sd:.2e}");
     }
-    if let Some(note) = not_shown(fit) {
+    for note in not_shown(fit).into_iter().chain(uncertain_focus(fit)) {
         let _ = writeln!(text, "# {note}");
     }
     let _ = writeln!(text, "[{}]", CAMERA.path());
@@ -154,6 +160,18 @@ fn to_toml(fit: &LensFit, arguments: &Arguments, kind: GridKind, dots: usize) ->
     let _ = writeln!(text, "{} = {:?}", CAMERA.principal_point_px.name, lens.principal_point_px());
     let _ = writeln!(text, "{} = {:?}", CAMERA.distortion.name, lens.distortion().to_opencv());
     text
+}
+
+/// Says so where the focal length is less certain than distances and slants can bear.
+fn uncertain_focus(fit: &LensFit) -> Option<String> {
+    let share = fit.sds[0] / fit.lens.focal_px()[0];
+    (share > LARGEST_FOCAL_SHARE).then(|| {
+        format!(
+            "the focal length is uncertain by {:.0} %, and so are distances from the camera, heights and slants: take images of the whole grid that slant it by \
+             20 to 40 degrees to both sides",
+            100.0 * share
+        )
+    })
 }
 
 /// Says which parameters the images do not show.

@@ -56,6 +56,8 @@ fn images_without_a_grid_give_no_lens() {
     // One image without slant does not show the focal length.
     let answer = finray(&["lens", "--grid-mm", "10", "--image", &grid(&folder, "flat.png", 0.0)]);
     assert!(answer.code == Some(0) && answer.err.starts_with("note: ") && answer.err.contains("fx"), "{}", answer.err);
+    assert_says(&answer.err, &["warning: the focal length is uncertain by"]);
+    assert!(answer.out.contains("# the focal length is uncertain by"));
 }
 
 /// `lens --plane` gives the pose of the grid's plane: origin in the middle of the image, z towards the camera. It takes images of one place alone.
