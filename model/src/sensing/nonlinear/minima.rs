@@ -20,8 +20,8 @@ const POOR_FIT_SIGMAS: f64 = 3.0;
 /// Measured coordinates from which on a minimum that explains them all, and to which the first start leads, is the only one: of one force, and
 /// of several.
 pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
-/// Times as many leave no other minimum near by, even where no straight way leads to the one that is found: not where it explains them all,
-/// nor where searches from several starts end in it.
+/// Times as many leave no other minimum of forces alone, even where no straight way leads to the one that is found: not where it explains
+/// them all, nor where searches from several starts end in it.
 const VERY_MANY: usize = 2;
 
 /// The least minimum, and what else was met.
@@ -39,7 +39,7 @@ pub(super) struct Minima {
 struct Search<'s> {
     measurement: &'s Measurement,
     noise_mm: Option<f64>,
-    /// Whether the measurement has [`VERY_MANY`] coordinates.
+    /// Whether forces alone are sought, and the measurement has [`VERY_MANY`] times as many coordinates as are many.
     has_very_many: bool,
     history: SearchHistory,
     best: Option<Found>,
@@ -74,12 +74,13 @@ impl NonlinearEstimator<'_> {
         }
         let is_at_hand = is_good(&best, self);
         let many = MANY_COORDINATES[usize::from(self.questions.len() > 1)];
-        let (has_many, has_very_many) = (coordinates >= many, coordinates >= VERY_MANY * many);
+        let has_many = coordinates >= many;
+        // Positions, directions and a base that are sought too make a scan coarse and its points many: few markers alone are worth it.
+        let is_coarse = self.unknowns.len() > self.questions.len();
+        let has_very_many = !is_coarse && !self.follows_plate() && coordinates >= VERY_MANY * many;
         let (failure, all) = (None, Vec::new());
         let mut search = Search { measurement, noise_mm, has_very_many, history, best, failure, all };
         let starts = self.search_from_starts(&mut search, largest_misfit)?;
-        // Positions, directions and a base that are sought too make a scan coarse and its points many: few markers alone are worth it.
-        let is_coarse = self.unknowns.len() > self.questions.len();
         let fits = search.best.as_ref().is_some_and(|it| self.misfit(&it.state, measurement) <= largest_misfit);
         // Many markers show which is the only one, too, where searches agree that none explains them.
         let is_only_one = has_very_many && (fits || search.history.agree())

@@ -189,10 +189,15 @@ pub(crate) fn sensing(
         let estimators: Vec<&TimedEstimator<'_>> = beams.iter().chain(&further).collect();
         let of_task = estimators.iter().map(|timed| sensed(task, timed, noise_mm, &streams));
         let mut of_task = of_task.collect::<Result<Vec<_>, _>>()?;
-        // Nothing is timed any more.
-        let biases = estimators.par_iter().map(|timed| largest_bias(timed, noise_mm, &streams));
-        for (point, bias_sigmas) in of_task.iter_mut().zip(biases.collect::<Result<Vec<_>, _>>()?) {
-            point.bias_sigmas = bias_sigmas;
+        // Nothing is timed any more. Where an estimate starts does not change what its model is off: that of a cold start is found from warm ones.
+        let once: Vec<&&TimedEstimator<'_>> = estimators.iter().filter(|timed| timed.start != Start::Cold).collect();
+        let biases = once.par_iter().map(|timed| largest_bias(timed, noise_mm, &streams));
+        let biases: Vec<Option<f64>> = biases.collect::<Result<_, _>>()?;
+        for (point, timed) in of_task.iter_mut().zip(&estimators) {
+            let same = |other: &&&TimedEstimator<'_>| {
+                (other.estimator.id(), &other.setting) == (timed.estimator.id(), &timed.setting)
+            };
+            point.bias_sigmas = once.iter().position(|other| same(&other)).and_then(|i| biases[i]);
         }
         points.append(&mut of_task);
     }
