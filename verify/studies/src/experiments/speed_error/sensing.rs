@@ -197,7 +197,7 @@ pub(crate) fn sensing(
             let same = |other: &&&TimedEstimator<'_>| {
                 (other.estimator.id(), &other.setting) == (timed.estimator.id(), &timed.setting)
             };
-            point.bias_sigmas = once.iter().position(|other| same(&other)).and_then(|i| biases[i]);
+            point.bias_sigmas = once.iter().position(same).and_then(|i| biases[i]);
         }
         points.append(&mut of_task);
     }
