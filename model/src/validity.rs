@@ -118,7 +118,8 @@ impl Validity {
         let strained: f64 = members.iter().map(|member| member.strain_energy).sum();
         let sheared: f64 = members.iter().map(|member| member.shear_energy).sum();
         let most = members.iter().max_by(|a, b| a.shear_energy.total_cmp(&b.shear_energy));
-        let thickest = PARTS.iter().filter_map(|&part| thickness_mm(finger, part)).fold(0.0, f64::max);
+        let beams = mesh.frame().members().iter().map(|member| &member.beam);
+        let thickest = beams.map(thickness_mm).fold(0.0, f64::max);
         Validity {
             strains: PARTS.into_iter().filter_map(largest).collect(),
             shear_share: if sheared > 0.0 { sheared / strained } else { 0.0 },
@@ -147,14 +148,9 @@ impl Validity {
 
 const PARTS: [Part; 3] = [Part::Front, Part::Back, Part::Ribs];
 
-/// Thickness of a part that deforms.
-fn thickness_mm(finger: &Finger, part: Part) -> Option<f64> {
-    let description = finger.description();
-    match part {
-        Part::Front => Some(description.front.thickness_mm),
-        Part::Back => Some(description.back.thickness_mm),
-        Part::Ribs => description.ribs.strip.filter(|_| finger.rib_count() > 0).map(|strip| strip.thickness_mm),
-    }
+/// Thickness of a beam of rectangular section: a zone changes both rigidities alike.
+fn thickness_mm(beam: &Beam) -> f64 {
+    (12.0 * beam.bending_rigidity_nmm2 / beam.axial_rigidity_n).sqrt()
 }
 
 /// Strain and energies (N mm) of one member.
@@ -177,8 +173,7 @@ fn examine(
     let members = &mesh.frame().members()[line.members.clone()];
     let (first, last) = (line.nodes.first()?, line.nodes.last()?);
     let free_mm: f64 = members.iter().map(|member| member.beam.length_mm).sum();
-    let Beam { axial_rigidity_n, bending_rigidity_nmm2, .. } = members.first()?.beam;
-    let thickness_mm = (12.0 * bending_rigidity_nmm2 / axial_rigidity_n).sqrt();
+    let thickness_mm = thickness_mm(&members.first()?.beam);
     let examined = FingerMember {
         part: line.part,
         nodes: [NodeId(first + 1), NodeId(last + 1)],

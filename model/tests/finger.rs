@@ -55,8 +55,8 @@ fn zones_of_ribs_go_by_their_front_ends() {
     assert_eq!(zone(55.0, 85.0), [1.0, 1.0, 0.25]);
 }
 
-/// A rib k times as thick stretches k times and bends k^3 times less; others are as they were. Between pins it bends not: it is one of k times the
-/// modulus.
+/// A rib k times as thick has k times the axial and k^3 times the bending stiffness; the others are as they were. A hinged rib does not bend, so it
+/// is as one of k times the modulus.
 #[test]
 fn each_rib_may_have_its_own_thickness() {
     let with = |thickness_mm: &str, joints: &str, zones: &str| {

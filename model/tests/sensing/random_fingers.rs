@@ -142,6 +142,15 @@ fn two_forces_on_a_random_finger_are_right_or_warned_of() {
     assert_right(2, 60, 0.25);
 }
 
+/// Doubling the mesh changed the force little by chance, near a limit load and for a load between nodes: 4.6 and 6.5 stated standard deviations off.
+#[test]
+fn a_small_change_of_the_mesh_is_not_taken_for_convergence() {
+    for number in [3095, 3914] {
+        let (errors, is_warned) = Case::drawn(&mut random_stream(2027, number), 1).sensed().expect("an answer");
+        assert!(errors[0].abs() <= WRONG_SIGMAS || is_warned, "case {number}: {errors:?}");
+    }
+}
+
 /// A V without ribs whose tip is the only marker: 0.5 N were sensed as -0.085 +- 0.055 N, and 1 N denied.
 #[test]
 fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {

@@ -20,8 +20,8 @@ const POOR_FIT_SIGMAS: f64 = 3.0;
 /// Measured coordinates from which on a minimum that explains them all, and to which the first start leads, is the only one: of one force, and
 /// of several.
 pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
-/// Times as many leave no other minimum of forces alone, even where no straight way leads to the one that is found: not where it explains
-/// them all, nor where searches from several starts end in it.
+/// With so many times as many coordinates, a minimum that explains them all, or in which two searches end, is taken for the only one, whatever
+/// way led to it; where forces alone are sought. Of 8000 random fingers none was wrong in silence with it (test `random_fingers`).
 const VERY_MANY: usize = 2;
 
 /// The least minimum, and what else was met.
