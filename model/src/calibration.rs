@@ -9,8 +9,8 @@ pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
 pub use modulus::{CorotationalModulus, OutlyingMarker, corotational_modulus};
 pub use views::{
     BaseCompliance, ForceError, FoundQuantity, FoundView, FrictionQuestion, LocatedView, Outlier, OutlierKind,
-    Quantity, RigEstimate, RigQuestion, SceneValue, Sought, View, ViewError, ViewEstimate, ViewModel, calibrate_rig,
-    compliance_of, friction_of, views,
+    Quantity, RigEstimate, RigQuestion, SceneValue, Sought, UNSTATED_BASE, View, ViewError, ViewEstimate, ViewModel,
+    calibrate_rig, compliance_of, friction_of, views,
 };
 
 use crate::Kinematics;

@@ -321,6 +321,13 @@ pub enum Plate {
     Back,
 }
 
+impl Plate {
+    /// Where it stands in pairs of front and back.
+    pub(crate) fn index(self) -> usize {
+        usize::from(self == Plate::Back)
+    }
+}
+
 impl From<Plate> for Part {
     fn from(plate: Plate) -> Part {
         match plate {

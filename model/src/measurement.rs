@@ -33,6 +33,12 @@ pub struct BaseUncertainty {
 }
 
 impl BaseUncertainty {
+    /// That of the difference of two images.
+    pub(crate) fn of_two_images(self) -> BaseUncertainty {
+        let both = std::f64::consts::SQRT_2;
+        BaseUncertainty { sd_mm: both * self.sd_mm, sd_rad: both * self.sd_rad, ..self }
+    }
+
     /// Standard deviation of the turn under forces of a sum, rad.
     pub fn sd_rad_under(&self, force_n: f64) -> f64 {
         self.sd_rad.hypot(self.turn_sd_rad_per_n * force_n)
@@ -44,7 +50,11 @@ impl BaseUncertainty {
 pub struct Measurement {
     markers: Vec<Marker>,
     base: Option<BaseUncertainty>,
+    shared_errors: Vec<SharedError>,
 }
+
+/// An error that all markers share: by how much one standard deviation of it displaces each key node's marker, mm.
+pub type SharedError = Vec<Vector>;
 
 /// A measurement that does not belong to the finger.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -115,7 +125,7 @@ impl Measurement {
 
     /// A measurement in which no node is seen yet.
     pub fn empty() -> Measurement {
-        Measurement { markers: Vec::new(), base: None }
+        Measurement { markers: Vec::new(), base: None, shared_errors: Vec::new() }
     }
 
     /// Adds one marker; see [`Measurement::new`].
@@ -148,24 +158,41 @@ impl Measurement {
     /// All markers of a computed shape, as a camera without noise would see them.
     pub fn of_shape(finger: &Finger, shape: &FingerShape) -> Measurement {
         let marker = |node| Marker { node, displacement: shape.motion(node).marker_displacement(finger), weight: 1.0 };
-        Measurement { markers: finger.marked_nodes().map(marker).collect(), base: None }
+        Measurement { markers: finger.marked_nodes().map(marker).collect(), ..Measurement::empty() }
     }
 
     /// All markers of a finger that nothing bends.
     pub fn at_rest(finger: &Finger) -> Measurement {
         let marker = |node| Marker { node, displacement: Vector::zeros(), weight: 1.0 };
-        Measurement { markers: finger.marked_nodes().map(marker).collect(), base: None }
+        Measurement { markers: finger.marked_nodes().map(marker).collect(), ..Measurement::empty() }
     }
 
     /// The same measurement from a base not known exactly, which the nonlinear estimator seeks with the forces; others do not.
-    pub fn with_uncertain_base(mut self, base: BaseUncertainty) -> Measurement {
-        self.base = Some(base);
+    pub fn with_uncertain_base(self, base: BaseUncertainty) -> Measurement {
+        self.with_base(Some(base))
+    }
+
+    /// The same measurement from another base: `None` if it is known exactly.
+    pub(crate) fn with_base(mut self, base: Option<BaseUncertainty>) -> Measurement {
+        self.base = base;
         self
     }
 
     /// How well the base is known; `None` if exactly.
     pub fn base(&self) -> Option<BaseUncertainty> {
         self.base
+    }
+
+    /// The same measurement with further errors that markers share, independent of each other, which the nonlinear estimator seeks with the forces;
+    /// others do not.
+    pub fn with_shared_errors(mut self, errors: Vec<SharedError>) -> Measurement {
+        self.shared_errors = errors;
+        self
+    }
+
+    /// Errors that markers share, beside that of the base.
+    pub fn shared_errors(&self) -> &[SharedError] {
+        &self.shared_errors
     }
 
     /// The same measurement with other displacements.

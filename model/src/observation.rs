@@ -177,6 +177,16 @@ impl Observation {
         Ok((ObservedMeasurement { noise_mm: Some(noise_mm), ..found }, base))
     }
 
+    /// Whether displacements count from elsewhere than where a finger's description has its unloaded markers: from an image of the unloaded finger.
+    pub(crate) fn counts_from_rest(&self, finger: &Finger) -> bool {
+        let from = |marker: &ObservedMarker| Some(marker.position? - marker.displacement?);
+        let is_elsewhere = |marker: &ObservedMarker| {
+            exists(finger, marker.node)
+                && from(marker).is_some_and(|from| (from - finger.marker_position(marker.node)).norm() > EXACT.0)
+        };
+        self.markers.iter().any(is_elsewhere)
+    }
+
     /// From the finger frame to that of the camera's pose.
     fn base_pose(&self) -> Isometry2<f64> {
         self.base.map_or_else(Isometry2::identity, |base| base.pose)

@@ -20,10 +20,11 @@ use crate::finger::{
 };
 use crate::gripper::Gripper;
 use crate::keys::{
-    BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, GRASP, GRIPPER, MARKERS, OBJECT, PlateKeys, RIBS, TOP, TOUCHED, Table,
-    ZONE,
+    ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, GRASP, GRIPPER, MARKERS, OBJECT, PlateKeys, RIBS, TOP,
+    TOUCHED, Table, ZONE,
 };
 use crate::measurement::MarkerErrors;
+use crate::sensing::AssemblyErrors;
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
 
@@ -46,6 +47,8 @@ pub struct Scene {
     pub markers: Option<Markers>,
     /// How the base is found, where it moves from image to image.
     pub base: Option<Base>,
+    /// How the unloaded finger may differ from the one that is described, where the scene says so.
+    pub assembly: Option<AssemblyErrors>,
     /// How objects meet the finger.
     pub contact: ContactDescription,
     /// The object that touches the front plate where forces are sensed, where the scene has one.
@@ -85,6 +88,7 @@ impl Scene {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
         })?;
+        let assembly = top.optional_table(&ASSEMBLY)?.as_ref().map(read_assembly).transpose()?;
         let camera = top.optional_table(&CAMERA)?.as_ref().map(camera::read_camera).transpose()?;
         let (noise_mm, camera) = camera.unwrap_or_default();
         let base = top.optional_table(&BASE)?.as_ref().map(camera::read_base).transpose()?;
@@ -107,6 +111,7 @@ impl Scene {
             camera,
             markers: markers.discs,
             base,
+            assembly,
             contact,
             touched,
             object,
@@ -187,6 +192,15 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
         clip_mm: table.get(&RIBS.clip_mm)?,
         strip,
         thicknesses_mm,
+    })
+}
+
+fn read_assembly(table: &TableReader) -> Result<AssemblyErrors, SceneError> {
+    Ok(AssemblyErrors {
+        joint_sd_mm: table.get(&ASSEMBLY.joint_sigma_mm)?,
+        preload_nmm: table.get(&ASSEMBLY.preload_nmm)?,
+        preload_sd_nmm: table.get(&ASSEMBLY.preload_sigma_nmm)?,
+        height_sd_mm: table.get(&ASSEMBLY.height_sigma_mm)?,
     })
 }
 

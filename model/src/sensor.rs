@@ -7,13 +7,13 @@ use crate::Vector;
 use crate::estimators::network::Networks;
 use crate::estimators::{EstimatorError, EstimatorId, Question};
 use crate::finger::Finger;
-use crate::measurement::Measurement;
+use crate::measurement::{BaseUncertainty, Measurement};
 use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    Contact, ContactKnowledge, ContactQuestion, Direction, Lean, MeasuredContact, MeasuredContactForces, Normal,
-    SensingError, Warning, sense_measured_contacts,
+    AssemblyErrors, Contact, ContactKnowledge, ContactQuestion, Direction, Lean, MeasuredContact,
+    MeasuredContactForces, Normal, SensingError, UnloadedFinger, Warning, sense_measured_contacts,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Doubt, Validity};
@@ -220,6 +220,12 @@ impl<'s> Sensor<'s> {
         let sensed = match &self.contacts {
             SensorContacts::Asked(questions) => {
                 let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&frame));
+                let unloaded = scene.assembly.map(|assembly| self.unloaded(assembly, seen));
+                let is_from_rest = unloaded.is_some_and(|unloaded| unloaded.measured_in_frame_sd_rad.is_some());
+                let measurement = match is_from_rest.then(|| seen.base.and_then(|base| base.uncertainty)) {
+                    None => measurement,
+                    Some(stated) => measurement.with_base(stated.map(BaseUncertainty::of_two_images)),
+                };
                 let question = Question {
                     contacts: questions,
                     pad: scene.contact.pad,
@@ -228,6 +234,7 @@ impl<'s> Sensor<'s> {
                     noise_mm,
                     mesh_nodes: self.options.mesh_nodes,
                     networks: self.options.networks,
+                    unloaded,
                 };
                 self.answered(&question)?
             }
@@ -239,6 +246,24 @@ impl<'s> Sensor<'s> {
             Some(i) => Err(Refusal::NotFinite { contact: i + 1 }),
             None => Ok(sensed),
         }
+    }
+
+    /// The unloaded finger as an observation may have it.
+    fn unloaded(&self, assembly: AssemblyErrors, seen: &Observation) -> UnloadedFinger {
+        let scene = self.scene;
+        let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
+        let camera = scene.camera.and_then(|camera| camera.pose).zip(scene.markers).map(|(pose, markers)| {
+            let eye = pose.eye();
+            // A base that is seen is seen from the same height.
+            let middle = match references {
+                [] => eye.xy(),
+                some => some.iter().map(|reference| reference.at).sum::<Vector>() / some.len() as f64,
+            };
+            (middle, eye.z - markers.height_mm)
+        });
+        let base_sd_rad = scene.base.as_ref().and_then(|base| base.uncertainty).map_or(0.0, |base| base.sd_rad);
+        let measured_in_frame_sd_rad = seen.counts_from_rest(&scene.finger).then_some(base_sd_rad);
+        UnloadedFinger { assembly, camera, measured_in_frame_sd_rad }
     }
 
     fn answered(&self, question: &Question) -> Result<SensedForces, Refusal> {

@@ -11,6 +11,7 @@ mod measurement {
 mod samples;
 mod scene_keys;
 mod sensing {
+    mod assembly;
     mod linear;
     mod network;
     mod nonlinear;

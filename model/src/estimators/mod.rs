@@ -14,7 +14,9 @@ use crate::measurement::Measurement;
 use crate::mesh::MeshSizeError;
 use crate::registry;
 use crate::sensing::network::NetworkError;
-use crate::sensing::{Contact, ContactQuestion, Estimate, Pad, SensingError, TouchedObject, check_contacts};
+use crate::sensing::{
+    Contact, ContactQuestion, Estimate, Pad, SensingError, TouchedObject, UnloadedFinger, check_contacts,
+};
 use crate::{Finger, Mesh};
 use network::{Networks, NoNetwork};
 
@@ -114,6 +116,9 @@ impl EstimatorId {
         if !question.pad.is_none() && !self.searches() {
             return Err(EstimatorError::NoPad);
         }
+        if question.unloaded.is_some() && !self.searches() {
+            return Err(EstimatorError::NoAssembly);
+        }
         (self.row().answer)(finger, question)
     }
 }
@@ -135,6 +140,8 @@ pub struct Question<'q> {
     pub mesh_nodes: Option<usize>,
     /// Networks to choose from.
     pub networks: &'q Networks,
+    /// How the unloaded finger may differ from the scene's; estimators that do not search refuse it.
+    pub unloaded: Option<UnloadedFinger>,
 }
 
 /// Contacts whose position and direction are now known, and their forces.
@@ -219,4 +226,7 @@ pub enum EstimatorError {
     /// A pad between object and plate.
     #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs --estimator {name}", name = EstimatorId::Nonlinear)]
     NoPad,
+    /// A finger that may have been assembled otherwise.
+    #[error("a scene with the table assembly needs --estimator {name}", name = EstimatorId::Nonlinear)]
+    NoAssembly,
 }

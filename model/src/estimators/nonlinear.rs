@@ -1,7 +1,7 @@
 //! Gauss-Newton on the co-rotational finger.
 
 use super::{Answer, BeamEstimator, ELEMENTS, EstimatorError, EstimatorRow, Question};
-use crate::sensing::{Discretisation, Meeting, NonlinearEstimator, sense_refining};
+use crate::sensing::{Discretisation, Meeting, NonlinearEstimator, Pushed, SensingError, sense_refining};
 use crate::{Finger, Mesh};
 
 pub(super) const ROW: EstimatorRow = EstimatorRow {
@@ -21,8 +21,41 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     answer,
 };
 
-/// On a mesh of this many nodes, or refining until doubling the mesh changes little.
+/// The ways in which an unloaded finger differs move markers as they do under the forces that are found: settled once these change by no more than
+/// this share of their standard deviations.
+const SETTLED_SIGMAS: f64 = 0.05;
+const ROUNDS: usize = 8;
+
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
+    let Some(unloaded) = question.unloaded else { return answer_of_exact(finger, question) };
+    let mut found: Option<Answer> = None;
+    let mut change_n = f64::INFINITY;
+    for _ in 0..ROUNDS {
+        let (contacts, forces_n) =
+            found.as_ref().map_or((&[][..], &[][..]), |(contacts, estimate)| (contacts, &estimate.forces_n));
+        let pushed = Pushed { questions: question.contacts, contacts, forces_n, pad: question.pad };
+        let measurement = unloaded.allowed_for(finger, question.measurement, pushed)?;
+        let noise_mm = question.noise_mm.map(|noise_mm| match found {
+            Some(_) => noise_mm,
+            None => noise_mm.hypot(unloaded.unknown_without_forces_mm()),
+        });
+        let next = answer_of_exact(finger, &Question { measurement: &measurement, noise_mm, ..*question })?;
+        let pairs = next.1.forces_n.iter().zip(forces_n).zip(&next.1.sigmas_n);
+        let changes = pairs.map(|((next_n, force_n), sigma_n)| [(next_n - force_n).abs(), *sigma_n]);
+        let (largest_n, is_settled) = changes
+            .fold((0.0_f64, !forces_n.is_empty()), |(largest_n, settled), [by_n, sd]| {
+                (largest_n.max(by_n), settled && by_n <= SETTLED_SIGMAS * sd)
+            });
+        (change_n, found) = (largest_n, Some(next));
+        if let Some(answer) = found.take_if(|_| is_settled) {
+            return Ok(answer);
+        }
+    }
+    Err(SensingError::NotConverged { iterations: ROUNDS, change_n }.into())
+}
+
+/// On a mesh of this many nodes, or refining until doubling the mesh changes little.
+fn answer_of_exact(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let &Question { contacts, pad, object, measurement, noise_mm, .. } = question;
     let sensed = match question.mesh_nodes {
         None => sense_refining(finger, contacts, Meeting { pad, object }, measurement, noise_mm)?,

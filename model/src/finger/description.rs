@@ -2,6 +2,8 @@
 
 pub use crate::keys::{BracketLengths, OfRibs};
 
+use super::{Finger, Plate};
+
 /// A plate or a rib as a material strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strip {
@@ -124,6 +126,23 @@ pub struct FingerDescription {
     pub zones: Vec<Zone>,
     /// Where the markers of the ribs' ends are.
     pub markers_on: MarkerPoints,
+}
+
+impl FingerDescription {
+    /// Moves the end of a rib, counted from 0, along a plate away from the base; `finger` is the one that is described.
+    pub(crate) fn move_rib(&mut self, finger: &Finger, plate: Plate, rib: usize, by_mm: f64) {
+        let [front_mm, back_mm] = [Plate::Front, Plate::Back].map(|plate| finger.plate_positions_mm(plate));
+        let mut positions: Vec<[f64; 2]> = (1..=finger.rib_count()).map(|rib| [front_mm[rib], back_mm[rib]]).collect();
+        positions[rib][plate.index()] += by_mm;
+        self.ribs.positions = RibPositions::Positions(positions);
+    }
+
+    /// Lengthens the bracket of one of so many ribs, counted from 0, on a plate.
+    pub(crate) fn lengthen_bracket(&mut self, rib_count: usize, plate: Plate, rib: usize, by_mm: f64) {
+        let mut each: Vec<[f64; 2]> = (0..rib_count).map(|rib| self.ribs.bracket_mm.of(rib)).collect();
+        each[rib][plate.index()] += by_mm;
+        self.ribs.bracket_mm = BracketLengths::Each(each);
+    }
 }
 
 /// A finger that cannot be: which key of the scene is wrong, and why.

@@ -26,6 +26,8 @@ const LONGEST_FOCUS_PX: f64 = 1e7;
 const LARGEST_FRICTION: f64 = 10.0;
 /// A base that turns by more degrees under a newton is no base.
 const LARGEST_TURN: f64 = 10.0;
+/// A joint that may be elsewhere by more is no joint of the finger, mm.
+const LARGEST_JOINT_SIGMA_MM: f64 = 10.0;
 /// Most steps that are of use.
 const MOST_STEPS: usize = 10_000;
 
@@ -79,9 +81,9 @@ macro_rules! tables {
 }
 
 /// All tables, in the order of the reference.
-pub static TABLES: [&dyn SceneTable; 15] = [
-    &TOP, &FINGER, &FRONT, &BACK, &RIBS, &ZONE, &CAMERA, &MARKERS, &BASE, &REFERENCE, &CONTACT, &TOUCHED, &OBJECT,
-    &GRIPPER, &GRASP,
+pub static TABLES: [&dyn SceneTable; 16] = [
+    &TOP, &FINGER, &FRONT, &BACK, &RIBS, &ZONE, &ASSEMBLY, &CAMERA, &MARKERS, &BASE, &REFERENCE, &CONTACT, &TOUCHED,
+    &OBJECT, &GRIPPER, &GRASP,
 ];
 
 tables! {
@@ -134,6 +136,19 @@ tables! {
     from_mm: Number(POSITION, ByOthers("on the plate")), Required, "Where it begins along the plate, from the base.";
     to_mm: Number(POSITION, ByOthers("after from_mm")), Required, "Where it ends.";
     modulus_factor: Number(Quantity("factor", ""), POSITIVE), Required, "Factor on Young's modulus there.";
+}
+
+tables! {
+    ASSEMBLY = "assembly": AssemblyKeys, Optional,
+        "By how much the unloaded finger may differ from the tables above since it was assembled or mounted. `finray sense` estimates that with the \
+         force, and sigma_n holds it; `finray calibrate` finds the preload. Nothing else uses this table.";
+    joint_sigma_mm: Number(Quantity(SIGMA, "mm"), Within(0.0, LARGEST_JOINT_SIGMA_MM)), Or(0.0),
+        "Standard deviation of where each joint of a rib is, along its plate and perpendicular to it.";
+    preload_nmm: Number(Quantity("moment", "N mm"), Finite), Or(0.0),
+        "Moment at the tip that the plates exert on each other without load, from x to y, as evenly curved plates leave. `finray calibrate` writes it.";
+    preload_sigma_nmm: Number(Quantity(SIGMA, "N mm"), NOT_NEGATIVE), Or(0.0), "Standard deviation of that moment.";
+    height_sigma_mm: Number(Quantity(SIGMA, "mm"), NOT_NEGATIVE), Or(0.0),
+        "Standard deviation of the markers' height before the camera: finger and markers then appear larger or smaller.";
 }
 
 tables! {

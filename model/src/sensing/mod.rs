@@ -1,5 +1,6 @@
 //! From measured displacements back to contact forces.
 
+mod assembly;
 mod contact;
 mod error;
 mod estimate;
@@ -14,6 +15,8 @@ mod pad;
 mod residual_test;
 mod response;
 
+pub(crate) use assembly::Pushed;
+pub use assembly::{AssemblyErrors, UnloadedFinger};
 pub use contact::{Contact, ContactPosition, ContactQuestion, Direction, check_contacts};
 pub use error::SensingError;
 pub use estimate::{Estimate, ModelError, Warning};

@@ -100,6 +100,7 @@ fn model(lean: Lean) -> ViewModel {
         marker_height_mm: 0.0,
         lean,
         pad: Pad::default(),
+        preload_nmm: 0.0,
     }
 }
 

@@ -50,6 +50,13 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// Its message.
+    pub fn reason(&self) -> &str {
+        match self {
+            Failure::BadInput(message) | Failure::NotComputed(message) => message,
+        }
+    }
+
     /// One message on standard error, and the exit code.
     pub fn report(&self) -> ExitCode {
         let (message, code) = match self {
@@ -188,7 +195,8 @@ impl From<EstimatorError> for Failure {
             EstimatorError::NoNetwork(_)
             | EstimatorError::Mesh(_)
             | EstimatorError::NotKnown
-            | EstimatorError::NoPad => bad_input(error),
+            | EstimatorError::NoPad
+            | EstimatorError::NoAssembly => bad_input(error),
         }
     }
 }

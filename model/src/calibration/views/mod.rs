@@ -23,7 +23,7 @@ pub use compliance::{BaseCompliance, compliance_of};
 pub use friction::friction_of;
 pub use outliers::{Outlier, OutlierKind};
 pub use quantity::{Quantity, Sought};
-pub use rig::{FrictionQuestion, RigEstimate, RigQuestion, SceneValue, calibrate_rig};
+pub use rig::{FrictionQuestion, RigEstimate, RigQuestion, SceneValue, UNSTATED_BASE, calibrate_rig};
 pub use view::{LocatedView, View, ViewError};
 
 use super::CalibrationError;
@@ -49,6 +49,8 @@ pub struct ViewModel {
     pub lean: Lean,
     /// What lies between objects and the plate.
     pub pad: Pad,
+    /// Moment at the tip without load, N mm.
+    pub preload_nmm: f64,
 }
 
 /// A quantity as it was found.

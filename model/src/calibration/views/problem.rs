@@ -6,7 +6,7 @@ use crate::finger::{Finger, Plate, RibPositions};
 use crate::frame::FrameMotion;
 use crate::measurement::{Marker, MarkerErrors};
 use crate::mesh::Mesh;
-use crate::sensing::{Contact, ContactPosition, Normal};
+use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal};
 use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{Isometry2, Point2, UnitComplex};
@@ -47,6 +47,8 @@ pub(super) struct Candidate {
     pub mesh: Mesh,
     pub marker_height_mm: f64,
     pub base: Isometry2<f64>,
+    /// Moment at the tip without load, N mm.
+    pub preload_nmm: f64,
 }
 
 /// The search's problem.
@@ -80,6 +82,7 @@ impl Problem<'_> {
                 RibPositions::Count(_) => f64::NAN,
             },
             Quantity::MarkerHeight => self.model.marker_height_mm,
+            Quantity::Preload => self.model.preload_nmm,
             _ => 0.0,
         }
     }
@@ -88,18 +91,21 @@ impl Problem<'_> {
     pub(super) fn candidate(&self, shared: &[f64]) -> Option<Candidate> {
         let mut description = self.finger.description().clone();
         let (mut marker_height_mm, mut at, mut turn_deg) = (self.model.marker_height_mm, Vector::zeros(), 0.0);
+        let mut preload_nmm = self.model.preload_nmm;
         for (sought, &change) in self.sought.iter().zip(shared) {
             match sought.quantity {
                 Quantity::MarkerHeight => marker_height_mm += change,
                 Quantity::BaseX => at.x += change,
                 Quantity::BaseY => at.y += change,
                 Quantity::BaseTurn => turn_deg += change,
+                Quantity::Preload => preload_nmm += change,
                 of_finger => changed(&mut description, self.finger.rib_count(), of_finger, change),
             }
         }
         let finger = Finger::new(description).ok()?;
         let base = Isometry2::new(at, turn_deg.to_radians());
-        Some(Candidate { mesh: Mesh::with_elements_per_member(&finger, self.model.elements), marker_height_mm, base })
+        let mesh = Mesh::with_elements_per_member(&finger, self.model.elements);
+        Some(Candidate { mesh, marker_height_mm, base, preload_nmm })
     }
 
     /// Number of unknowns of a view.
@@ -139,7 +145,11 @@ impl Problem<'_> {
             let angle_deg = finger.angle_deg(force);
             let contact = Contact { position: ContactPosition::At(own.s_mm), angle_deg };
             let loads = pad.loads(&candidate.mesh, &contact, force.norm(), plate_rad).collect::<Result<Vec<_>, _>>();
-            let motion = statics.equilibrium(&loads.ok()?).ok()?.motion;
+            let mut loads = loads.ok()?;
+            if candidate.preload_nmm != 0.0 {
+                loads.push(candidate.mesh.frame_load(&AssemblyErrors::load(finger, candidate.preload_nmm)).ok()?);
+            }
+            let motion = statics.equilibrium(&loads).ok()?.motion;
             let load = contact.unit_load(finger);
             let normal_turn_rad = candidate.mesh.normal_turn(&motion, &load, over_mm).ok()?;
             let before = [normal_rad, plate_rad];

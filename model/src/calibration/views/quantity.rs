@@ -1,6 +1,6 @@
 //! What a scene states and views may show better.
 
-use crate::finger::{BracketLengths, FingerDescription, Plate, RibPositions};
+use crate::finger::{FingerDescription, Plate, RibPositions};
 use std::fmt;
 
 /// Something that a scene states and that several views may show better.
@@ -28,6 +28,8 @@ pub enum Quantity {
     BaseY,
     /// The same for its turn, degrees.
     BaseTurn,
+    /// Moment at the tip that the plates exert on each other without load, N mm.
+    Preload,
 }
 
 /// As in results: `modulus_factor`, `front_bracket_mm`, `back_rib_3_mm`.
@@ -46,6 +48,7 @@ impl fmt::Display for Quantity {
             Quantity::BaseX => f.write_str("base_x_mm"),
             Quantity::BaseY => f.write_str("base_y_mm"),
             Quantity::BaseTurn => f.write_str("base_deg"),
+            Quantity::Preload => f.write_str("preload_nmm"),
         }
     }
 }
@@ -74,7 +77,6 @@ pub struct Sought {
 
 /// A description with one quantity changed.
 pub(super) fn changed(description: &mut FingerDescription, rib_count: usize, quantity: Quantity, change: f64) {
-    let plate_index = |plate: Plate| usize::from(plate == Plate::Back);
     match quantity {
         Quantity::Modulus => {
             description.front.youngs_modulus_mpa *= change.exp();
@@ -87,23 +89,18 @@ pub(super) fn changed(description: &mut FingerDescription, rib_count: usize, qua
         Quantity::PlateModulus(Plate::Back) => description.back.youngs_modulus_mpa *= change.exp(),
         Quantity::Bracket(plate) => {
             let all = description.ribs.bracket_mm.all_mut();
-            all.iter_mut().for_each(|lengths_mm| lengths_mm[plate_index(plate)] += change);
+            all.iter_mut().for_each(|lengths_mm| lengths_mm[plate.index()] += change);
         }
-        Quantity::OwnBracket(plate, rib) => {
-            let ribs = &mut description.ribs;
-            let mut each: Vec<[f64; 2]> = (0..rib_count).map(|rib| ribs.bracket_mm.of(rib)).collect();
-            each[rib][plate_index(plate)] += change;
-            ribs.bracket_mm = BracketLengths::Each(each);
-        }
+        Quantity::OwnBracket(plate, rib) => description.lengthen_bracket(rib_count, plate, rib, change),
         Quantity::Clip => description.ribs.clip_mm.iter_mut().for_each(|clip_mm| *clip_mm += change),
-        Quantity::PlateClip(plate) => description.ribs.clip_mm[plate_index(plate)] += change,
+        Quantity::PlateClip(plate) => description.ribs.clip_mm[plate.index()] += change,
         Quantity::RibPosition(plate, rib) => {
             if let RibPositions::Positions(positions) = &mut description.ribs.positions
                 && let Some(position) = positions.get_mut(rib)
             {
-                position[plate_index(plate)] += change;
+                position[plate.index()] += change;
             }
         }
-        Quantity::MarkerHeight | Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn => {}
+        Quantity::MarkerHeight | Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn | Quantity::Preload => {}
     }
 }

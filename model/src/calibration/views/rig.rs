@@ -6,13 +6,19 @@ use super::{
 use crate::calibration::CalibrationError;
 use crate::estimators::ELEMENTS;
 use crate::finger::{BracketLengths, RibPositions};
-use crate::keys::{BACK, BASE, CAMERA, CONTACT, FRONT, MARKERS, REFERENCE, RIBS};
+use crate::keys::{ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FRONT, MARKERS, REFERENCE, RIBS};
+use crate::measurement::BaseUncertainty;
 use crate::sensing::Lean;
 use crate::{Scene, Vector};
 use nalgebra::Point2;
 
 /// A camera so high that nothing depends on the height of markers, mm.
 const NO_CAMERA_MM: f64 = 1e12;
+
+/// How far a base is sought about its references, where the scene does not say: as far as a part that is mounted by hand, and gives way, may be off. Images
+/// alone state how well the references are seen, which is far better.
+pub const UNSTATED_BASE: BaseUncertainty =
+    BaseUncertainty { sd_mm: 1.0, sd_rad: std::f64::consts::PI / 180.0, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 
 /// What is sought of a finger and its rig.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -23,6 +29,8 @@ pub struct RigQuestion {
     pub friction: Option<FrictionQuestion>,
     /// Whether the turn of the base with the force is sought.
     pub base_compliance: bool,
+    /// Relative standard deviation by which forces err further from object to object, which images of one do not show.
+    pub force_error_between_objects: f64,
 }
 
 /// How friction is sought.
@@ -43,6 +51,10 @@ pub struct RigEstimate {
     pub friction: Option<Lean>,
     /// Turn of the base with the force, where it was sought.
     pub compliance: Option<BaseCompliance>,
+    /// Relative standard deviation of a force in a new image, of other objects too; `None` as in [`ViewEstimate::force_error`].
+    pub force_error: Option<f64>,
+    /// Whether the base was sought within [`UNSTATED_BASE`], as the scene does not say how far it may be off its references.
+    pub is_base_unstated: bool,
 }
 
 /// A value of a scene file.
@@ -65,6 +77,7 @@ impl ViewModel {
             marker_height_mm: scene.markers.map_or(0.0, |markers| markers.height_mm),
             lean,
             pad: scene.contact.pad,
+            preload_nmm: scene.assembly.map_or(0.0, |assembly| assembly.preload_nmm),
         }
     }
 }
@@ -79,7 +92,13 @@ pub fn calibrate_rig(
     question: &RigQuestion,
     lean: Lean,
 ) -> Result<RigEstimate, CalibrationError> {
-    let all: Vec<View> = seen.iter().map(|seen| seen.view.clone()).collect();
+    let is_base_unstated =
+        scene.base.as_ref().is_some_and(|base| !base.references.is_empty() && base.uncertainty.is_none());
+    let view = |seen: &LocatedView| match is_base_unstated {
+        true => View { base: UNSTATED_BASE, ..seen.view.clone() },
+        false => seen.view.clone(),
+    };
+    let all: Vec<View> = seen.iter().map(view).collect();
     let found = views(&scene.finger, &all, &question.sought, &ViewModel::of_scene(scene, lean))?;
     let measured = || seen.iter().zip(&found.views).filter(|(seen, _)| seen.view.force.is_some());
     let friction = question.friction.map(|friction| {
@@ -99,7 +118,8 @@ pub fn calibrate_rig(
         measured().map(|(seen, view)| (view.force.norm(), turn_deg(seen, &view.base))).collect()
     };
     let compliance = question.base_compliance.then(|| compliance_of(&turns())).transpose()?;
-    Ok(RigEstimate { views: found, friction, compliance })
+    let force_error = found.force_error.map(|error| error.of_new.hypot(question.force_error_between_objects));
+    Ok(RigEstimate { views: found, friction, compliance, force_error, is_base_unstated })
 }
 
 impl Lean {
@@ -118,11 +138,15 @@ impl RigEstimate {
         let errors = self.views.new_marker_errors;
         put(MARKERS.noise_factor.path(), SceneValue::Number(errors.noise_factor));
         put(MARKERS.model_error_mm.path(), SceneValue::Number(errors.model_mm));
-        if let Some(error) = self.views.force_error {
-            put(CONTACT.force_error_share.path(), SceneValue::Number(error.of_new));
+        if let Some(share) = self.force_error {
+            put(CONTACT.force_error_share.path(), SceneValue::Number(share));
+        }
+        if self.is_base_unstated {
+            put(BASE.sigma_mm.path(), SceneValue::Number(UNSTATED_BASE.sd_mm));
+            put(BASE.sigma_deg.path(), SceneValue::Number(UNSTATED_BASE.sd_rad.to_degrees()));
         }
         // A base that is taken for exact has no turn to expect.
-        let is_sought = scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
+        let is_sought = self.is_base_unstated || scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
         if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = self.compliance.filter(|_| is_sought) {
             put(BASE.turn_deg_per_n.path(), SceneValue::Number(deg_per_n));
             if sigma_deg_per_n.is_finite() {
@@ -176,6 +200,9 @@ impl RigEstimate {
         }
         if self.sought(|quantity| *quantity == Quantity::MarkerHeight) {
             put(MARKERS.height_mm.path(), SceneValue::Number(self.views.marker_height_mm));
+        }
+        if let Some(found) = self.views.quantities.iter().find(|found| found.sought.quantity == Quantity::Preload) {
+            put(ASSEMBLY.preload_nmm.path(), SceneValue::Number(found.value));
         }
         values
     }

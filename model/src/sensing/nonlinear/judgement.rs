@@ -151,7 +151,7 @@ impl NonlinearEstimator<'_> {
     fn require_determined(&self, forces_n: &[f64], sigma: impl Fn(usize) -> f64) -> Result<(), SensingError> {
         for (j, unknown) in self.unknowns.iter().enumerate() {
             let (what, contact, sigma, limit, unit) = match *unknown {
-                Unknown::Force(_) | Unknown::Base(_) | Unknown::Object(_) => continue,
+                Unknown::Force(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => continue,
                 Unknown::Position(i) => {
                     let limit = LARGEST_POSITION_SIGMA * self.finger().plate_length_mm(Plate::Front);
                     ("the position", i + 1, sigma(j), limit, "mm")

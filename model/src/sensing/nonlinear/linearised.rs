@@ -53,6 +53,8 @@ pub(super) struct Linearised {
 #[derive(Debug, Clone, Copy)]
 struct MarkerPoint {
     node: NodeIndex,
+    /// Its key node, counted from 0.
+    key_node: usize,
     /// Where it is undeformed, finger frame, mm.
     rest: Vector,
 }
@@ -77,7 +79,7 @@ impl MarkerPoint {
         let displaced = shape.motion.displacements[self.node];
         // What is left of the position by the base's turn; exactly zero for a base that is where it should be.
         let by_base = base.translation.vector + (base.rotation * (self.rest + displaced) - (self.rest + displaced));
-        displaced + by_base
+        displaced + by_base + shape.nuisances.shared_mm(self.key_node)
     }
 }
 
@@ -87,7 +89,11 @@ impl Linearised {
         let unknowns = unknowns.len();
         let finger = mesh.finger();
         let key_nodes = finger.key_node_count();
-        let point = |node: NodeId| MarkerPoint { node: mesh.marker_node(node), rest: finger.marker_position(node) };
+        let point = |node: NodeId| MarkerPoint {
+            node: mesh.marker_node(node),
+            key_node: node.0 - 1,
+            rest: finger.marker_position(node),
+        };
         Linearised {
             marker_points: (1..=key_nodes).map(|node| point(NodeId(node))).collect(),
             rates: vec![Vector::zeros(); key_nodes * unknowns],
@@ -317,6 +323,10 @@ impl NonlinearEstimator<'_> {
                 }
                 // Without an object there is none.
                 Unknown::Object(_) => continue,
+                Unknown::Shared(k) => {
+                    rates.copy_from_slice(&self.shared_errors[k]);
+                    continue;
+                }
                 Unknown::Base(way) => {
                     for (rate, point) in rates.iter_mut().zip(points) {
                         let position = base * Point2::from(point.rest + motion.displacements[point.node]);

@@ -30,7 +30,7 @@ use super::{
     UNEXPLAINED_SIGMAS, Warning, check_contacts,
 };
 use crate::frame::{FrameLoad, FrameMotion};
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, SharedError};
 use crate::mesh::Mesh;
 use crate::optimise::Prediction;
 use crate::statics::{Ladder, Statics};
@@ -94,6 +94,8 @@ pub struct NonlinearEstimator<'m> {
     pad: Pad,
     object: Option<Touching>,
     unknowns: Vec<Unknown>,
+    /// Errors that the markers of the measurement share.
+    shared_errors: Vec<SharedError>,
     priors: Priors,
     statics: Statics<Ladder<'m>>,
     last: Option<State>,
@@ -184,7 +186,8 @@ impl<'m> NonlinearEstimator<'m> {
             questions: questions.to_vec(),
             pad: Pad::default(),
             object: None,
-            unknowns: Unknown::of(questions, false, None),
+            unknowns: Unknown::of(questions, false, None, 0),
+            shared_errors: Vec::new(),
             priors: Priors::default(),
             statics: Statics::ladder(mesh, Kinematics::Corotational),
             last: None,
@@ -244,7 +247,7 @@ impl<'m> NonlinearEstimator<'m> {
             None => self.statics.equilibrium(&loads),
         };
         let motion = equilibrium.ok()?.motion;
-        let nuisances = Nuisances::expected(contacts.len());
+        let nuisances = Nuisances::expected(contacts.len(), &self.shared_errors);
         let linearised = Linearised::new(self.mesh, &self.unknowns, self.priors.clone());
         let (forces_n, plate_turns_rad) = (forces_n.to_vec(), vec![0.0; contacts.len()]);
         let contacts = contacts.to_vec();
@@ -294,7 +297,7 @@ impl<'m> NonlinearEstimator<'m> {
             estimate.check_rivals(least_misfit, &all, is_confirmed, coordinates)?;
             // A start pushes along the undeformed normal where the deformed one is asked for: it is no answer then.
             if !self.follows_plate() {
-                let expected = Nuisances::expected(self.questions.len());
+                let expected = Nuisances::expected(self.questions.len(), &self.shared_errors);
                 let starts = starts.iter().map(|(forces_n, motion)| {
                     let shape = Posed { motion, forces_n, nuisances: &expected };
                     (state.linearised.misfit(shape, measurement), forces_n)
@@ -309,14 +312,16 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(estimate)
     }
 
-    /// Takes over what a measurement leaves open of the base, and how noisy it is.
+    /// Takes over what a measurement leaves open of the base, errors that its markers share, and how noisy it is.
     ///
     /// # Errors
     /// [`SensingError::NoiseNotStated`].
     fn expect(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<(), SensingError> {
         self.require_object()?;
         let is_base_sought = measurement.base().is_some();
-        if is_base_sought != self.unknowns.iter().any(|unknown| matches!(unknown, Unknown::Base(_))) {
+        let has_base = self.unknowns.iter().any(|unknown| matches!(unknown, Unknown::Base(_)));
+        if is_base_sought != has_base || self.shared_errors != measurement.shared_errors() {
+            self.shared_errors = measurement.shared_errors().to_vec();
             self.list_unknowns(is_base_sought);
         }
         let object = self.object.as_ref().map(|touching| &touching.object);
@@ -333,7 +338,7 @@ impl<'m> NonlinearEstimator<'m> {
     /// Lists the unknowns anew, and forgets what was estimated of others.
     fn list_unknowns(&mut self, is_base_sought: bool) {
         let object = self.object.as_ref().map(|touching| &touching.object);
-        self.unknowns = Unknown::of(&self.questions, is_base_sought, object);
+        self.unknowns = Unknown::of(&self.questions, is_base_sought, object, self.shared_errors.len());
         self.scan = None;
         self.forget();
     }

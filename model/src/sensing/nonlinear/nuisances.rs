@@ -1,10 +1,12 @@
-//! What is unknown beside forces and positions, but not quite: where the base is, by how much friction turns a force, and where an object is.
+//! What is unknown beside forces and positions, but not quite: where the base is, by how much friction turns a force, where an object is, and
+//! errors that markers share.
 //!
 //! Each has a Gaussian prior, which stands below the markers as one more row of the least squares problem: the deviation from what is expected, in
 //! its standard deviations, times the noise of a coordinate. A base that gives way is expected to turn with the forces, and as much less surely.
 
 use super::unknowns::{BaseMotion, Unknown};
-use crate::measurement::Measurement;
+use crate::Vector;
+use crate::measurement::{Measurement, SharedError};
 use crate::sensing::{ContactQuestion, Direction, TouchedObject};
 use nalgebra::Isometry2;
 
@@ -17,12 +19,32 @@ pub(super) struct Nuisances {
     pub further_leans_deg: Vec<f64>,
     /// By how much the object is off where it is thought to be: mm, mm and rad.
     pub object: [f64; 3],
+    /// Errors that markers share, in their standard deviations, and by how much they displace each key node's marker together, mm.
+    shared: Vec<f64>,
+    shared_mm: Vec<Vector>,
 }
 
 impl Nuisances {
     /// All as expected.
-    pub fn expected(contacts: usize) -> Nuisances {
-        Nuisances { base: Isometry2::identity(), further_leans_deg: vec![0.0; contacts], object: [0.0; 3] }
+    pub fn expected(contacts: usize, shared_errors: &[SharedError]) -> Nuisances {
+        Nuisances {
+            base: Isometry2::identity(),
+            further_leans_deg: vec![0.0; contacts],
+            object: [0.0; 3],
+            shared: vec![0.0; shared_errors.len()],
+            shared_mm: shared_errors.first().map_or_else(Vec::new, |error| vec![Vector::zeros(); error.len()]),
+        }
+    }
+
+    /// By how much the errors that markers share displace a key node's, mm.
+    pub fn shared_mm(&self, key_node: usize) -> Vector {
+        self.shared_mm.get(key_node).copied().unwrap_or_default()
+    }
+
+    /// Lets a shared error grow by so many of its standard deviations.
+    pub fn share(&mut self, index: usize, error: &SharedError, by: f64) {
+        self.shared[index] += by;
+        self.shared_mm.iter_mut().zip(error).for_each(|(all, of_error)| *all += of_error * by);
     }
 
     /// What is expected to be zero, or to grow with the forces: a motion of the base or an object in mm and rad, or a lean in degrees.
@@ -33,6 +55,7 @@ impl Nuisances {
             Unknown::Base(BaseMotion::Turn) => self.base.rotation.angle(),
             Unknown::Across(i) => self.further_leans_deg[i],
             Unknown::Object(way) => self.object[way as usize],
+            Unknown::Shared(i) => self.shared[i],
             Unknown::Force(_) | Unknown::Position(_) => 0.0,
         }
     }
@@ -112,6 +135,7 @@ impl Priors {
             },
             Unknown::Object(BaseMotion::Turn) => object.map(|object| object.sd_rad),
             Unknown::Object(_) => object.map(|object| object.sd_mm),
+            Unknown::Shared(_) => Some(1.0),
             Unknown::Force(_) | Unknown::Position(_) => None,
         };
         let prior = |(index, unknown): (usize, &Unknown)| {

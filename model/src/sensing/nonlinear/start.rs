@@ -72,7 +72,7 @@ impl NonlinearEstimator<'_> {
         noise_mm: Option<f64>,
         start: Start,
     ) -> Result<State, SensingError> {
-        let mut nuisances = Nuisances::expected(self.questions.len());
+        let mut nuisances = Nuisances::expected(self.questions.len(), &self.shared_errors);
         let (mut factor, mut towards_deg) = (1.0, None);
         match start {
             Start::Times(times) => factor = times,

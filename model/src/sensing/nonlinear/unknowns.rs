@@ -24,6 +24,8 @@ pub(super) enum Unknown {
     Base(BaseMotion),
     /// Where the object is, against where it is thought to be; it turns about its own origin.
     Object(BaseMotion),
+    /// An error that markers share, in its standard deviations.
+    Shared(usize),
 }
 
 /// One of the ways in which a base or an object moves, in the finger frame.
@@ -38,11 +40,12 @@ pub(super) enum BaseMotion {
 }
 
 impl Unknown {
-    /// All unknowns of some questions, of a base that is not known exactly, and of an object.
+    /// All unknowns of some questions, of a base that is not known exactly, of an object, and of so many errors that markers share.
     pub(super) fn of(
         questions: &[ContactQuestion],
         is_base_sought: bool,
         object: Option<&TouchedObject>,
+        shared_errors: usize,
     ) -> Vec<Unknown> {
         let is_sought = |question: &ContactQuestion| match question.direction {
             Direction::Auto => true,
@@ -61,6 +64,7 @@ impl Unknown {
             .chain(angles.map(|(i, _)| Unknown::Across(i)))
             .chain(base.map(Unknown::Base))
             .chain(object.map(Unknown::Object))
+            .chain((0..shared_errors).map(Unknown::Shared))
             .collect()
     }
 
@@ -68,7 +72,7 @@ impl Unknown {
     pub(super) fn contact(self) -> Option<usize> {
         match self {
             Unknown::Force(i) | Unknown::Position(i) | Unknown::Across(i) => Some(i),
-            Unknown::Base(_) | Unknown::Object(_) => None,
+            Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => None,
         }
     }
 }
@@ -80,7 +84,9 @@ impl NonlinearEstimator<'_> {
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
             *scale = match *unknown {
                 Unknown::Base(BaseMotion::Turn) | Unknown::Object(BaseMotion::Turn) => TURN_UNIT,
-                Unknown::Force(_) | Unknown::Across(_) | Unknown::Base(_) | Unknown::Object(_) => 1.0,
+                Unknown::Force(_) | Unknown::Across(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => {
+                    1.0
+                }
                 Unknown::Position(i) => {
                     let force = state.forces_n[i].abs().max(1e-3 * largest).max(f64::MIN_POSITIVE);
                     0.1 * self.finger().plate_length_mm(Plate::Front) / force
@@ -96,7 +102,8 @@ impl NonlinearEstimator<'_> {
         let change = |(unknown, x): (&Unknown, &f64)| match unknown {
             Unknown::Force(_) | Unknown::Across(_) => x.abs() / largest,
             Unknown::Base(BaseMotion::Turn) | Unknown::Object(BaseMotion::Turn) => x.abs(),
-            Unknown::Position(_) | Unknown::Base(_) | Unknown::Object(_) => x.abs() / length,
+            // A standard deviation of a shared error moves markers by some tenths of a millimetre.
+            Unknown::Position(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => x.abs() / length,
         };
         self.unknowns.iter().zip(&state.linearised.step).map(change).fold(0.0, f64::max)
     }
@@ -131,6 +138,7 @@ impl NonlinearEstimator<'_> {
                 Unknown::Base(BaseMotion::Y) => nuisances.base.append_translation_mut(&Translation2::new(0.0, x)),
                 Unknown::Base(BaseMotion::Turn) => nuisances.base.append_rotation_mut(&UnitComplex::new(x)),
                 Unknown::Object(way) => nuisances.object[way as usize] += x,
+                Unknown::Shared(k) => nuisances.share(k, &self.shared_errors[k], x),
                 Unknown::Position(i) => {
                     if let ContactPosition::At(s_mm) = &mut contacts[i].position {
                         let length = finger.plate_length_mm(Plate::Front);

@@ -2,6 +2,7 @@
 
 use super::{Arguments, Row, correlations, failure};
 use crate::commands::prelude::*;
+use finray_files::views::LocatedViews;
 use finray_files::{load_scene_and_text, views, with_values};
 use finray_model::calibration::{
     self, BaseCompliance, FoundView, FrictionQuestion, LocatedView, Quantity, RigEstimate, RigQuestion, SceneValue,
@@ -20,10 +21,11 @@ enum Named {
     Quantities(fn(&Finger) -> Vec<Quantity>),
     Friction { builds_up: bool },
     BaseCompliance,
+    ForceError,
 }
 
 /// A name, the prior that it has where none is given (standard deviation), and what it stands for.
-const NAMES: [(&str, Option<f64>, Named); 14] = [
+const NAMES: [(&str, Option<f64>, Named); 16] = [
     ("modulus", None, Named::Quantities(|_| vec![Quantity::Modulus])),
     ("front-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Front)])),
     ("back-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Back)])),
@@ -35,6 +37,8 @@ const NAMES: [(&str, Option<f64>, Named); 14] = [
     ("ribs", Some(0.2), Named::Quantities(ribs)),
     ("height", None, Named::Quantities(|_| vec![Quantity::MarkerHeight])),
     ("base", None, Named::Quantities(|_| vec![Quantity::BaseX, Quantity::BaseY, Quantity::BaseTurn])),
+    ("preload", None, Named::Quantities(|_| vec![Quantity::Preload])),
+    ("force-error", Some(0.01), Named::ForceError),
     ("base-compliance", None, Named::BaseCompliance),
     ("friction", None, Named::Friction { builds_up: false }),
     ("friction-build-up", None, Named::Friction { builds_up: true }),
@@ -79,6 +83,7 @@ impl Fit {
                     let between_objects = prior_sd.unwrap_or_default();
                     fit.0.friction = Some(FrictionQuestion { builds_up: *builds_up, between_objects });
                 }
+                Named::ForceError => fit.0.force_error_between_objects = prior_sd.unwrap_or_default(),
                 Named::BaseCompliance if prior_sd.is_some() => {
                     return Err(bad("base-compliance takes no standard deviation".to_owned()));
                 }
@@ -149,7 +154,8 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     }
     let (scene, text) = load_scene_and_text(&arguments.scene)?;
     let fit = Fit::parse(fit, &scene)?;
-    let seen = views::load(located, arguments.forces.as_deref(), &scene)?.views;
+    let LocatedViews { views: seen, refused, .. } = views::load(located, arguments.forces.as_deref(), &scene)?;
+    hints::of_refused(&refused);
     let measured = seen.iter().filter(|seen| seen.view.force.is_some()).count();
     if measured == 0 && (fit.0.friction.is_some() || fit.0.base_compliance || fit.seeks(Quantity::is_modulus)) {
         return Err(bad_input(
@@ -166,8 +172,9 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
         }
     };
     let found = calibration::calibrate_rig(&scene, &seen, &fit.0, lean).map_err(failure)?;
-    let RigEstimate { views: estimate, friction, compliance } = &found;
+    let RigEstimate { views: estimate, compliance, .. } = &found;
     print_priors(estimate);
+    print_base(&found);
     for outlier in &estimate.outliers {
         print_message(format_args!("warning: {outlier}"));
     }
@@ -189,7 +196,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
             found.scene_values(&scene).into_iter().map(|(key, value)| (key, value.map(toml_value))).collect();
         files.push((path.clone(), with_values(&text, &values).map_err(bad_input)?));
     }
-    files.push((arguments.out.clone(), csv_text(rows(estimate, friction.as_ref(), *compliance))?));
+    files.push((arguments.out.clone(), csv_text(rows(&found))?));
     Ok(write_all_or_nothing(&files)?)
 }
 
@@ -207,8 +214,25 @@ fn print_priors(estimate: &ViewEstimate) {
     }
 }
 
+/// Says how the base is sought where the scene does not.
+fn print_base(found: &RigEstimate) {
+    if !found.is_base_unstated {
+        return;
+    }
+    let turn_deg = |view: &FoundView| (found.views.base.inverse() * view.base).rotation.angle().to_degrees();
+    let turns = || found.views.views.iter().map(turn_deg);
+    let (least, most) = (turns().fold(f64::INFINITY, f64::min), turns().fold(f64::NEG_INFINITY, f64::max));
+    print_message(format_args!(
+        "note: base.sigma_mm, base.sigma_deg: the scene does not say how far the base may be off its references: {} mm and {} degree (standard deviations); \
+         the images turn it by {least:.2} to {most:.2} degrees against them",
+        calibration::UNSTATED_BASE.sd_mm,
+        calibration::UNSTATED_BASE.sd_rad.to_degrees()
+    ));
+}
+
 /// What was found; no standard deviation is known of what is itself one, nor of a force over which friction builds up.
-fn rows(estimate: &ViewEstimate, friction: Option<&Lean>, compliance: Option<BaseCompliance>) -> Vec<Row> {
+fn rows(found: &RigEstimate) -> Vec<Row> {
+    let &RigEstimate { views: ref estimate, ref friction, compliance, force_error, .. } = found;
     let row = |parameter: &str, value, sigma| Row { parameter: parameter.to_owned(), value, sigma };
     let quantities = estimate.quantities.iter();
     let mut rows: Vec<Row> =
@@ -225,7 +249,7 @@ fn rows(estimate: &ViewEstimate, friction: Option<&Lean>, compliance: Option<Bas
     }
     rows.push(row("noise_factor", estimate.new_marker_errors.noise_factor, None));
     rows.push(row("model_error_mm", estimate.new_marker_errors.model_mm, None));
-    rows.extend(estimate.force_error.map(|error| row("force_error_share", error.of_new, None)));
+    rows.extend(force_error.map(|share| row("force_error_share", share, None)));
     rows
 }
 

@@ -1,0 +1,151 @@
+//! Fingers that were assembled or mounted anew: forces are sensed with a scene whose unloaded finger is another one.
+
+use finray_model::finger::{BracketLengths, RibPositions};
+use finray_model::measurement::BaseUncertainty;
+use finray_model::mesh::Load;
+use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
+use finray_model::sensing::{AssemblyErrors, ContactQuestion, Direction, Lean, Normal};
+use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
+use finray_model::{Finger, Kinematics, Mesh, Scene, Vector, statics};
+use finray_tests::{TWO_SIDED_95, case_count, random_stream, share_error};
+use nalgebra::{Isometry2, Point2};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const NOISE_MM: f64 = 0.02;
+const ASSEMBLY: AssemblyErrors =
+    AssemblyErrors { joint_sd_mm: 0.2, preload_nmm: 0.0, preload_sd_nmm: 8.0, height_sd_mm: 1.5 };
+const BASE: BaseUncertainty =
+    BaseUncertainty { sd_mm: 1.0, sd_rad: 0.017, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
+const FRICTION: [f64; 2] = [0.0, 0.6];
+
+fn normal(chance: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(chance)
+}
+
+/// A finger as it may be assembled from the parts of another.
+fn reassembled(finger: &Finger, chance: &mut ChaCha8Rng) -> Finger {
+    let mut description = finger.description().clone();
+    let mut off = |lengths_mm: [f64; 2]| lengths_mm.map(|mm| mm + ASSEMBLY.joint_sd_mm * normal(chance));
+    let RibPositions::Positions(positions) = &description.ribs.positions else { panic!("no positions of ribs") };
+    let positions: Vec<[f64; 2]> = positions.iter().map(|at_mm| off(*at_mm)).collect();
+    let brackets = (0..finger.rib_count()).map(|rib| off(description.ribs.bracket_mm.of(rib))).collect();
+    description.ribs.positions = RibPositions::Positions(positions);
+    description.ribs.bracket_mm = BracketLengths::Each(brackets);
+    Finger::new(description).expect("a finger")
+}
+
+/// A finger in one mounting before the camera.
+struct Mounted {
+    finger: Finger,
+    preload_nmm: f64,
+    base: Isometry2<f64>,
+    /// Point that keeps its place where the height differs, and how much larger the finger appears.
+    middle: Vector,
+    larger: f64,
+}
+
+impl Mounted {
+    fn anew(scene: &Scene, chance: &mut ChaCha8Rng) -> Mounted {
+        let eye = scene.camera.and_then(|camera| camera.pose).expect("a pose").eye();
+        let references = &scene.base.as_ref().expect("a base").references;
+        let middle = references.iter().map(|reference| reference.at).sum::<Vector>() / references.len() as f64;
+        let at = Vector::new(normal(chance), normal(chance)) * BASE.sd_mm;
+        Mounted {
+            finger: reassembled(&scene.finger, chance),
+            preload_nmm: ASSEMBLY.preload_sd_nmm * normal(chance),
+            base: Isometry2::new(at, BASE.sd_rad * normal(chance)),
+            middle,
+            larger: 1.0 + ASSEMBLY.height_sd_mm * normal(chance) / (eye.z - scene.markers.expect("markers").height_mm),
+        }
+    }
+
+    /// Where an image has the markers.
+    fn seen(&self, force: Option<Load>, chance: &mut ChaCha8Rng) -> Vec<ObservedMarker> {
+        let mesh = Mesh::with_elements_per_member(&self.finger, 16);
+        let preload = Load::Node { node: self.finger.tip(), force: Vector::zeros(), moment_nmm: self.preload_nmm };
+        let loads: Vec<Load> = force.into_iter().chain([preload]).collect();
+        let shape = statics::solve(&mesh, &loads, Kinematics::Corotational).expect("an equilibrium");
+        let marker = |node| {
+            let at = self.finger.marker_position(node) + shape.motion(node).marker_displacement(&self.finger);
+            let at = (self.base * Point2::from(at)).coords;
+            let noise = Vector::new(normal(chance), normal(chance)) * NOISE_MM;
+            ObservedMarker {
+                node,
+                pixel: None,
+                position: Some(self.middle + (at - self.middle) * self.larger + noise),
+                displacement: None,
+                sd_mm: Some(NOISE_MM),
+                own_sd_mm: Some(NOISE_MM),
+            }
+        };
+        self.finger.marked_nodes().map(marker).collect()
+    }
+}
+
+/// Errors in stated standard deviations, and as shares of the forces, of one force on each of many fingers that were mounted anew.
+fn errors(with_rest: bool, knows_direction: bool, cases: usize) -> Vec<[f64; 2]> {
+    let scene = Scene::from_toml(finray_fixtures::BRACKETED_SCENE).expect("a scene");
+    let base = scene.base.clone().map(|base| finray_model::scene::Base { uncertainty: Some(BASE), ..base });
+    let scene = Scene { assembly: Some(ASSEMBLY), base, ..scene };
+    let of_case = |case: usize| {
+        let chance = &mut random_stream(4400, case as u64);
+        let mounted = Mounted::anew(&scene, chance);
+        let force_n = chance.random_range(2.0..8.0);
+        let s_mm = chance.random_range(50.0..90.0);
+        let angle_deg = chance.random_range(FRICTION[0]..FRICTION[1]).atan().to_degrees();
+        let load = Load::at_position(s_mm, mounted.finger.direction(angle_deg) * force_n);
+        let mut markers = mounted.seen(Some(load), chance);
+        let at_rest = mounted.seen(None, chance);
+        for (marker, at_rest) in markers.iter_mut().zip(&at_rest) {
+            let from = if with_rest { at_rest.position } else { Some(scene.finger.marker_position(marker.node)) };
+            marker.displacement = marker.position.zip(from).map(|(at, from)| at - from);
+            if with_rest {
+                let sd_mm = Some(NOISE_MM * 2.0_f64.sqrt());
+                (marker.sd_mm, marker.own_sd_mm) = (sd_mm, sd_mm);
+            }
+        }
+        let seen_base = BaseUncertainty { sd_mm: 1e-3, sd_rad: 1e-5, ..BaseUncertainty::default() };
+        let base = ObservedBase { pose: Isometry2::identity(), uncertainty: Some(seen_base), is_known: true };
+        let seen = Observation { image: String::new(), markers, base: Some(base) };
+        let direction = match knows_direction {
+            true => Direction::Angle(angle_deg + mounted.base.rotation.angle().to_degrees()),
+            false => Direction::Leaning(Lean { from: Normal::Undeformed, ..Lean::within(FRICTION) }),
+        };
+        let question = ContactQuestion { position: None, direction };
+        let sensor = Sensor::new(&scene, SensorContacts::Asked(vec![question]), SensorOptions::default());
+        let sensed = sensor.expect("a question").sense(&seen);
+        if let Err(refusal) = &sensed {
+            println!("case {case}: {refusal}");
+        }
+        sensed.ok().map(|sensed| {
+            let off_n = sensed.forces_n[0] - force_n;
+            [off_n / sensed.sigmas_n[0], off_n / force_n]
+        })
+    };
+    use rayon::prelude::*;
+    (0..cases).into_par_iter().filter_map(of_case).collect()
+}
+
+/// Joints by 0.2 mm, a preload, another height, the base by 1 mm and 1 degree: 95 % intervals hold the force, with an image of the unloaded
+/// finger and without one, the direction known or not. Scenes that state nothing of it err by as much and say less.
+#[test]
+fn intervals_hold_on_fingers_that_were_assembled_anew() {
+    let cases = case_count(12, 1000);
+    for (with_rest, knows_direction) in [(false, true), (false, false), (true, true), (true, false)] {
+        let errors = errors(with_rest, knows_direction, cases);
+        let within = errors.iter().filter(|[sigmas, _]| sigmas.abs() < TWO_SIDED_95).count();
+        let share = within as f64 / errors.len() as f64;
+        let mean = errors.iter().map(|[_, share]| share.abs()).sum::<f64>() / errors.len() as f64;
+        let square = errors.iter().map(|[sigmas, _]| sigmas * sigmas).sum::<f64>() / errors.len() as f64;
+        println!(
+            "rest {with_rest}, direction {knows_direction}: {share:.3} within of {} in {cases}, mean error {:.1} %, rms {:.2} sigma",
+            errors.len(),
+            100.0 * mean,
+            square.sqrt()
+        );
+        assert!(errors.len() as f64 > 0.95 * cases as f64, "{} of {cases} answered", errors.len());
+        assert!((share - 0.95).abs() < 0.02 + 2.5 * share_error(0.95, errors.len()), "{share}");
+    }
+}
