@@ -14,6 +14,7 @@ const POSE_COLUMNS: [&str; 3] = ["base_x_mm", "base_y_mm", "base_deg"];
 const BASE_COLUMNS: [&str; 2] = ["base_sigma_mm", "base_sigma_deg"];
 const OWN_SIGMA: &str = "marker_sigma_mm";
 const SIGMA: &str = "sigma_mm";
+const REFUSED: &str = "refused";
 /// Images that a message lists.
 const SHOWN: usize = 5;
 
@@ -26,6 +27,15 @@ pub enum Coordinates {
     Positions,
 }
 
+/// An image in which no finger was located, and why.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RefusedImage {
+    /// Its name.
+    pub image: String,
+    /// Why it was refused.
+    pub reason: String,
+}
+
 /// A table of observations, by its columns; rows are in the order of the file in all of them.
 pub struct ObservationTable {
     path: PathBuf,
@@ -36,6 +46,9 @@ pub struct ObservationTable {
     own_sigmas: Option<Table<1>>,
     poses: Option<Table<3>>,
     base_sigmas: Option<Table<2>>,
+    /// Positions beside displacements: they show what displacements count from.
+    positions: Option<Table<2>>,
+    refused: Option<Table<1>>,
 }
 
 impl ObservationTable {
@@ -60,6 +73,11 @@ impl ObservationTable {
             path: path.to_owned(),
             coordinates,
             images: single("image")?,
+            // Only `locate` writes where a deformed finger is; it names its images.
+            positions: has(&["image", "x_mm", "y_mm"])
+                .then(|| Table::of_text(path, text, ["x_mm", "y_mm"]))
+                .transpose()?,
+            refused: single(REFUSED)?,
             own_sigmas: if is_apart { single(OWN_SIGMA)? } else { None },
             base_sigmas: is_apart.then(|| Table::of_text(path, text, BASE_COLUMNS)).transpose()?,
             poses: has(&POSE_COLUMNS).then(|| Table::of_text(path, text, POSE_COLUMNS)).transpose()?,
@@ -85,12 +103,22 @@ impl ObservationTable {
         Ok(images)
     }
 
+    /// Why an image was refused when it was located; `None` of one that was not.
+    pub fn refused(&self, image: &str) -> Option<&str> {
+        let (images, refused) = self.images.as_ref().zip(self.refused.as_ref())?;
+        let reasons = images.rows().iter().zip(refused.rows()).filter(|(name, _)| name.cells[0] == image);
+        reasons.map(|(_, refused)| refused.cells[0].as_str()).find(|reason| !reason.is_empty())
+    }
+
     /// The observation of an image; without a name, that of a table of a single one.
     ///
     /// # Errors
     /// [`FileError`] naming the line of a cell that is not what its column has, or for an image that is not there.
     pub fn observation(&self, image: Option<&str>) -> Result<Observation, FileError> {
         let image = self.image_meant(image)?;
+        if let Some(reason) = image.and_then(|image| self.refused(image)) {
+            return Err(self.wrong(format!("{} was refused when it was located: {reason}", image.unwrap_or_default())));
+        }
         let chosen = self.rows_of(image);
         let markers = chosen.iter().map(|&i| self.marker(i)).collect::<Result<_, _>>()?;
         let base = chosen.first().map(|&i| self.base(i)).transpose()?.flatten();
@@ -161,10 +189,12 @@ impl ObservationTable {
             table.map(|table| table.number(&table.rows()[i], 0)).transpose()
         };
         let is_position = self.coordinates == Coordinates::Positions;
+        let beside = self.positions.as_ref().filter(|_| !is_position);
+        let beside = beside.map(|table| table.vector(&table.rows()[i], [0, 1])).transpose()?.flatten();
         Ok(ObservedMarker {
             node,
             pixel: None,
-            position: at.filter(|_| is_position),
+            position: at.filter(|_| is_position).or(beside),
             displacement: at.filter(|_| !is_position),
             sd_mm: number(&self.sigmas)?,
             own_sd_mm: number(&self.own_sigmas)?,
@@ -188,10 +218,10 @@ impl ObservationTable {
     }
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, Default)]
 struct MarkerRow<'o> {
     image: &'o str,
-    node: usize,
+    node: Option<usize>,
     u_px: Option<f64>,
     v_px: Option<f64>,
     x_mm: Option<f64>,
@@ -202,28 +232,48 @@ struct MarkerRow<'o> {
 }
 
 /// Where the base is, repeated on each row of its image.
-#[derive(Serialize)]
+#[derive(Serialize, Default)]
 struct BaseRow {
-    base_x_mm: f64,
-    base_y_mm: f64,
-    base_deg: f64,
+    base_x_mm: Option<f64>,
+    base_y_mm: Option<f64>,
+    base_deg: Option<f64>,
     base_sigma_mm: Option<f64>,
     base_sigma_deg: Option<f64>,
     marker_sigma_mm: Option<f64>,
 }
 
+/// Ends a row of a table in which images were refused.
+#[derive(Serialize)]
+struct RefusedRow<'o> {
+    refused: &'o str,
+}
+
 /// CSV of observations: `image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm`, a row a marker; where images show the base also
-/// `base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm`.
+/// `base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm`; where images were refused also `refused`, with one row of such an image.
 ///
 /// # Errors
 /// None in memory; the signature is the CSV writer's.
-pub fn to_csv(observations: &[Observation]) -> Result<String, csv::Error> {
-    let rows = observations.iter().flat_map(|seen| seen.markers.iter().map(move |marker| (seen, marker)));
-    match observations.iter().all(|seen| seen.base.is_some()) {
-        false => super::csv_text(rows.map(|(seen, marker)| marker_row(&seen.image, marker))),
-        true => super::csv_text(
-            rows.filter_map(|(seen, marker)| Some((marker_row(&seen.image, marker), base_row(&seen.base?, marker)))),
-        ),
+pub fn to_csv(seen: &[Result<Observation, RefusedImage>]) -> Result<String, csv::Error> {
+    let shows_base = seen.iter().flatten().all(|seen| seen.base.is_some());
+    let rows = seen.iter().flat_map(rows_of_image);
+    match (shows_base, seen.iter().any(Result::is_err)) {
+        (false, false) => super::csv_text(rows.map(|(marker, ..)| marker)),
+        (true, false) => super::csv_text(rows.map(|(marker, base, _)| (marker, base))),
+        (false, true) => super::csv_text(rows.map(|(marker, _, refused)| (marker, refused))),
+        (true, true) => super::csv_text(rows),
+    }
+}
+
+fn rows_of_image(seen: &Result<Observation, RefusedImage>) -> Vec<(MarkerRow<'_>, BaseRow, RefusedRow<'_>)> {
+    match seen {
+        Ok(seen) => {
+            let base = |marker| seen.base.map(|base| base_row(&base, marker)).unwrap_or_default();
+            let row = |marker| (marker_row(&seen.image, marker), base(marker), RefusedRow { refused: "" });
+            seen.markers.iter().map(row).collect()
+        }
+        Err(RefusedImage { image, reason }) => {
+            vec![(MarkerRow { image, ..MarkerRow::default() }, BaseRow::default(), RefusedRow { refused: reason })]
+        }
     }
 }
 
@@ -231,7 +281,7 @@ fn marker_row<'o>(image: &'o str, marker: &ObservedMarker) -> MarkerRow<'o> {
     let coordinate = |vector: Option<Vector>, i: usize| vector.map(|vector| vector[i]);
     MarkerRow {
         image,
-        node: marker.node.0,
+        node: Some(marker.node.0),
         u_px: coordinate(marker.pixel, 0),
         v_px: coordinate(marker.pixel, 1),
         x_mm: coordinate(marker.position, 0),
@@ -244,9 +294,9 @@ fn marker_row<'o>(image: &'o str, marker: &ObservedMarker) -> MarkerRow<'o> {
 
 fn base_row(base: &ObservedBase, marker: &ObservedMarker) -> BaseRow {
     BaseRow {
-        base_x_mm: base.pose.translation.x,
-        base_y_mm: base.pose.translation.y,
-        base_deg: base.pose.rotation.angle().to_degrees(),
+        base_x_mm: Some(base.pose.translation.x),
+        base_y_mm: Some(base.pose.translation.y),
+        base_deg: Some(base.pose.rotation.angle().to_degrees()),
         base_sigma_mm: base.uncertainty.map(|uncertainty| uncertainty.sd_mm),
         base_sigma_deg: base.uncertainty.map(|uncertainty| uncertainty.sd_rad.to_degrees()),
         marker_sigma_mm: marker.own_sd_mm,

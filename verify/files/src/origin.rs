@@ -60,12 +60,9 @@ pub(super) fn misplaced_mm(path: &Path, text: &str, scene: &Scene) -> Result<f64
     if has(&AT_REST) {
         let table = Table::of_text(path, text, AT_REST)?;
         for row in table.rows() {
+            let (Some(at), Some(moved)) = (table.vector(row, [1, 2])?, table.vector(row, [3, 4])?) else { continue };
             let node = table.node(row, 0)?;
-            if let (true, Some(at), Some(moved)) = (
-                (1..=scene.finger.key_node_count()).contains(&node.0),
-                table.vector(row, [1, 2])?,
-                table.vector(row, [3, 4])?,
-            ) {
+            if (1..=scene.finger.key_node_count()).contains(&node.0) {
                 worst_mm = worst_mm.max((at - moved - scene.finger.marker_position(node)).norm());
             }
         }

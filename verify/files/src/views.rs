@@ -1,6 +1,6 @@
 //! Several images of one finger with the forces that were measured: what `calibrate` reads.
 
-use super::observations::{Coordinates, ObservationTable};
+use super::observations::{Coordinates, ObservationTable, RefusedImage};
 use super::table::Table;
 use super::{FileError, image_named};
 use finray_model::calibration::LocatedView;
@@ -12,6 +12,8 @@ use std::path::Path;
 pub struct LocatedViews {
     /// Each image.
     pub views: Vec<LocatedView>,
+    /// Images that were refused when they were located.
+    pub refused: Vec<RefusedImage>,
     /// By how much the file differs, at worst, from what this scene would have made of the same markers, mm: zero but for rounding where they were
     /// located with it.
     pub misplaced_mm: f64,
@@ -31,12 +33,16 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Loca
         None => Vec::new(),
         Some(path) => load_forces(path, &images)?,
     };
+    let reason = |image: &&str| Some((image.to_string(), table.refused(image)?.to_owned()));
+    let refused: Vec<RefusedImage> =
+        images.iter().filter_map(reason).map(|(image, reason)| RefusedImage { image, reason }).collect();
+    let located = images.iter().filter(|image| table.refused(image).is_none());
     let view = |image: &str| {
         let seen = table.observation(Some(image))?;
         let force = forces.iter().find(|(name, _)| name == image).map(|(_, force)| *force);
         LocatedView::new(seen, scene, force).map_err(|error| table.error(Some(image), &error))
     };
-    Ok(LocatedViews { views: images.iter().map(|image| view(image)).collect::<Result<_, _>>()?, misplaced_mm })
+    Ok(LocatedViews { views: located.map(|image| view(image)).collect::<Result<_, _>>()?, refused, misplaced_mm })
 }
 
 fn load_forces(path: &Path, images: &[&str]) -> Result<Vec<(String, Vector)>, FileError> {

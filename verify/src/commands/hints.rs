@@ -1,6 +1,7 @@
 //! What a scene or a file says that is possible, and hardly meant.
 
 use super::print_message;
+use finray_files::observations::RefusedImage;
 use finray_files::{Elsewhere, name_of, of_another_finger};
 use finray_model::Finger;
 use std::path::Path;
@@ -35,5 +36,12 @@ pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
             own.x,
             own.y
         ));
+    }
+}
+
+/// Warns of images that were refused when they were located, and are left out.
+pub fn of_refused(refused: &[RefusedImage]) {
+    for RefusedImage { image, reason } in refused {
+        print_message(format_args!("warning: {image} is left out, as it was refused when it was located: {reason}"));
     }
 }

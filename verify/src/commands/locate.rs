@@ -1,7 +1,8 @@
 //! `finray locate`
 
 use crate::commands::prelude::*;
-use finray_files::{image_names, observations};
+use finray_files::image_names;
+use finray_files::observations::{self, RefusedImage};
 use finray_imaging::locate::{Observer, ObserverError};
 use finray_model::Finger;
 use finray_model::measurement::Marker;
@@ -25,7 +26,8 @@ const SURE_REST_PX: f64 = 0.3;
 /// sigma_mm is the standard deviation of one coordinate of the displacement, from the noise of the
 /// image. It does not hold errors of the lens, nor of a pose that the scene states; a warning says
 /// where markers of clamped nodes are not where that pose has them. An image that shows the finger
-/// elsewhere, upside down, mirrored or in another size is refused. EXIF orientation is heeded.
+/// elsewhere, upside down, mirrored or in another size is refused. EXIF orientation is heeded. Of
+/// several images, one that is refused has one row, with its reason in a further column refused.
 ///
 /// Several images are taken for a stream: markers are sought near where they were in the one before.
 /// Markers are named by their order along the plates and by what a finger can do; where two ways to
@@ -68,30 +70,47 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = load_scene(&arguments.scene)?;
     let observer = observer(arguments, &scene)?;
     // Unless markers are tracked, each image is read by itself.
-    let mut observed: Vec<Observation> = if observer.is_tracking() {
+    let found: Vec<Result<Observation, Failure>> = if observer.is_tracking() {
         let mut observer = observer;
-        arguments.image.iter().map(|path| observed(&mut observer, path)).collect::<Result<_, _>>()?
+        arguments.image.iter().map(|path| observed(&mut observer, path)).collect()
     } else {
-        let images = arguments.image.par_iter();
-        images.map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect::<Result<_, _>>()?
+        arguments.image.par_iter().map_init(|| observer.clone(), observed).collect()
     };
-    for ((path, name), seen) in arguments.image.iter().zip(names).zip(&mut observed) {
-        seen.image = name;
-        if seen.base.is_some_and(|base| !base.is_known) {
-            print_message(format_args!(
-                "warning: {}: two references on the base were not found, so the finger frame is only about where the ribs have it: \
-                 displacements are to be used where the base is sought with the forces, as `finray sense` does",
-                path.display()
-            ));
-        }
-        if let Some(doubt) = doubt_of_pose(&scene.finger, seen) {
-            print_message(format_args!(
-                "warning: {}: {doubt}; --rest finds the pose in an image of the unloaded finger",
-                path.display()
-            ));
-        }
+    // Without any located image there is no table.
+    if found.iter().all(Result::is_err) {
+        return found.into_iter().find_map(Result::err).map_or(Ok(()), Err);
     }
-    Ok(write_text(&arguments.out, &observations::to_csv(&observed)?)?)
+    let of_image = |((path, image), found): ((&PathBuf, String), Result<Observation, Failure>)| match found {
+        Ok(seen) => {
+            let seen = Observation { image, ..seen };
+            warn_of_base(path, &scene.finger, &seen);
+            Ok(seen)
+        }
+        Err(failure) => {
+            let reason = failure.reason().to_owned();
+            print_message(format_args!("warning: {reason}: refused"));
+            Err(RefusedImage { image, reason })
+        }
+    };
+    let seen: Vec<_> = arguments.image.iter().zip(names).zip(found).map(of_image).collect();
+    Ok(write_text(&arguments.out, &observations::to_csv(&seen)?)?)
+}
+
+/// Warns of a base that is not where displacements need it.
+fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
+    if seen.base.is_some_and(|base| !base.is_known) {
+        print_message(format_args!(
+            "warning: {}: two references on the base were not found, so the finger frame is only about where the ribs have it: \
+             displacements are to be used where the base is sought with the forces, as `finray sense` does",
+            path.display()
+        ));
+    }
+    if let Some(doubt) = doubt_of_pose(finger, seen) {
+        print_message(format_args!(
+            "warning: {}: {doubt}; --rest finds the pose in an image of the unloaded finger",
+            path.display()
+        ));
+    }
 }
 
 /// The scene's locator, with the image of the unloaded finger.
@@ -146,7 +165,7 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
     ))
 }
 
-fn observed(observer: &mut Observer, path: &Path) -> Result<Observation, Failure> {
+fn observed(observer: &mut Observer, path: &PathBuf) -> Result<Observation, Failure> {
     let seen = observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?;
     if let Some(blur_px) = observer.motion_blur_px() {
         print_message(format_args!(

@@ -77,6 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => None,
         Some(located) => {
             let seen = views::load(located, arguments.forces.as_deref(), &scene.scene)?;
+            hints::of_refused(&seen.refused);
             if seen.misplaced_mm > SAME_MM {
                 print_message(format_args!(
                     "warning: {}: located with another scene, or with --rest: markers without load or as this scene's camera has them are up to \

@@ -150,6 +150,10 @@ fn all_images<'t>(
     let mut all = Vec::new();
     for image in table.images()? {
         let row = |row: Row, refused: String| (OfImage { image }, row, Refused { refused });
+        if let Some(reason) = table.refused(image) {
+            all.extend((0..sensor.contact_count()).map(|_| row(Row::default(), reason.to_owned())));
+            continue;
+        }
         let seen = table.observation(Some(image))?;
         match sensor.sense(&seen) {
             Ok(sensed) => {

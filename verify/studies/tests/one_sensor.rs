@@ -16,7 +16,7 @@ fn sensed_twice(scene: &Scene, contacts: &[MeasuredContact], friction: f64, seen
     let contacts = SensorContacts::Measured { contacts: contacts.to_vec(), friction };
     let options = SensorOptions { noise_mm: Some(CAMERA_NOISE_MM), ..SensorOptions::default() };
     let sensor = Sensor::new(scene, contacts, options).unwrap();
-    let text = to_csv(std::slice::from_ref(seen)).unwrap();
+    let text = to_csv(&[Ok(seen.clone())]).unwrap();
     let table = ObservationTable::new(Path::new("-"), &text, &scene.finger, Coordinates::Displacements).unwrap();
     [seen.clone(), table.observation(None).unwrap()].map(|seen| sensor.sense(&seen).unwrap())
 }

@@ -78,3 +78,25 @@ fn forces_find_images_of_one_name_by_their_folders() {
     assert_says(&calibrated(["100/1.png", "102/1.png", "2.png"]).refused(), &["line 3: ", "is not among those"]);
     assert_says(&calibrated(["100/1.png", &images[0], "2.png"]).refused(), &["line 3: ", "is listed twice"]);
 }
+
+/// An image that is cut off is one row of the table, and one of the forces; the others are located and sensed as without it.
+#[test]
+fn a_bad_image_is_one_refused_row() {
+    let folder = Folder::new();
+    let images = images(&folder);
+    let whole = std::fs::read(&images[1]).expect("an image");
+    let cut = folder.put("cut.png", &whole[..whole.len() / 2]);
+    let nodes = folder.path("nodes.csv");
+    let located = finray(&["locate", CAMERA, "--image", &images[0], &cut, &images[2], "--out", &nodes]);
+    let (_, warnings) = located.warned();
+    assert!(warnings.iter().any(|line| line.contains("cut.png") && line.contains("refused")), "{warnings:?}");
+    let all = ["sense", CAMERA, "--displacements", &nodes, "--contact-at", "80@-20", "--all-images"];
+    let sensed = Csv::of(&finray(&all).computed());
+    assert_eq!(sensed.texts("image"), ["1.png", "cut.png", "2.png"]);
+    assert_eq!(sensed.texts("force_n").iter().filter(|force| force.is_empty()).count(), 1);
+    assert!(sensed.texts("refused")[1].contains("cut.png"), "{:?}", sensed.texts("refused"));
+    let one = ["sense", CAMERA, "--displacements", &nodes, "--contact-at", "80@-20", "--image-name"];
+    assert_says(&finray(&[&one[..], &["cut.png"]].concat()).refused(), &["cut.png was refused when it was located"]);
+    // Alone it is an error.
+    assert_says(&finray(&["locate", CAMERA, "--image", &cut]).refused(), &["cut.png"]);
+}
