@@ -10,6 +10,7 @@ mod measurement {
 }
 mod samples;
 mod scene_keys;
+mod shared_junctions;
 mod sensing {
     mod linear;
     mod network;

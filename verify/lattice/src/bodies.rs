@@ -92,18 +92,20 @@ impl Assembly {
         Ok(assembly)
     }
 
-    /// A body at every key node; the two rods of a rib that does not deform are one body.
+    /// A body at every key node; key nodes at one point have one, and so have the two rods of a rib that does not deform.
     fn add_rods(&mut self, finger: &Finger) {
         let ribs = &finger.description().ribs;
         let welded = ribs.strip.is_none() && ribs.joints == Joints::Rigid;
-        let clamped = finger.clamped_nodes();
         for node in (1..=finger.key_node_count()).map(NodeId) {
             let position = finger.position(node);
             let back = finger.key_node_count() + 1 - node.0;
-            let anchor = if welded && node > finger.tip() && !clamped.contains(&node) {
+            let before = self.key_nodes.last().filter(|_| finger.junction(NodeId(node.0 - 1)) == finger.junction(node));
+            let anchor = if let Some(shared) = before {
+                *shared
+            } else if welded && node > finger.tip() && !finger.is_clamped(node) {
                 Anchor { body: back - 1, arm: position - finger.position(NodeId(back)) }
             } else {
-                self.bodies.push(Body { position, fixed: clamped.contains(&node) });
+                self.bodies.push(Body { position, fixed: finger.is_clamped(node) });
                 Anchor { body: self.bodies.len() - 1, arm: Vector::zeros() }
             };
             self.key_nodes.push(anchor);
@@ -117,6 +119,9 @@ impl Assembly {
         let along = (finger.plate_point(plate, 1.0) - finger.base(plate)).normalize();
         let positions = finger.plate_positions_mm(plate);
         for (member, (nodes, positions)) in finger.plate_nodes(plate).windows(2).zip(positions.windows(2)).enumerate() {
+            if positions[0] == positions[1] {
+                continue;
+            }
             let arms_mm = finger.member_arms_mm(plate, member);
             let [from, to] = [
                 self.key_nodes[nodes[0].0 - 1].moved(along * arms_mm[0]),
@@ -224,7 +229,7 @@ impl Assembly {
                 if !(1..=key_nodes).contains(&node.0) {
                     return Err(LoadError::NodeMissing { node, key_nodes });
                 }
-                if finger.clamped_nodes().contains(&node) {
+                if finger.is_clamped(node) {
                     return Err(LoadError::NodeClamped { node });
                 }
                 let Anchor { body, arm } = self.key_nodes[node.0 - 1];

@@ -84,7 +84,7 @@ pub(crate) fn add_skin(
     let (finger, assembly) = (lattice.finger(), lattice.assembly());
     let mut skin = Vec::new();
     if rod_radius_mm > 0.0 {
-        for node in finger.plate_nodes(Plate::Front) {
+        for node in finger.plate_nodes(Plate::Front).into_iter().filter(|node| finger.junction(*node) == *node) {
             let anchor = assembly.key_nodes[node.0 - 1];
             let ball = ColliderBuilder::ball(rod_radius_mm).translation(rapier(anchor.arm));
             skin.push((anchor.body, Skin::Rod(node), ball));

@@ -4,7 +4,7 @@ use finray_lattice::settling::Settling;
 use finray_lattice::{Lattice, LatticeError, settling};
 use finray_model::mesh::Load;
 use finray_model::{Kinematics, Mesh, NodeId, Vector, statics};
-use finray_tests::{contact_node, finger_of, paper, shapes_apart};
+use finray_tests::{contact_node, finger_of, paper, paper_scene_with, shapes_apart};
 
 /// Settling against the lattice's own equilibrium, as a share of the largest displacement.
 const SETTLING_TOLERANCE: f64 = 5e-4;
@@ -31,6 +31,25 @@ fn other_fingers_settle_where_beams_are() {
         let beams = statics::solve(&beams, &[load], Kinematics::Corotational).expect("an equilibrium");
         let error = shapes_apart(&settled.shape, &beams);
         assert!(error < tolerance, "{error}: {text}");
+    }
+}
+
+/// Ribs that share a junction, one of them in a corner of the base: their key nodes are one body.
+#[test]
+fn a_zigzag_of_ribs_settles_where_beams_are() {
+    let zigzag =
+        "positions_mm = [[30.0, 0.0], [30.0, 50.0], [70.0, 50.0], [70.0, 90.0], [110.0, 90.0], [110.0, 130.0]]";
+    let finger = paper_scene_with(&[("count = 11", zigzag)]).finger;
+    let lattice = Lattice::new(&finger, 4).expect("a lattice");
+    let beams = Mesh::with_elements_per_member(&finger, 16);
+    for load in [
+        Load::at_node(finger.rib_nodes(4)[0], finger.direction(20.0)),
+        Load::at_position(90.0, finger.direction(0.0) * 0.5),
+    ] {
+        let settled = lattice.settle(&[load]).expect("it settles").shape;
+        let beams = statics::solve(&beams, &[load], Kinematics::Corotational).expect("an equilibrium");
+        let error = shapes_apart(&settled, &beams);
+        assert!(error < 2e-3, "{error}");
     }
 }
 

@@ -37,7 +37,9 @@ fn strips(finger: &Finger, shape: &FingerShape) -> Vec<Strip> {
             Plate::Front => description.front.thickness_mm,
             Plate::Back => description.back.thickness_mm,
         };
-        for pair in finger.plate_nodes(plate).windows(2) {
+        let nodes: Vec<_> =
+            finger.plate_nodes(plate).into_iter().filter(|node| finger.junction(*node) == *node).collect();
+        for pair in nodes.windows(2) {
             let ends = [pair[0], pair[1]].map(|node| End::of_plate(shape.motion(node)));
             strips.push(Strip { middle: bent(ends), thickness_mm });
         }
