@@ -1,6 +1,7 @@
 //! Displacements of the markers under unit forces: the columns of the compliance that sensing needs, and no others.
 //!
-//! The linear finger is exact at its key nodes with one element a member, so the coarsest mesh serves.
+//! The linear finger is exact at its key nodes with one element a member, so the coarsest mesh serves; but for plates that taper, and members that a
+//! zone ends in: these have mean compliances.
 
 use crate::element::quarter_turn;
 use crate::finger::{Finger, NodeId};

@@ -30,5 +30,6 @@ mod statics {
     mod ladder;
     mod properties;
 }
+mod tapers;
 mod train;
 mod validity;

@@ -26,6 +26,7 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     check(&FINGER.poissons_ratio, &d.poissons_ratio)?;
     for (keys, strip, ends) in [(&FRONT, d.front, d.rigid_ends[0]), (&BACK, d.back, d.rigid_ends[1])] {
         check(&keys.thickness_mm, &strip.thickness_mm)?;
+        strip.tip_thickness_mm.map_or(Ok(()), |thickness_mm| check(&keys.tip_thickness_mm, &thickness_mm))?;
         check(&keys.youngs_modulus_mpa, &strip.youngs_modulus_mpa)?;
         check(&keys.rigid_base_mm, &ends.base_mm)?;
         check(&keys.rigid_tip_mm, &ends.tip_mm)?;

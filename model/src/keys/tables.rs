@@ -104,7 +104,9 @@ tables! {
 
 tables! {
     FRONT = "finger.front", BACK = "finger.back": PlateKeys, Once, "A plate.";
-    thickness_mm: Number(LENGTH, POSITIVE), Required, "Thickness.";
+    thickness_mm: Number(LENGTH, POSITIVE), Required, "Thickness; of a plate that tapers, at the base.";
+    tip_thickness_mm: Number(LENGTH, POSITIVE), Optional,
+        "Thickness at the tip of a plate that tapers linearly. Objects touch front plates of one thickness alone.";
     youngs_modulus_mpa: Number(MODULUS, POSITIVE), Required, "Young's modulus E.";
     largest_strain: Number(STRAIN, Above(0.0, 1.0)), Optional,
         "Largest fibre strain up to which the material is linear; a larger one gives a warning. Without it 0.05.";

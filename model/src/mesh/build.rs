@@ -1,9 +1,9 @@
 //! From a finger to its frame: plates, ribs and what links them, line by line.
 
 use super::prepared::Prepared;
-use super::zones::{ElementPositions, mean_compliance};
+use super::zones::ElementPositions;
 use super::{FrontSpan, Line, Mesh};
-use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
+use crate::finger::{Finger, Joints, NodeId, Part, Plate};
 use crate::frame::{BeamEnd, NodeIndex, PlaneFrame, Section};
 
 impl Mesh {
@@ -71,14 +71,9 @@ impl Mesh {
         ];
         let elements_at = ElementPositions::new(positions, arms_mm, elements);
         let free = elements_at.free();
-        // `section` is there for plates by construction.
-        let Some(section) = self.finger.section(plate.into()) else { return };
-        let zones: Vec<Zone> =
-            self.finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
         let position = |i: usize| elements_at.start(i);
-        let sections: Vec<Section> = (0..elements)
-            .map(|i| section.scaled(1.0 / mean_compliance(&zones, position(i), position(i + 1))))
-            .collect();
+        let sections: Vec<Section> =
+            (0..elements).map(|i| self.finger.plate_section(plate, position(i), position(i + 1))).collect();
         let first_member = self.frame.members().len();
         self.add_line(plate.into(), ends, &sections);
         if plate == Plate::Front {

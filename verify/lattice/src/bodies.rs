@@ -135,6 +135,7 @@ impl Assembly {
             }
             for (&ends, border) in anchors.iter().zip(borders.windows(2)) {
                 let (from_mm, to_mm) = (border[0], border[1]);
+                let section = tapered(finger, plate, section, 0.5 * (from_mm + to_mm));
                 let section = section.scaled(1.0 / mean_compliance(&zones, from_mm, to_mm));
                 let segment =
                     Segment { ends, pinned: [false; 2], direction: along, length_mm: to_mm - from_mm, section };
@@ -326,6 +327,15 @@ fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64>
         borders.extend(within.chain([cut[1]]));
     }
     borders
+}
+
+/// The section of a plate that has a given one at its base, at a position.
+fn tapered(finger: &Finger, plate: Plate, of_base: Section, s_mm: f64) -> Section {
+    let share = finger.thickness_mm(plate, s_mm) / finger.thickness_mm(plate, 0.0);
+    Section {
+        axial_rigidity_n: of_base.axial_rigidity_n * share,
+        bending_rigidity_nmm2: of_base.bending_rigidity_nmm2 * share.powi(3),
+    }
 }
 
 /// Length-weighted mean of 1 / (product of the zones' factors) over a section of plate.

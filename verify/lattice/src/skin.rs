@@ -74,6 +74,14 @@ pub(crate) fn groups_of_object() -> InteractionGroups {
     groups(OBJECT, FINGER)
 }
 
+/// Checks that the front plate's surface runs along its middle line.
+///
+/// # Errors
+/// [`LatticeError::Tapered`].
+pub(crate) fn require_one_thickness(lattice: &Lattice) -> Result<(), LatticeError> {
+    if lattice.finger().tapers(Plate::Front) { Err(LatticeError::Tapered) } else { Ok(()) }
+}
+
 /// Gives the lattice its surface: a ball at every key node of the front plate, capsules between.
 pub(crate) fn add_skin(
     lattice: &Lattice,

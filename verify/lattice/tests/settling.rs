@@ -53,6 +53,21 @@ fn a_zigzag_of_ribs_settles_where_beams_are() {
     }
 }
 
+/// Plates that taper: the lattice takes each segment's thickness in its middle, beams take mean compliances.
+#[test]
+fn lattices_of_tapered_plates_rest_where_beams_do() {
+    let tapered = [("[finger.front]", 0.75), ("[finger.back]", 2.0)]
+        .map(|(plate, tip_mm)| (plate, format!("{plate}\ntip_thickness_mm = {tip_mm:?}")));
+    let finger = paper_scene_with(&tapered.each_ref().map(|(plate, taper)| (*plate, taper.as_str()))).finger;
+    let load = Load::at_position(90.0, finger.direction(10.0));
+    let beams = Mesh::with_elements_per_member(&finger, 16);
+    let beams = statics::solve(&beams, &[load], Kinematics::Corotational).expect("an equilibrium");
+    let lattice =
+        |fineness| Lattice::new(&finger, fineness).expect("a lattice").equilibrium(&[load]).expect("it rests");
+    let errors = [1, 4].map(|fineness| shapes_apart(&lattice(fineness), &beams));
+    assert!(errors[0] < 2e-2 && errors[1] < 0.15 * errors[0], "{errors:?}");
+}
+
 /// Unlike loads at once, a moment and a force between nodes among them.
 #[test]
 fn several_loads_settle_together() {
