@@ -53,7 +53,7 @@ fn camera(criterion: &mut Criterion) {
         bencher.iter(|| {
             let located = locator.track(black_box(turn.next().expect("a frame"))).expect("a finger");
             let noise_mm = located[0].sd_mm;
-            let free = located.iter().filter(|marker| !finger.clamped_nodes().contains(&marker.node));
+            let free = located.iter().filter(|marker| !finger.is_clamped(marker.node));
             let marker = |&Located { node, position, .. }: &Located| Marker {
                 node,
                 displacement: position - finger.position(node),

@@ -84,14 +84,41 @@ impl Finger {
         [NodeId(1), NodeId(self.key_node_count())]
     }
 
-    /// The nodes that can touch an object: from the tip to the last one before the front base.
+    /// Whether a node is held: one of the [`clamped_nodes`](Finger::clamped_nodes), or the end of a rib in a corner of the base.
+    pub fn is_clamped(&self, node: NodeId) -> bool {
+        self.clamped_nodes().contains(&self.junction(node))
+    }
+
+    /// The key node that stands for all at one point of a plate, which move and turn as one: the base's, or that of the rib nearest to it.
+    /// The node itself where no rib shares its junction.
+    pub fn junction(&self, node: NodeId) -> NodeId {
+        let last = self.key_node_count();
+        if !(1..=last).contains(&node.0) {
+            return node;
+        }
+        let (plate, mut level) =
+            if node <= self.tip() { (Plate::Back, node.0 - 1) } else { (Plate::Front, last - node.0) };
+        while level > 0 && self.level_mm(plate, level - 1) == self.level_mm(plate, level) {
+            level -= 1;
+        }
+        NodeId(if plate == Plate::Back { level + 1 } else { last - level })
+    }
+
+    /// Whether ribs share a junction, or end in a corner of the base.
+    pub fn has_shared_junctions(&self) -> bool {
+        (1..=self.key_node_count()).map(NodeId).any(|node| self.junction(node) != node)
+    }
+
+    /// The nodes that can touch an object, one for each point: from the tip to the last one before the front base.
     pub fn contact_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
-        (self.tip().0..self.key_node_count()).map(NodeId)
+        let nodes = (self.tip().0..self.key_node_count()).map(NodeId);
+        nodes.filter(|node| self.junction(*node) == *node).collect::<Vec<_>>().into_iter()
     }
 
     /// The nodes that move, in order.
     pub fn free_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
-        (2..self.key_node_count()).map(NodeId)
+        let nodes = (2..self.key_node_count()).map(NodeId);
+        nodes.filter(|node| !self.is_clamped(*node)).collect::<Vec<_>>().into_iter()
     }
 
     /// The free nodes that have a marker, in order: those a camera measures.
@@ -114,11 +141,16 @@ impl Finger {
 
     /// Positions of the [`plate_nodes`](Finger::plate_nodes), mm along the plate from the base.
     pub fn plate_positions_mm(&self, part: Plate) -> Vec<f64> {
+        (0..=self.rib_count() + 1).map(|level| self.level_mm(part, level)).collect()
+    }
+
+    /// Position of one of the [`plate_nodes`](Finger::plate_nodes), counted from 0, mm along the plate from the base.
+    fn level_mm(&self, part: Plate, level: usize) -> f64 {
         let column = usize::from(part == Plate::Back);
-        std::iter::once(0.0)
-            .chain(self.ribs.iter().map(|rib| rib[column]))
-            .chain(std::iter::once(self.plate_length_mm(part)))
-            .collect()
+        match level.checked_sub(1) {
+            None => 0.0,
+            Some(rib) => self.ribs.get(rib).map_or(self.plate_length_mm(part), |ends_mm| ends_mm[column]),
+        }
     }
 
     /// Length of a plate, mm.
@@ -129,12 +161,22 @@ impl Finger {
         }
     }
 
-    /// Rigid arms at both ends of a plate's member, mm: rods, clips, and ends that do not deform. Members are counted from the base from 0.
+    /// Rigid arms at both ends of a plate's member, mm: rods, clips, and ends that do not deform; none of a member without length, between ribs
+    /// that share a junction. Members are counted from the base from 0.
     pub fn member_arms_mm(&self, part: Plate, member: usize) -> [f64; 2] {
+        let [from_mm, to_mm] = [member, member + 1].map(|level| self.level_mm(part, level));
+        if from_mm == to_mm {
+            return [0.0; 2];
+        }
         let side = usize::from(part == Plate::Back);
         let RigidEnds { base_mm, tip_mm } = self.description.rigid_ends[side];
         let clip_mm = self.description.ribs.clip_mm[side] / 2.0;
-        let first = if member == 0 { base_mm } else { clip_mm };
+        let first = match member {
+            0 => base_mm,
+            // Behind a rib in a corner of the base.
+            _ if from_mm == 0.0 => base_mm.max(clip_mm),
+            _ => clip_mm,
+        };
         let second = if member == self.rib_count() { tip_mm } else { clip_mm };
         [first, second].map(|arm_mm| arm_mm.max(self.description.rod_arm_mm))
     }
@@ -217,12 +259,11 @@ impl Finger {
         self.position(node) + self.marker_offset(node)
     }
 
-    /// Whether a node has a marker: where markers are on hinges, only the ends of ribs do.
+    /// Whether a node has a marker. Where markers are on hinges, only the ends of ribs do; nodes at one point have one, that of their
+    /// [`junction`](Finger::junction).
     pub fn has_marker(&self, node: NodeId) -> bool {
-        match self.description.markers_on {
-            MarkerPoints::Junctions => true,
-            MarkerPoints::Hinges => node != self.tip() && !self.clamped_nodes().contains(&node),
-        }
+        let is_end_of_rib = || node != self.tip() && !self.is_clamped(node);
+        self.junction(node) == node && (self.description.markers_on == MarkerPoints::Junctions || is_end_of_rib())
     }
 
     /// Undeformed position of a point, mm.
@@ -271,14 +312,39 @@ impl Finger {
         direction.dot(&self.front_tangent()).atan2(direction.dot(&self.inward(Plate::Front))).to_degrees()
     }
 
-    /// Section of a part without zones: plane-strain modulus E / (1 - nu^2); of the thickest rib; `None` for ribs that do not deform.
-    pub fn section(&self, part: Part) -> Option<Section> {
-        let d = &self.description;
+    /// Whether a plate is thinner at one end than at the other.
+    pub fn tapers(&self, part: Plate) -> bool {
+        let strip = self.strip(part);
+        strip.tip_thickness_mm.is_some_and(|tip_mm| tip_mm != strip.thickness_mm)
+    }
+
+    /// Thickness of a plate at a distance from its base, mm.
+    pub fn thickness_mm(&self, part: Plate, s_mm: f64) -> f64 {
+        let Strip { thickness_mm, tip_thickness_mm, .. } = *self.strip(part);
+        let more_mm = tip_thickness_mm.map_or(0.0, |tip_mm| tip_mm - thickness_mm);
+        thickness_mm + more_mm * (s_mm / self.plate_length_mm(part))
+    }
+
+    fn strip(&self, part: Plate) -> &Strip {
         match part {
-            Part::Front => Some(self.section_of(&d.front)),
-            Part::Back => Some(self.section_of(&d.back)),
-            Part::Ribs => d.ribs.strip.as_ref().map(|strip| self.section_of(strip)),
+            Plate::Front => &self.description.front,
+            Plate::Back => &self.description.back,
         }
+    }
+
+    /// Section of a part without zones: plane-strain modulus E / (1 - nu^2); of a plate at its base; of the thickest rib; `None` for ribs that do
+    /// not deform.
+    pub fn section(&self, part: Part) -> Option<Section> {
+        match part {
+            Part::Front => Some(self.base_section(Plate::Front)),
+            Part::Back => Some(self.base_section(Plate::Back)),
+            Part::Ribs => self.description.ribs.strip.as_ref().map(|strip| self.section_of(strip)),
+        }
+    }
+
+    /// Section of a plate at its base, without zones.
+    pub(crate) fn base_section(&self, plate: Plate) -> Section {
+        self.section_of(self.strip(plate))
     }
 
     fn section_of(&self, strip: &Strip) -> Section {

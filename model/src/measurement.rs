@@ -45,7 +45,7 @@ impl BaseUncertainty {
     }
 }
 
-/// Measured displacements of some of a finger's free key nodes, each at most once.
+/// Measured displacements of some of a finger's free key nodes, each at most once; of nodes at one point, that of their junction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
     markers: Vec<Marker>,
@@ -76,6 +76,14 @@ pub enum MeasurementError {
     /// A coordinate or weight is not a finite number.
     #[error("node {node}: expected finite numbers")]
     NotFinite {
+        /// The node named.
+        node: NodeId,
+    },
+    /// Nodes at one point of a plate have different displacements.
+    #[error(
+        "node {node} is at the same point of the plate as another node listed, which has moved differently: list one of them"
+    )]
+    SharedMoves {
         /// The node named.
         node: NodeId,
     },
@@ -128,7 +136,7 @@ impl Measurement {
         Measurement { markers: Vec::new(), base: None, shared_errors: Vec::new() }
     }
 
-    /// Adds one marker; see [`Measurement::new`].
+    /// Adds one marker; see [`Measurement::new`]. Nodes at one point have one marker: rows of both count once.
     ///
     /// # Errors
     /// [`MeasurementError`], with the measurement unchanged.
@@ -142,17 +150,24 @@ impl Measurement {
         if !finite || marker.weight <= 0.0 {
             return Err(MeasurementError::NotFinite { node });
         }
-        if finger.clamped_nodes().contains(&node) {
+        if finger.is_clamped(node) {
             return match marker.displacement == Vector::zeros() {
                 true => Ok(()),
                 false => Err(MeasurementError::ClampedMoves { node }),
             };
         }
-        if self.markers.iter().any(|other| other.node == node) {
-            return Err(MeasurementError::Repeated { node });
+        let junction = finger.junction(node);
+        let Some(other) = self.markers.iter().find(|other| other.node == junction) else {
+            self.markers.push(Marker { node: junction, ..marker });
+            return Ok(());
+        };
+        let is_shared =
+            junction != node || finger.free_nodes().any(|free| free != node && finger.junction(free) == node);
+        match is_shared {
+            false => Err(MeasurementError::Repeated { node }),
+            true if other.displacement == marker.displacement => Ok(()),
+            true => Err(MeasurementError::SharedMoves { node }),
         }
-        self.markers.push(marker);
-        Ok(())
     }
 
     /// All markers of a computed shape, as a camera without noise would see them.

@@ -42,7 +42,7 @@ pub struct Line {
     pub part: Part,
     /// Frame nodes from one key node to the other, both included; of a rib on brackets from joint to joint.
     pub nodes: Vec<NodeIndex>,
-    /// Its elements in the same order, as members of the frame; empty for a rib that does not deform.
+    /// Its elements in the same order, as members of the frame; empty for a rib that does not deform, and between ribs that share a junction.
     pub members: std::ops::Range<usize>,
 }
 
@@ -203,7 +203,7 @@ impl Mesh {
                 let key_nodes = self.finger.key_node_count();
                 if !(1..=key_nodes).contains(&node.0) {
                     Err(LoadError::NodeMissing { node, key_nodes })
-                } else if self.finger.clamped_nodes().contains(&node) {
+                } else if self.finger.is_clamped(node) {
                     Err(LoadError::NodeClamped { node })
                 } else {
                     Ok(FrameLoad::Node { node: self.frame_node(node), force, moment_nmm })

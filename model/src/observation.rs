@@ -274,7 +274,7 @@ impl Reading {
             let largest = sd_mm.map_or(of_all, |sd_mm| LargestClampedMotion::of(Some(sd_mm), []));
             largest.check(finger, marker).map_err(|reason| ObservationError::Marker { index: *index, reason })?;
         }
-        rows.retain(|(_, marker, _)| !finger.clamped_nodes().contains(&marker.node));
+        rows.retain(|(_, marker, _)| !finger.is_clamped(marker.node));
         Ok(())
     }
 

@@ -16,7 +16,7 @@ pub use object::{ObjectDescription, ObjectMotion, Outline, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 
 use crate::finger::{
-    Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds, Strip, Zone,
+    Finger, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds, Strip, Zone,
 };
 use crate::gripper::Gripper;
 use crate::keys::{
@@ -102,6 +102,11 @@ impl Scene {
         let object = top.optional_table(&OBJECT)?.map(|table| object::read_object(&table, &finger)).transpose()?;
         let gripper = top.optional_table(&GRIPPER)?.as_ref().map(gripper::read_gripper).transpose()?;
         let grasp = top.optional_table(&GRASP)?.map(|table| grasp::read_grasp(&table, gripper.as_ref())).transpose()?;
+        if finger.tapers(Plate::Front) && (touched.is_some() || object.is_some() || grasp.is_some()) {
+            let tip = FRONT.tip_thickness_mm.path();
+            let message = format!("{tip}: expected a front plate of one thickness where an object touches it");
+            return Err(SceneError { line: document.line_of(&tip), message });
+        }
         Ok(Scene {
             name,
             finger,
@@ -152,6 +157,7 @@ fn read_plate(finger: &TableReader, keys: &'static Table<PlateKeys>) -> Result<(
     let table = finger.table(keys)?;
     let strip = Strip {
         thickness_mm: table.get(&keys.thickness_mm)?,
+        tip_thickness_mm: table.optional(&keys.tip_thickness_mm)?,
         youngs_modulus_mpa: table.get(&keys.youngs_modulus_mpa)?,
     };
     Ok((strip, RigidEnds { base_mm: table.get(&keys.rigid_base_mm)?, tip_mm: table.get(&keys.rigid_tip_mm)? }))
@@ -177,6 +183,7 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
             let thickness_mm = table.get(&RIBS.thickness_mm)?;
             let strip = Strip {
                 thickness_mm: thickness_mm.all().iter().copied().fold(0.0, f64::max),
+                tip_thickness_mm: None,
                 youngs_modulus_mpa: table.get(&RIBS.youngs_modulus_mpa)?,
             };
             (Some(strip), thickness_mm.each())

@@ -70,7 +70,7 @@ pub struct FingerMember {
     pub part: Part,
     /// The key nodes at its ends.
     pub nodes: [NodeId; 2],
-    /// Free length, without rigid arms, over thickness.
+    /// Free length, without rigid arms, over thickness, of a plate that tapers that of its thickest element.
     pub slenderness: f64,
 }
 
@@ -148,7 +148,7 @@ impl Validity {
 
 const PARTS: [Part; 3] = [Part::Front, Part::Back, Part::Ribs];
 
-/// Thickness of a beam of rectangular section: a zone changes both rigidities alike.
+/// Thickness of a beam of rectangular section: a zone changes both rigidities alike. Of a plate that tapers, between those at the element's ends.
 fn thickness_mm(beam: &Beam) -> f64 {
     (12.0 * beam.bending_rigidity_nmm2 / beam.axial_rigidity_n).sqrt()
 }
@@ -173,11 +173,11 @@ fn examine(
     let members = &mesh.frame().members()[line.members.clone()];
     let (first, last) = (line.nodes.first()?, line.nodes.last()?);
     let free_mm: f64 = members.iter().map(|member| member.beam.length_mm).sum();
-    let thickness_mm = thickness_mm(&members.first()?.beam);
+    let thickest_mm = members.iter().map(|member| thickness_mm(&member.beam)).fold(0.0, f64::max);
     let examined = FingerMember {
         part: line.part,
         nodes: [NodeId(first + 1), NodeId(last + 1)],
-        slenderness: free_mm / thickness_mm,
+        slenderness: free_mm / thickest_mm,
     };
     // Where the member's first node is along its part.
     let origin_mm = match line.part {
@@ -191,6 +191,7 @@ fn examine(
     let (mut strain_energy, mut shear_energy) = (0.0, 0.0);
     for (index, member) in line.members.clone().zip(members) {
         let beam = &member.beam;
+        let thickness_mm = thickness_mm(beam);
         let forces: Vec<(f64, Vector)> = loads.iter().filter_map(|load| inside(load, index)).collect();
         for ends in mesh.frame().stations(motion, index, kinematics, &forces).chunks_exact(2) {
             let [from, to] = [ends[0], ends[1]];

@@ -10,6 +10,7 @@ mod measurement {
 }
 mod samples;
 mod scene_keys;
+mod shared_junctions;
 mod sensing {
     mod assembly;
     mod linear;
@@ -30,5 +31,6 @@ mod statics {
     mod ladder;
     mod properties;
 }
+mod tapers;
 mod train;
 mod validity;

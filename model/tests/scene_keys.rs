@@ -8,8 +8,12 @@ use std::path::Path;
 use toml::{Table, Value};
 
 /// Scenes that have every key between them, but for what ends a press by force.
-const SCENES: [&str; 3] =
-    [include_str!("scenes/pressed.toml"), include_str!("scenes/grasped.toml"), include_str!("scenes/path.toml")];
+const SCENES: [&str; 4] = [
+    include_str!("scenes/pressed.toml"),
+    include_str!("scenes/grasped.toml"),
+    include_str!("scenes/path.toml"),
+    include_str!("scenes/tapered.toml"),
+];
 
 /// A value in a scene: the way to it (names, and numbers in arrays of tables from 0).
 type Way = Vec<(String, Option<usize>)>;

@@ -8,7 +8,11 @@ use finray_model::finger::{
 use proptest::prelude::*;
 
 fn strip() -> impl Strategy<Value = Strip> {
-    (0.5..3.0, 5.0..500.0).prop_map(|(thickness_mm, youngs_modulus_mpa)| Strip { thickness_mm, youngs_modulus_mpa })
+    (0.5..3.0, 5.0..500.0).prop_map(|(thickness_mm, youngs_modulus_mpa)| Strip {
+        thickness_mm,
+        tip_thickness_mm: None,
+        youngs_modulus_mpa,
+    })
 }
 
 /// Up to seven ribs, evenly or unevenly spaced, clamped or pinned, deformable or not.

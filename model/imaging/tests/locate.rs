@@ -4,9 +4,10 @@ mod elsewhere;
 mod rim_locator;
 
 use crate::kit::{DISTURBED, camera_of, rms, scene, tilted};
-use finray_imaging::locate::{LocateError, Located, Locator, NamingError, Rest};
+use finray_imaging::locate::{LocateError, Located, Locator, LocatorError, NamingError, Rest, RestError};
 use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::camera::Camera;
+use finray_model::finger::RibPositions;
 use finray_model::mesh::FingerShape;
 use finray_model::scene::MarkerLook;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
@@ -226,6 +227,20 @@ fn hidden_markers_come_back() {
     }
     let images_without = (0..IMAGES).take_while(|_| seen(1.25, &[]) > 0).count();
     assert!(images_without < 10, "{images_without}");
+}
+
+/// Markers are named by ribs that have both ends to themselves: a zigzag is drawn, and not located.
+#[test]
+fn fingers_whose_ribs_share_junctions_are_refused() {
+    let scene = scene();
+    let (markers, camera) = (scene.markers.expect("markers"), camera_of(&scene));
+    let mut description = scene.finger.description().clone();
+    description.ribs.positions = RibPositions::Positions(vec![[40.0, 0.0], [40.0, 70.0], [100.0, 70.0]]);
+    let finger = Finger::new(description).expect("a zigzag");
+    assert!(matches!(Locator::new(&finger, &camera, &markers), Err(LocatorError::SharedJunctions)));
+    let image = RgbImage::new(1600, 1400);
+    let at_rest = Rest::of(&finger, &camera.lens, Some(camera.pose), &markers, &image);
+    assert!(matches!(at_rest, Err(RestError::Locator(LocatorError::SharedJunctions))));
 }
 
 #[test]

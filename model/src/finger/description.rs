@@ -7,8 +7,10 @@ use super::{Finger, Plate};
 /// A plate or a rib as a material strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strip {
-    /// Thickness in the plane, mm.
+    /// Thickness in the plane, mm; of a plate that tapers, at the base.
     pub thickness_mm: f64,
+    /// Thickness at the tip of a plate that tapers linearly, mm; `None` for ribs.
+    pub tip_thickness_mm: Option<f64>,
     /// Young's modulus, MPa.
     pub youngs_modulus_mpa: f64,
 }

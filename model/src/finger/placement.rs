@@ -26,6 +26,7 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     check(&FINGER.poissons_ratio, &d.poissons_ratio)?;
     for (keys, strip, ends) in [(&FRONT, d.front, d.rigid_ends[0]), (&BACK, d.back, d.rigid_ends[1])] {
         check(&keys.thickness_mm, &strip.thickness_mm)?;
+        strip.tip_thickness_mm.map_or(Ok(()), |thickness_mm| check(&keys.tip_thickness_mm, &thickness_mm))?;
         check(&keys.youngs_modulus_mpa, &strip.youngs_modulus_mpa)?;
         check(&keys.rigid_base_mm, &ends.base_mm)?;
         check(&keys.rigid_tip_mm, &ends.tip_mm)?;
@@ -88,18 +89,27 @@ pub(super) fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, Impossi
         let mut before = 0.0;
         for (i, rib) in ribs.iter().enumerate() {
             let position = rib[column];
-            require(position.is_finite() && position > gap && position < length - gap, &key, || {
-                format!("expected rib {} on the {plate} plate, between 0 and {length:?} mm, found {position:?}", i + 1)
-            })?;
-            require(position > before + gap, &key, || {
+            let is_on_plate = position.is_finite() && (position == 0.0 || position > gap) && position < length - gap;
+            require(is_on_plate, &key, || {
                 format!(
-                    "expected ribs from base to tip that neither cross nor touch: on the {plate} plate rib {} at \
-                     {position:?} mm does not follow the rib before it at {before:?} mm",
+                    "expected rib {} on the {plate} plate, from 0 to below {length:?} mm, found {position:?}",
+                    i + 1
+                )
+            })?;
+            require(position == before || position > before + gap, &key, || {
+                format!(
+                    "expected ribs from base to tip that do not cross: on the {plate} plate rib {} at {position:?} mm neither \
+                     follows the rib before it at {before:?} mm nor shares its junction",
                     i + 1
                 )
             })?;
             before = position;
         }
+    }
+    let before = std::iter::once(&[0.0; 2]).chain(&ribs);
+    for (i, (rib, _)) in ribs.iter().zip(before).enumerate().filter(|(_, (rib, before))| rib == before) {
+        let other = if i == 0 { "the base line" } else { "the rib before it" };
+        require(false, &key, || format!("expected ribs that differ: rib {} at {rib:?} mm lies on {other}", i + 1))?;
     }
     Ok(ribs)
 }
@@ -126,8 +136,18 @@ pub(super) fn check_zones(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     Ok(())
 }
 
+/// Two ribs at one junction are tied to each other there, so no bracket and no undeformable rib can carry it.
+fn check_shared_junctions(finger: &Finger) -> Result<(), ImpossibleFinger> {
+    let shared = "where ribs share a junction or end in a corner of the base";
+    let refused = finger.has_shared_junctions();
+    require(!(refused && finger.has_brackets()), &RIBS.bracket_mm.path(), || format!("expected none {shared}"))?;
+    let is_rigid = finger.description.ribs.strip.is_none();
+    require(!(refused && is_rigid), &RIBS.rigid.path(), || format!("expected ribs that deform {shared}"))
+}
+
 /// The arms of rods, clips and rigid ends, and the brackets of ribs must leave room for what is between them.
 pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
+    check_shared_junctions(finger)?;
     check_brackets(finger)?;
     let d = &finger.description;
     if let Some(each_mm) = &d.ribs.thicknesses_mm {
@@ -139,14 +159,15 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let plates = [Plate::Front, Plate::Back];
     let members =
         plates.map(|plate| finger.plate_positions_mm(plate).windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
-    let shortest = members.iter().flatten().copied().chain(ribs).fold(f64::INFINITY, f64::min);
+    let with_length = members.iter().flatten().copied().filter(|length_mm| *length_mm > 0.0);
+    let shortest = with_length.chain(ribs).fold(f64::INFINITY, f64::min);
     require(2.0 * d.rod_arm_mm < shortest * (1.0 - SMALLEST_SPACING), &FINGER.rod_arm_mm.path(), || {
         format!("expected less than half of the shortest member, {shortest:?} mm, found {:?}", d.rod_arm_mm)
     })?;
     for (((plate, name), keys), lengths_mm) in
         plates.into_iter().zip(["front", "back"]).zip([&FRONT, &BACK]).zip(&members)
     {
-        for (member, length_mm) in lengths_mm.iter().enumerate() {
+        for (member, length_mm) in lengths_mm.iter().enumerate().filter(|(_, length_mm)| **length_mm > 0.0) {
             let arms_mm = finger.member_arms_mm(plate, member);
             let key = match member {
                 0 => keys.rigid_base_mm.path(),

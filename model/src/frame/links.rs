@@ -57,6 +57,19 @@ impl PlaneFrame {
         self.nodes[second].link = Some(link);
     }
 
+    /// Ties a node to another one at the same point: it moves and turns as that one does.
+    pub fn tie(&mut self, first: NodeIndex, second: NodeIndex) {
+        self.nodes[second].rotation = self.nodes[first].rotation;
+        let row = self.nodes[first].link;
+        self.nodes[second].link = Some(row.unwrap_or(RigidLink { master: first, levers: [None; MOST_LEVERS] }));
+    }
+
+    /// The node that a tied one moves with; any other node itself.
+    pub fn tied_to(&self, node: NodeIndex) -> NodeIndex {
+        let tied = self.nodes[node].link.filter(|link| link.levers().next().is_none());
+        tied.map_or(node, |link| link.master)
+    }
+
     /// Moves linked nodes to where their masters and links carry them.
     #[inline(always)]
     pub(crate) fn follow_links<R: Number>(&self, motion: &mut FrameMotion<R>, linear: bool) {
@@ -93,8 +106,8 @@ impl PlaneFrame {
         self.nodes[node].link.iter().flat_map(RigidLink::levers).map(|lever| lever.rotation)
     }
 
-    /// Whether a node follows another one.
+    /// Whether a node follows another one over a lever.
     pub(crate) fn is_linked(&self, node: NodeIndex) -> bool {
-        self.nodes[node].link.is_some()
+        self.lever_rotations(node).next().is_some()
     }
 }

@@ -106,7 +106,9 @@ tables! {
 
 tables! {
     FRONT = "finger.front", BACK = "finger.back": PlateKeys, Once, "A plate.";
-    thickness_mm: Number(LENGTH, POSITIVE), Required, "Thickness.";
+    thickness_mm: Number(LENGTH, POSITIVE), Required, "Thickness; of a plate that tapers, at the base.";
+    tip_thickness_mm: Number(LENGTH, POSITIVE), Optional,
+        "Thickness at the tip of a plate that tapers linearly. Objects touch front plates of one thickness alone.";
     youngs_modulus_mpa: Number(MODULUS, POSITIVE), Required, "Young's modulus E.";
     largest_strain: Number(STRAIN, Above(0.0, 1.0)), Optional,
         "Largest fibre strain up to which the material is linear; a larger one gives a warning. Without it 0.05.";
@@ -118,7 +120,7 @@ tables! {
     RIBS = "finger.ribs": RibKeys, Once, "The ribs.";
     count: Count("ribs", 0, 1000), RequiredIf("unless positions_mm is there"), "Number of ribs, evenly spaced.";
     positions_mm: Pairs("[front, back], positions in mm", None), Optional,
-        "Instead of count: where each rib meets front and back plate, from the base.";
+        "Instead of count: where each rib meets front and back plate, from the base; 0 is the corner of the base. Ribs may share a junction, and do not cross.";
     joints: Word<2>(["rigid", "hinged"]), RequiredIf("unless there are no ribs"), "How ribs are joined to the plates: hinged ones have a pin at both ends.";
     rigid: Word<2>(TRUE_FALSE), Or(1), "Whether ribs do not deform.";
     thickness_mm: RibNumbers(Number(LENGTH, POSITIVE)), RequiredIf("unless ribs are rigid"), "Thickness.";

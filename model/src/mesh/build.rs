@@ -1,9 +1,9 @@
 //! From a finger to its frame: plates, ribs and what links them, line by line.
 
 use super::prepared::Prepared;
-use super::zones::{ElementPositions, mean_compliance};
+use super::zones::ElementPositions;
 use super::{FrontSpan, Line, Mesh};
-use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
+use crate::finger::{Finger, Joints, NodeId, Part, Plate};
 use crate::frame::{BeamEnd, NodeIndex, PlaneFrame, Section};
 
 impl Mesh {
@@ -15,6 +15,9 @@ impl Mesh {
         for node in finger.clamped_nodes() {
             frame.support(node.0 - 1, [true; 3]);
         }
+        for node in (1..=finger.key_node_count()).map(NodeId).filter(|node| finger.junction(*node) != *node) {
+            frame.tie(finger.junction(node).0 - 1, node.0 - 1);
+        }
         if finger.has_brackets() {
             for node in (0..finger.rib_count()).flat_map(|rib| finger.rib_nodes(rib)) {
                 frame.add_node(finger.hinge(node));
@@ -24,17 +27,20 @@ impl Mesh {
         for rib in 0..finger.rib_count() {
             link_rib(&mut frame, finger, rib);
         }
+        // Between ribs that share a junction is nothing to be divided.
+        let one_of_none = |(elements, length_mm)| if length_mm > 0.0 { elements } else { 1 };
+        let elements: Vec<usize> = elements.iter().copied().zip(line_lengths(finger)).map(one_of_none).collect();
         let mut mesh = Mesh {
             finger: finger.clone(),
             frame,
             lines: Vec::new(),
             alike: Vec::new(),
             front: Vec::new(),
-            elements: elements.to_vec(),
             node_count: finger.key_node_count() + elements.iter().map(|n| n - 1).sum::<usize>(),
+            elements: elements.clone(),
             prepared: Prepared::default(),
         };
-        let mut elements = elements.iter().copied();
+        let mut elements = elements.into_iter();
         let mut next = || elements.next().unwrap_or(1);
         for plate in [Plate::Back, Plate::Front] {
             for member in 0..=finger.rib_count() {
@@ -54,20 +60,20 @@ impl Mesh {
         let (nodes, positions) = ([nodes[member], nodes[member + 1]], [positions[member], positions[member + 1]]);
         let along = (self.finger.plate_point(plate, 1.0) - self.finger.base(plate)).normalize();
         let [from, to] = nodes.map(|node| self.frame_node(node));
+        if positions[0] == positions[1] {
+            let at = self.frame.members().len();
+            self.lines.push(Line { part: plate.into(), nodes: vec![from, to], members: at..at });
+            return;
+        }
         let ends = [
             BeamEnd { arm: along * arms_mm[0], ..self.frame.clamped_end(from) },
             BeamEnd { arm: along * -arms_mm[1], ..self.frame.clamped_end(to) },
         ];
         let elements_at = ElementPositions::new(positions, arms_mm, elements);
         let free = elements_at.free();
-        // `section` is there for plates by construction.
-        let Some(section) = self.finger.section(plate.into()) else { return };
-        let zones: Vec<Zone> =
-            self.finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
         let position = |i: usize| elements_at.start(i);
-        let sections: Vec<Section> = (0..elements)
-            .map(|i| section.scaled(1.0 / mean_compliance(&zones, position(i), position(i + 1))))
-            .collect();
+        let sections: Vec<Section> =
+            (0..elements).map(|i| self.finger.plate_section(plate, position(i), position(i + 1))).collect();
         let first_member = self.frame.members().len();
         self.add_line(plate.into(), ends, &sections);
         if plate == Plate::Front {

@@ -1,7 +1,8 @@
-//! Effect of zones of other modulus on the elements.
+//! Sections of the elements of a plate that tapers, or has zones of other modulus.
 
 use super::Mesh;
-use crate::finger::{Part, Plate, Zone};
+use crate::finger::{Finger, Part, Plate, Zone};
+use crate::frame::Section;
 
 /// Where the elements of a plate member begin and end, mm from the base.
 pub(super) struct ElementPositions {
@@ -27,13 +28,50 @@ impl ElementPositions {
     }
 }
 
-/// Length-weighted mean of 1 / (product of the zones' factors) over a section of plate.
-pub(super) fn mean_compliance(zones: &[Zone], from_mm: f64, to_mm: f64) -> f64 {
-    compliance(zones, from_mm, to_mm, |_| true) / (to_mm - from_mm)
+impl Finger {
+    /// Section of a piece of plate: of its mean compliances, those of its zones included.
+    pub(super) fn plate_section(&self, plate: Plate, from_mm: f64, to_mm: f64) -> Section {
+        let d = self.description();
+        let zones: Vec<Zone> = d.zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
+        let of_base = self.base_section(plate);
+        let mean = |relative: &dyn Fn(f64, f64) -> f64| {
+            compliance(&zones, from_mm, to_mm, relative, |_| true) / (to_mm - from_mm)
+        };
+        Section {
+            axial_rigidity_n: of_base.axial_rigidity_n * (1.0 / mean(&|from, to| self.stretching(plate, from, to))),
+            bending_rigidity_nmm2: of_base.bending_rigidity_nmm2
+                * (1.0 / mean(&|from, to| self.bending(plate, from, to))),
+        }
+    }
+
+    /// Mean of t_0 / t over a piece of plate, t_0 the thickness at the base: ln(b / a) / (b - a), for linear t from a to b.
+    fn stretching(&self, plate: Plate, from_mm: f64, to_mm: f64) -> f64 {
+        let [base_mm, a, b] = self.thicknesses_mm(plate, from_mm, to_mm);
+        let growth = (b - a) / a;
+        base_mm / a * if growth == 0.0 { 1.0 } else { growth.ln_1p() / growth }
+    }
+
+    /// Mean of (t_0 / t)^3: (a + b) / (2 a^2 b^2).
+    fn bending(&self, plate: Plate, from_mm: f64, to_mm: f64) -> f64 {
+        let [base_mm, a, b] = self.thicknesses_mm(plate, from_mm, to_mm);
+        let (a, b) = (a / base_mm, b / base_mm);
+        (a + b) / (2.0 * a * a * b * b)
+    }
+
+    fn thicknesses_mm(&self, plate: Plate, from_mm: f64, to_mm: f64) -> [f64; 3] {
+        [0.0, from_mm, to_mm].map(|s_mm| self.thickness_mm(plate, s_mm))
+    }
 }
 
-/// Sum of length / (product of the zones' factors) over the parts of a section whose middle is `counted`.
-fn compliance(zones: &[Zone], from_mm: f64, to_mm: f64, counted: impl Fn(f64) -> bool) -> f64 {
+/// Sum of length times relative compliance, its mean between two positions, / (product of the zones' factors) over the parts of a section whose
+/// middle is `counted`.
+fn compliance(
+    zones: &[Zone],
+    from_mm: f64,
+    to_mm: f64,
+    relative: impl Fn(f64, f64) -> f64,
+    counted: impl Fn(f64) -> bool,
+) -> f64 {
     let mut cuts: Vec<f64> = zones
         .iter()
         .flat_map(|zone| [zone.from_mm, zone.to_mm])
@@ -41,10 +79,10 @@ fn compliance(zones: &[Zone], from_mm: f64, to_mm: f64, counted: impl Fn(f64) ->
         .chain([from_mm, to_mm])
         .collect();
     cuts.sort_by(f64::total_cmp);
-    let parts = cuts.windows(2).map(|w| (w[1] - w[0], 0.5 * (w[0] + w[1])));
-    let lengths = parts.filter(|&(_, middle)| counted(middle)).map(|(length, middle)| {
+    let parts = cuts.windows(2).map(|w| (w[0], w[1], 0.5 * (w[0] + w[1])));
+    let lengths = parts.filter(|&(.., middle)| counted(middle)).map(|(from, to, middle)| {
         let factor: f64 = zones.iter().filter(|zone| covers(zone, middle)).map(|zone| zone.modulus_factor).product();
-        length / factor
+        (to - from) * relative(from, to) / factor
     });
     lengths.sum()
 }
@@ -55,7 +93,8 @@ fn covers(zone: &Zone, position_mm: f64) -> bool {
 
 impl Mesh {
     /// How far the stiffness of the members follows the factor of one of the finger's zones (counted from 0):
-    /// d ln(stiffness) / d ln(factor) of each member that the zone touches, which is the zone's share of its compliance.
+    /// d ln(stiffness) / d ln(factor) of each member that the zone touches, which is the zone's share of its compliance; where a plate tapers, of that in
+    /// bending.
     pub fn zone_shares(&self, zone: usize) -> Vec<(usize, f64)> {
         let description = self.finger.description();
         let Some(chosen) = description.zones.get(zone) else { return Vec::new() };
@@ -71,8 +110,9 @@ impl Mesh {
                 Part::Ribs => f64::from(u8::from(chosen.holds_rib(positions[nth + 1]))),
                 Part::Front | Part::Back => {
                     let (from_mm, to_mm) = (elements.start(i), elements.start(i + 1));
-                    compliance(&of_part, from_mm, to_mm, |middle| covers(chosen, middle))
-                        / compliance(&of_part, from_mm, to_mm, |_| true)
+                    let relative = |from, to| self.finger.bending(plate, from, to);
+                    compliance(&of_part, from_mm, to_mm, relative, |middle| covers(chosen, middle))
+                        / compliance(&of_part, from_mm, to_mm, relative, |_| true)
                 }
             };
             line.members.clone().enumerate().map(|(i, member)| (member, share(i))).collect::<Vec<_>>()

@@ -31,7 +31,7 @@ impl LargestClampedMotion {
     /// [`MarkerError::ClampedMoves`].
     pub fn check(self, finger: &Finger, marker: &Marker) -> Result<(), MarkerError> {
         let (node, moved_mm, largest_mm) = (marker.node, marker.displacement.norm(), self.0);
-        match finger.clamped_nodes().contains(&node) && moved_mm > largest_mm {
+        match finger.is_clamped(node) && moved_mm > largest_mm {
             true => Err(MarkerError::ClampedMoves { node, moved_mm, largest_mm }),
             false => Ok(()),
         }

@@ -123,7 +123,7 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
                 if !(1..=front_base.0).contains(&node.0) {
                     return Err(LoadError::NodeMissing { node, key_nodes: front_base.0 }.into());
                 }
-                if finger.clamped_nodes().contains(&node) {
+                if finger.is_clamped(node) {
                     return Err(LoadError::NodeClamped { node }.into());
                 }
                 if !(first..=last).contains(&node) {

@@ -70,8 +70,6 @@ struct Problem<'a> {
     weights: DVector<f64>,
     coordinates: usize,
     length_mm: f64,
-    /// Half the thickness of the front plate, mm.
-    half_thickness_mm: f64,
     finger: RespondingFinger<'a>,
     /// Of the point whose residuals were asked for last.
     response: Option<Response>,
@@ -103,7 +101,6 @@ pub fn sense_measured_contacts(
         weights,
         coordinates: measurement.coordinate_count(),
         length_mm: mesh.finger().plate_length_mm(Plate::Front),
-        half_thickness_mm: 0.5 * mesh.finger().description().front.thickness_mm,
         finger: RespondingFinger::new(mesh),
         response: None,
     };
@@ -135,7 +132,7 @@ impl LeastSquaresProblem for Problem<'_> {
             // Friction acts on the surface of the rod, or of the plate.
             let lever_mm = match contact.position {
                 ContactPosition::Node(_) => self.knowledge.rod_radius_mm,
-                ContactPosition::At(_) => self.half_thickness_mm,
+                ContactPosition::At(s_mm) => 0.5 * self.finger.finger().thickness_mm(Plate::Front, s_mm),
             };
             ContactForce { contact, along_n: point[i], across_n: point[i] * point[count + i], lever_mm }
         };

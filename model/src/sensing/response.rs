@@ -85,6 +85,11 @@ impl<'m> RespondingFinger<'m> {
         RespondingFinger { mesh, statics: Statics::ladder(mesh, Kinematics::Corotational), last: at_rest }
     }
 
+    /// The finger.
+    pub(super) fn finger(&self) -> &'m Finger {
+        self.mesh.finger()
+    }
+
     /// Bends the finger; `None` where it has no equilibrium under the forces.
     ///
     /// # Errors

@@ -23,7 +23,7 @@ pub struct Reaction {
 
 /// What must act on a node from outside, beside the loads, for equilibrium: a support's reaction, else nothing.
 ///
-/// Beams are summed, so the node must not belong to a rigid link.
+/// Beams are summed, also those of nodes that are tied to it, so the node must not belong to a rigid link.
 pub fn reaction(
     frame: &PlaneFrame,
     motion: &FrameMotion,
@@ -34,7 +34,7 @@ pub fn reaction(
     let mut reaction = Reaction { node, force: Vector::zeros(), moment_nmm: 0.0 };
     let mut add = |ends: &[BeamEnd; 2], gradient: &ElementVector| {
         for (end, g) in ends.iter().zip([gradient.fixed_rows::<3>(0), gradient.fixed_rows::<3>(3)]) {
-            if end.node == node {
+            if frame.tied_to(end.node) == node {
                 reaction.force += Vector::new(g[0], g[1]);
                 if end.rotation == frame.rotation_of(node) {
                     reaction.moment_nmm += g[2];
@@ -43,7 +43,7 @@ pub fn reaction(
         }
     };
     for member in frame.members() {
-        if member.ends.iter().any(|end| end.node == node) {
+        if member.ends.iter().any(|end| frame.tied_to(end.node) == node) {
             add(&member.ends, &member.response(motion, kinematics).gradient);
         }
     }

@@ -28,6 +28,7 @@ fn random_finger(rng: &mut ChaCha8Rng) -> Finger {
         let front_length_mm = rng.random_range(50.0..180.0);
         let strip = |rng: &mut ChaCha8Rng| Strip {
             thickness_mm: rng.random_range(0.8..4.0),
+            tip_thickness_mm: None,
             youngs_modulus_mpa: 10.0_f64.powf(rng.random_range(0.7..2.3)),
         };
         let description = FingerDescription {
@@ -154,7 +155,7 @@ fn a_small_change_of_the_mesh_is_not_taken_for_convergence() {
 /// A V without ribs whose tip is the only marker: 0.5 N were sensed as -0.085 +- 0.055 N, and 1 N denied.
 #[test]
 fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
-    let strip = |thickness_mm| Strip { thickness_mm, youngs_modulus_mpa: 18.5 };
+    let strip = |thickness_mm| Strip { thickness_mm, tip_thickness_mm: None, youngs_modulus_mpa: 18.5 };
     let finger = Finger::new(FingerDescription {
         base_width_mm: 35.0,
         front_length_mm: 70.0,

@@ -26,7 +26,7 @@ fn paper_mesh_has_the_papers_size() {
 /// beyond (found by turning the scene).
 #[test]
 fn a_buckling_load_is_not_jumped_over() {
-    let strip = |thickness_mm, youngs_modulus_mpa| Strip { thickness_mm, youngs_modulus_mpa };
+    let strip = |thickness_mm, youngs_modulus_mpa| Strip { thickness_mm, tip_thickness_mm: None, youngs_modulus_mpa };
     let finger = Finger::new(FingerDescription {
         base_width_mm: 40.0,
         front_length_mm: 154.6877,

@@ -39,7 +39,7 @@ pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<C
         let node = table.node(row, 4)?;
         let marker = Marker { node, displacement, weight: 1.0 };
         clamped.check(finger, &marker).map_err(|error| table.wrong(row, error))?;
-        if !finger.clamped_nodes().contains(&node) {
+        if !finger.is_clamped(node) {
             case.measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
         }
     }

@@ -92,18 +92,20 @@ impl Assembly {
         Ok(assembly)
     }
 
-    /// A body at every key node; the two rods of a rib that does not deform are one body.
+    /// A body at every key node; key nodes at one point have one, and so have the two rods of a rib that does not deform.
     fn add_rods(&mut self, finger: &Finger) {
         let ribs = &finger.description().ribs;
         let welded = ribs.strip.is_none() && ribs.joints == Joints::Rigid;
-        let clamped = finger.clamped_nodes();
         for node in (1..=finger.key_node_count()).map(NodeId) {
             let position = finger.position(node);
             let back = finger.key_node_count() + 1 - node.0;
-            let anchor = if welded && node > finger.tip() && !clamped.contains(&node) {
+            let before = self.key_nodes.last().filter(|_| finger.junction(NodeId(node.0 - 1)) == finger.junction(node));
+            let anchor = if let Some(shared) = before {
+                *shared
+            } else if welded && node > finger.tip() && !finger.is_clamped(node) {
                 Anchor { body: back - 1, arm: position - finger.position(NodeId(back)) }
             } else {
-                self.bodies.push(Body { position, fixed: clamped.contains(&node) });
+                self.bodies.push(Body { position, fixed: finger.is_clamped(node) });
                 Anchor { body: self.bodies.len() - 1, arm: Vector::zeros() }
             };
             self.key_nodes.push(anchor);
@@ -117,6 +119,9 @@ impl Assembly {
         let along = (finger.plate_point(plate, 1.0) - finger.base(plate)).normalize();
         let positions = finger.plate_positions_mm(plate);
         for (member, (nodes, positions)) in finger.plate_nodes(plate).windows(2).zip(positions.windows(2)).enumerate() {
+            if positions[0] == positions[1] {
+                continue;
+            }
             let arms_mm = finger.member_arms_mm(plate, member);
             let [from, to] = [
                 self.key_nodes[nodes[0].0 - 1].moved(along * arms_mm[0]),
@@ -130,6 +135,7 @@ impl Assembly {
             }
             for (&ends, border) in anchors.iter().zip(borders.windows(2)) {
                 let (from_mm, to_mm) = (border[0], border[1]);
+                let section = tapered(finger, plate, section, 0.5 * (from_mm + to_mm));
                 let section = section.scaled(1.0 / mean_compliance(&zones, from_mm, to_mm));
                 let segment =
                     Segment { ends, pinned: [false; 2], direction: along, length_mm: to_mm - from_mm, section };
@@ -224,7 +230,7 @@ impl Assembly {
                 if !(1..=key_nodes).contains(&node.0) {
                     return Err(LoadError::NodeMissing { node, key_nodes });
                 }
-                if finger.clamped_nodes().contains(&node) {
+                if finger.is_clamped(node) {
                     return Err(LoadError::NodeClamped { node });
                 }
                 let Anchor { body, arm } = self.key_nodes[node.0 - 1];
@@ -321,6 +327,15 @@ fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64>
         borders.extend(within.chain([cut[1]]));
     }
     borders
+}
+
+/// The section of a plate that has a given one at its base, at a position.
+fn tapered(finger: &Finger, plate: Plate, of_base: Section, s_mm: f64) -> Section {
+    let share = finger.thickness_mm(plate, s_mm) / finger.thickness_mm(plate, 0.0);
+    Section {
+        axial_rigidity_n: of_base.axial_rigidity_n * share,
+        bending_rigidity_nmm2: of_base.bending_rigidity_nmm2 * share.powi(3),
+    }
 }
 
 /// Length-weighted mean of 1 / (product of the zones' factors) over a section of plate.

@@ -61,6 +61,9 @@ pub enum LatticeError {
         /// Largest movement between the last two looks, as a share of the largest displacement; infinite before the first.
         residual: f64,
     },
+    /// The outline of a front plate that tapers is not parallel to its middle line, which objects here take it for.
+    #[error("finger.front.tip_thickness_mm: expected a front plate of one thickness where an object touches it")]
+    Tapered,
     /// An object that is to be pressed onto the finger does not start outside it.
     #[error("the object overlaps the undeformed finger by {overlap_mm:.3} mm where it starts")]
     Overlap {

@@ -74,6 +74,14 @@ pub(crate) fn groups_of_object() -> InteractionGroups {
     groups(OBJECT, FINGER)
 }
 
+/// Checks that the front plate's surface runs along its middle line.
+///
+/// # Errors
+/// [`LatticeError::Tapered`].
+pub(crate) fn require_one_thickness(lattice: &Lattice) -> Result<(), LatticeError> {
+    if lattice.finger().tapers(Plate::Front) { Err(LatticeError::Tapered) } else { Ok(()) }
+}
+
 /// Gives the lattice its surface: a ball at every key node of the front plate, capsules between.
 pub(crate) fn add_skin(
     lattice: &Lattice,
@@ -84,7 +92,7 @@ pub(crate) fn add_skin(
     let (finger, assembly) = (lattice.finger(), lattice.assembly());
     let mut skin = Vec::new();
     if rod_radius_mm > 0.0 {
-        for node in finger.plate_nodes(Plate::Front) {
+        for node in finger.plate_nodes(Plate::Front).into_iter().filter(|node| finger.junction(*node) == *node) {
             let anchor = assembly.key_nodes[node.0 - 1];
             let ball = ColliderBuilder::ball(rod_radius_mm).translation(rapier(anchor.arm));
             skin.push((anchor.body, Skin::Rod(node), ball));

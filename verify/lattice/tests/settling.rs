@@ -4,7 +4,7 @@ use finray_lattice::settling::Settling;
 use finray_lattice::{Lattice, LatticeError, settling};
 use finray_model::mesh::Load;
 use finray_model::{Kinematics, Mesh, NodeId, Vector, statics};
-use finray_tests::{contact_node, finger_of, paper, shapes_apart};
+use finray_tests::{contact_node, finger_of, paper, paper_scene_with, shapes_apart};
 
 /// Settling against the lattice's own equilibrium, as a share of the largest displacement.
 const SETTLING_TOLERANCE: f64 = 5e-4;
@@ -32,6 +32,40 @@ fn other_fingers_settle_where_beams_are() {
         let error = shapes_apart(&settled.shape, &beams);
         assert!(error < tolerance, "{error}: {text}");
     }
+}
+
+/// Ribs that share a junction, one of them in a corner of the base: their key nodes are one body.
+#[test]
+fn a_zigzag_of_ribs_settles_where_beams_are() {
+    let zigzag =
+        "positions_mm = [[30.0, 0.0], [30.0, 50.0], [70.0, 50.0], [70.0, 90.0], [110.0, 90.0], [110.0, 130.0]]";
+    let finger = paper_scene_with(&[("count = 11", zigzag)]).finger;
+    let lattice = Lattice::new(&finger, 4).expect("a lattice");
+    let beams = Mesh::with_elements_per_member(&finger, 16);
+    for load in [
+        Load::at_node(finger.rib_nodes(4)[0], finger.direction(20.0)),
+        Load::at_position(90.0, finger.direction(0.0) * 0.5),
+    ] {
+        let settled = lattice.settle(&[load]).expect("it settles").shape;
+        let beams = statics::solve(&beams, &[load], Kinematics::Corotational).expect("an equilibrium");
+        let error = shapes_apart(&settled, &beams);
+        assert!(error < 2e-3, "{error}");
+    }
+}
+
+/// Plates that taper: the lattice takes each segment's thickness in its middle, beams take mean compliances.
+#[test]
+fn lattices_of_tapered_plates_rest_where_beams_do() {
+    let tapered = [("[finger.front]", 0.75), ("[finger.back]", 2.0)]
+        .map(|(plate, tip_mm)| (plate, format!("{plate}\ntip_thickness_mm = {tip_mm:?}")));
+    let finger = paper_scene_with(&tapered.each_ref().map(|(plate, taper)| (*plate, taper.as_str()))).finger;
+    let load = Load::at_position(90.0, finger.direction(10.0));
+    let beams = Mesh::with_elements_per_member(&finger, 16);
+    let beams = statics::solve(&beams, &[load], Kinematics::Corotational).expect("an equilibrium");
+    let lattice =
+        |fineness| Lattice::new(&finger, fineness).expect("a lattice").equilibrium(&[load]).expect("it rests");
+    let errors = [1, 4].map(|fineness| shapes_apart(&lattice(fineness), &beams));
+    assert!(errors[0] < 2e-2 && errors[1] < 0.15 * errors[0], "{errors:?}");
 }
 
 /// Unlike loads at once, a moment and a force between nodes among them.

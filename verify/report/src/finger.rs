@@ -25,7 +25,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         RibPositions::Count(count) => (*count, true),
         RibPositions::Positions(places) => (places.len(), false),
     };
-    let of = |strip: Strip| context! { thickness_mm => strip.thickness_mm, modulus_mpa => strip.youngs_modulus_mpa };
+    let of = |strip: Strip| {
+        context! { thickness_mm => strip.thickness_mm, tip_mm => strip.tip_thickness_mm, modulus_mpa => strip.youngs_modulus_mpa }
+    };
     let numbers = context! {
         base_width_mm => d.base_width_mm,
         depth_mm => d.depth_mm,

@@ -164,6 +164,7 @@ impl From<LatticeError> for Failure {
             | LatticeError::LoadNotFinite
             | LatticeError::Overlap { .. }
             | LatticeError::NoSegments
+            | LatticeError::Tapered
             | LatticeError::TooFine { .. } => bad_input(error),
             LatticeError::LetGo { .. }
             | LatticeError::NotSettled { .. }

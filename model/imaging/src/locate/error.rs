@@ -4,6 +4,7 @@ use super::blobs::LEAST_RADIUS_PX;
 use super::disc::LARGEST_BLUR;
 use super::motion::LARGEST_MOTION;
 use super::{FingerPlacement, GreyMarker, NamingError};
+use finray_model::Finger;
 use finray_model::camera::ViewError;
 
 /// Why an image shows no finger.
@@ -90,12 +91,25 @@ pub enum LocatorError {
     /// Coloured markers are not found by their rims.
     #[error("markers: expected shade, found front_rgb and back_rgb")]
     NotGrey,
+    /// Markers are named by ribs that have both ends to themselves.
+    #[error(
+        "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, as markers are named by their ribs"
+    )]
+    SharedJunctions,
     /// The markers' colours.
     #[error(transparent)]
     Colour(#[from] GreyMarker),
     /// The camera.
     #[error(transparent)]
     Camera(#[from] LocateError),
+}
+
+/// Checks that markers can be named by the ribs.
+///
+/// # Errors
+/// [`LocatorError::SharedJunctions`].
+pub(super) fn require_own_junctions(finger: &Finger) -> Result<(), LocatorError> {
+    if finger.has_shared_junctions() { Err(LocatorError::SharedJunctions) } else { Ok(()) }
 }
 
 /// A word on an image of the other format.

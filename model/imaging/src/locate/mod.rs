@@ -94,6 +94,7 @@ impl<'f> Locator<'f> {
         let MarkerLook::Coloured { front_rgb, back_rgb } = markers.look else {
             return Err(LocatorError::NotColoured);
         };
+        error::require_own_junctions(finger)?;
         let colours = Colours::new([front_rgb, back_rgb])?;
         let radius_px = radius_px(finger, camera, markers)?;
         Ok(Locator {

@@ -2,6 +2,7 @@
 
 use super::blobs::{blobs, commonest_radius};
 use super::colour::Colours;
+use super::error::require_own_junctions;
 use super::pattern::at_rest;
 use super::{LocateError, Located, Locator, LocatorError, require_size};
 use finray_model::Finger;
@@ -65,6 +66,7 @@ impl Rest {
         markers: &Markers,
         image: &RgbImage,
     ) -> Result<Rest, RestError> {
+        require_own_junctions(finger)?;
         require_size(lens, image)?;
         // Where markers are named by their pattern, a pose that the scene states adds nothing, and may be off.
         let pose = pose_of_pattern(finger, lens, markers, image)?.or(pose).ok_or(RestError::NoPattern)?;

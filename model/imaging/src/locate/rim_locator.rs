@@ -4,6 +4,7 @@
 //! two references on it, or the two ends of a rib, proposes a place for it; the place from which the markers are named at the least cost is it.
 
 use super::elsewhere::Scenery;
+use super::error::require_own_junctions;
 use super::naming::{Candidate, Marked, Names, NamingError, name, name_at_cost};
 use super::rim::{GreyView, Rim, RimShape, rims};
 use super::together::wider;
@@ -111,6 +112,7 @@ impl<'f> RimLocator<'f> {
         base: Option<&Base>,
     ) -> Result<RimLocator<'f>, LocatorError> {
         let shape = shape_of(markers)?;
+        require_own_junctions(finger)?;
         let radius_px = match base {
             None => radius_px(finger, camera, markers)?,
             // The finger may be anywhere in the image.

@@ -23,22 +23,22 @@ pub(super) fn finger_mask(camera: &Camera, finger: &Finger, shape: &FingerShape)
     Some(mask)
 }
 
-/// A piece of plate or rib: the points of its middle with its thickness, mm.
+/// A piece of plate or rib: the points of its middle with its thickness at both ends, mm.
 struct Strip {
     middle: Vec<Vector>,
-    thickness_mm: f64,
+    thickness_mm: [f64; 2],
 }
 
 fn strips(finger: &Finger, shape: &FingerShape) -> Vec<Strip> {
     let description = finger.description();
     let mut strips = Vec::new();
     for plate in [Plate::Front, Plate::Back] {
-        let thickness_mm = match plate {
-            Plate::Front => description.front.thickness_mm,
-            Plate::Back => description.back.thickness_mm,
-        };
-        for pair in finger.plate_nodes(plate).windows(2) {
+        let nodes: Vec<_> =
+            finger.plate_nodes(plate).into_iter().filter(|node| finger.junction(*node) == *node).collect();
+        for pair in nodes.windows(2) {
             let ends = [pair[0], pair[1]].map(|node| End::of_plate(shape.motion(node)));
+            let from_base_mm = |node| (finger.position(node) - finger.base(plate)).norm();
+            let thickness_mm = [pair[0], pair[1]].map(|node| finger.thickness_mm(plate, from_base_mm(node)));
             strips.push(Strip { middle: bent(ends), thickness_mm });
         }
     }
@@ -48,15 +48,18 @@ fn strips(finger: &Finger, shape: &FingerShape) -> Vec<Strip> {
         let ends = finger.rib_nodes(rib).map(|node| End::of_rib(shape.motion(node)));
         let is_straight = ribs.strip.is_none() || ribs.joints == Joints::Hinged;
         let middle = if is_straight { ends.map(|end| end.at).to_vec() } else { bent(ends) };
-        strips.push(Strip { middle, thickness_mm });
+        strips.push(Strip { middle, thickness_mm: [thickness_mm; 2] });
         if finger.has_brackets() {
             for (node, end) in finger.rib_nodes(rib).into_iter().zip(ends) {
-                strips.push(Strip { middle: vec![moved(shape.motion(node)), end.at], thickness_mm: BASE_THICKNESS_MM });
+                strips.push(Strip {
+                    middle: vec![moved(shape.motion(node)), end.at],
+                    thickness_mm: [BASE_THICKNESS_MM; 2],
+                });
             }
         }
     }
     let base = finger.clamped_nodes().map(|node| moved(shape.motion(node))).to_vec();
-    strips.push(Strip { middle: base, thickness_mm: BASE_THICKNESS_MM });
+    strips.push(Strip { middle: base, thickness_mm: [BASE_THICKNESS_MM; 2] });
     strips
 }
 
@@ -109,7 +112,9 @@ fn path(camera: &Camera, strip: &Strip) -> Option<Path> {
     let edge = |k: usize, side: f64| {
         let along = (strip.middle[(k + 1).min(count - 1)] - strip.middle[k.saturating_sub(1)]).normalize();
         let across = Vector::new(-along.y, along.x);
-        let pixel = camera.project(&(strip.middle[k] + across * (side * strip.thickness_mm / 2.0)).push(0.0)).ok()?;
+        let [from_mm, to_mm] = strip.thickness_mm;
+        let thickness_mm = from_mm + (to_mm - from_mm) * k as f64 / (count - 1) as f64;
+        let pixel = camera.project(&(strip.middle[k] + across * (side * thickness_mm / 2.0)).push(0.0)).ok()?;
         let pixel = [pixel.x as f32 + 0.5, pixel.y as f32 + 0.5];
         pixel.iter().all(|x| x.is_finite()).then_some(pixel)
     };

@@ -39,6 +39,11 @@ impl Fingerprint {
             });
         }
         let d = finger.description();
+        for (name, plate, strip) in [("front", Plate::Front, d.front), ("back", Plate::Back, d.back)] {
+            for thickness_mm in strip.tip_thickness_mm.iter().filter(|_| finger.tapers(plate)) {
+                numbers.number(&format!("{name} tip_thickness_mm"), *thickness_mm);
+            }
+        }
         let ends = d.rigid_ends.iter().flat_map(|ends| [ends.base_mm, ends.tip_mm]);
         let rigid: Vec<f64> = d.ribs.clip_mm.iter().copied().chain(ends).collect();
         if rigid.iter().any(|length_mm| *length_mm > 0.0) {

@@ -15,6 +15,8 @@ const WELL_KNOWN: f64 = 0.3;
 /// share (Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature).
 const LARGEST_DEPARTURE: f64 = 0.5;
 
+/// A confidence region this small against the forces is as the linearised finger has it; on data without noise its ends differ by rounding alone.
+const STRAIGHT: f64 = 1e-6;
 /// Ends of the confidence region where it is tried, in standard deviations.
 const REACH: f64 = 3.0;
 /// A misfit that has grown by less than this at an end, in squared standard deviations, leaves the force unknown: 9 where the finger answers
@@ -46,6 +48,9 @@ impl NonlinearEstimator<'_> {
         let axes = estimate.covariance_n2.clone().symmetric_eigen();
         for (i, (variance_n2, axis)) in axes.eigenvalues.iter().zip(axes.eigenvectors.column_iter()).enumerate() {
             let sd_n = variance_n2.max(0.0).sqrt();
+            if sd_n <= STRAIGHT * state.forces_n.iter().fold(0.0, |largest: f64, force_n| largest.max(force_n.abs())) {
+                continue;
+            }
             // By the end towards which the misfit grows less: the true force may be there.
             let mut widened = 0.0_f64;
             for reach in [-REACH, REACH] {

@@ -32,18 +32,18 @@ const PLACES: usize = 400;
 #[derive(Debug, Clone)]
 pub(super) struct Touching {
     pub object: TouchedObject,
-    /// From the plate's middle line to its outline, mm.
-    reach_mm: f64,
+    /// Thickness of the pad, mm.
+    pad_mm: f64,
     /// Which contacts touch it, from 0.
     contacts: Vec<usize>,
 }
 
 impl Touching {
-    fn new(mesh: &Mesh, questions: &[ContactQuestion], object: &TouchedObject, pad_mm: f64) -> Touching {
+    fn new(questions: &[ContactQuestion], object: &TouchedObject, pad_mm: f64) -> Touching {
         let touches = |(_, question): &(usize, &ContactQuestion)| is_of_object(question);
         Touching {
             object: object.clone(),
-            reach_mm: 0.5 * mesh.finger().description().front.thickness_mm + pad_mm,
+            pad_mm,
             contacts: questions.iter().enumerate().filter(touches).map(|(i, _)| i).collect(),
         }
     }
@@ -82,7 +82,9 @@ impl Touching {
             [0.0, 90.0].map(|deg| nuisances.base.rotation * mesh.finger().direction(deg + turn_deg));
         let point = nuisances.base * Point2::from(mesh.front_point(motion, s_mm)?);
         let apart = point.coords - self.object.point_facing(inward, nuisances.object);
-        Ok([apart.dot(&inward) - self.reach_mm, apart.dot(&tipward)])
+        // From the plate's middle line to its outline.
+        let reach_mm = 0.5 * mesh.finger().thickness_mm(Plate::Front, s_mm) + self.pad_mm;
+        Ok([apart.dot(&inward) - reach_mm, apart.dot(&tipward)])
     }
 }
 
@@ -94,8 +96,7 @@ impl<'m> NonlinearEstimator<'m> {
     /// The same for contacts with an object of known shape: those whose direction leans from [`Normal::Object`].
     pub fn with_object(mut self, object: Option<&TouchedObject>) -> NonlinearEstimator<'m> {
         let touches = self.questions.iter().any(is_of_object);
-        let touching =
-            |object: &TouchedObject| Touching::new(self.mesh, &self.questions, object, self.pad.thickness_mm);
+        let touching = |object: &TouchedObject| Touching::new(&self.questions, object, self.pad.thickness_mm);
         self.object = object.filter(|_| touches).map(touching);
         self.list_unknowns(false);
         self

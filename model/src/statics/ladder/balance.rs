@@ -186,13 +186,16 @@ impl<'m, R: Number> Balance<'m, R> {
             self.corrections[level] = correction;
             let [front, back] = finger.rib_nodes(level).map(|node| mesh.frame_node(node));
             for (node, row) in [(back, 0), (front, 3)] {
+                // A tied node follows as links do.
+                if rung.tied_row() == Some(row) {
+                    continue;
+                }
                 let u = &mut motion.displacements[node];
                 u.x += correction[row];
                 u.y += correction[row + 1];
-            }
-            motion.rotations[frame.rotation_of(back)] += correction[2];
-            if frame.rotation_of(front) != frame.rotation_of(back) {
-                motion.rotations[frame.rotation_of(front)] += correction[5];
+                if node == back || frame.rotation_of(front) != frame.rotation_of(back) {
+                    motion.rotations[frame.rotation_of(node)] += correction[row + 2];
+                }
             }
             if let Some(turn) = link_rotation {
                 let of_nodes = [back, front].map(|node| frame.rotation_of(node));

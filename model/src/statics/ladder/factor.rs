@@ -49,7 +49,13 @@ impl<R: Number> Factor<R> {
             let frame = mesh.frame();
             self.chains = mesh.lines().iter().map(|line| Chain::new(frame, line, like)).collect();
             self.joints = vec![Joint::empty(like); frame.members().len()];
-            self.rungs = vec![Rung::empty(like); mesh.finger().rib_count()];
+            let rungs = mesh.finger().rib_count();
+            let is_tied = |line: usize| mesh.lines()[line].members.is_empty();
+            let tied = |level: usize| {
+                let [back, front] = [level, rungs + 1 + level].map(is_tied);
+                back.then_some(0).or(front.then_some(3))
+            };
+            self.rungs = (0..rungs).map(|level| Rung::empty(like, tied(level))).collect();
         }
     }
 
@@ -158,6 +164,9 @@ impl<R: Number> Factor<R> {
         let mut limits = self.rung_sum(level, |line| &self.chains[line].diagonal);
         for limit in &mut limits {
             *limit *= zero.constant(SMALL_PIVOT);
+        }
+        if let Some(row) = self.rungs[level].tied_row() {
+            limits[row..row + 3].fill(zero);
         }
         let exceed = self.rungs[level].pivots_exceed(&limits).unwrap_or(zero.exceeds(zero));
         self.accurate = zero.both(self.accurate, exceed);

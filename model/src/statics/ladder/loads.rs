@@ -122,9 +122,9 @@ fn add_in_lane<R: Number>(sum: &mut R, lane: usize, part: f64) {
     sum.set_lane(lane, sum.lane(lane) + part);
 }
 
-/// Where a node of the frame is.
+/// Where a node of the frame is; of nodes tied to each other, where the one is that they move with.
 pub(super) fn location(mesh: &Mesh, node: usize) -> Location {
-    let finger = mesh.finger();
+    let (finger, node) = (mesh.finger(), mesh.frame().tied_to(node));
     if node == mesh.frame_node(finger.tip()) {
         return Location::Tip;
     }

@@ -70,17 +70,54 @@ fn transposed<R: Number>(matrix: &EndsMatrix<R>) -> EndsMatrix<R> {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))
 }
 
+/// A node of a rung that is the same point as the rung's below, as their ribs share a junction.
+///
+/// Its three unknowns stay in place with unit stiffness and without coupling, so that y holds their gradient. What is coupled to them is coupled to the
+/// node below, which takes on their stiffness and their gradient.
+#[derive(Debug, Clone, Copy)]
+struct TiedNode<R> {
+    /// Its first unknown: 0 of the back node, 3 of the front node.
+    row: usize,
+    /// Its own stiffness, in the upper triangle.
+    stiffness: [[R; 3]; 3],
+}
+
+impl<R: Number> TiedNode<R> {
+    /// Moves the node's stiffness to the node below; rows of `coupling` are the rung's unknowns, columns those of the rung below.
+    #[inline(always)]
+    fn release(&mut self, stiffness: &mut EndsMatrix<R>, coupling: &mut EndsMatrix<R>) {
+        let (row, other, zero) = (self.row, 3 - self.row, stiffness[0][0].zero());
+        for i in 0..3 {
+            for j in 0..3 {
+                let (of_other, of_tied) = (other + i, row + j);
+                coupling[of_other][of_tied] += stiffness[of_other.min(of_tied)][of_other.max(of_tied)];
+                (stiffness[of_other][of_tied], stiffness[of_tied][of_other]) = (zero, zero);
+                self.stiffness[i][j] = stiffness[row + i][row + j];
+                stiffness[row + i][row + j] = if i == j { zero.constant(1.0) } else { zero };
+            }
+        }
+    }
+}
+
 /// x, y, rotation of the back node, then of the front node, eliminated towards the rung below.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rung<R: Number> {
     block: Block<R, 6, 6>,
     rib: Option<RigidRib<R>>,
+    tied: Option<TiedNode<R>>,
 }
 
 impl<R: Number> Rung<R> {
-    /// A rung to be overwritten, in numbers like the one given.
-    pub(super) fn empty(like: R) -> Rung<R> {
-        Rung { block: Block::empty(like), rib: None }
+    /// A rung to be overwritten, in numbers like the one given; `tied`: the first unknown of the node that is tied to the rung below.
+    pub(super) fn empty(like: R, tied: Option<usize>) -> Rung<R> {
+        let tied = tied.map(|row| TiedNode { row, stiffness: [[like.zero(); 3]; 3] });
+        Rung { block: Block::empty(like), rib: None, tied }
+    }
+
+    /// The first unknown (0 back, 3 front) of the node that is tied to the rung below, if one is.
+    #[inline(always)]
+    pub(super) fn tied_row(&self) -> Option<usize> {
+        self.tied.as_ref().map(|tied| tied.row)
     }
 
     /// Eliminates the rung with this stiffness; `back` and `front` are the members from the rung below.
@@ -100,7 +137,11 @@ impl<R: Number> Rung<R> {
             }
         }
         self.rib = rib;
-        if let Some(rib) = rib {
+        if let Some(tied) = &mut self.tied {
+            let mut released = *stiffness;
+            tied.release(&mut released, &mut coupling);
+            self.block.factorise(&released, &coupling);
+        } else if let Some(rib) = rib {
             coupling = transposed(&transposed(&coupling).map(|column| rib.generalised(&column)));
             self.block.factorise(&rib.generalised_stiffness(stiffness), &coupling);
         } else {
@@ -129,6 +170,13 @@ impl<R: Number> Rung<R> {
     #[inline(always)]
     pub(super) fn reduce_stiffness(&self, below: &mut EndsMatrix<R>) {
         self.block.reduce_stiffness(below);
+        if let Some(tied) = &self.tied {
+            for i in 0..3 {
+                for j in i..3 {
+                    below[tied.row + i][tied.row + j] += tied.stiffness[i][j];
+                }
+            }
+        }
     }
 
     /// y = L^-1 g of a gradient on the rung's nodes, g in generalised coordinates.
@@ -143,19 +191,32 @@ impl<R: Number> Rung<R> {
     /// Work of a residual on the correction of the rung, by its y, N mm.
     #[inline(always)]
     pub(super) fn work(&self, y: &Ends<R>) -> R {
-        self.block.work(y)
+        let mut y = *y;
+        if let Some(row) = self.tied_row() {
+            let zero = y[0].zero();
+            y[row..row + 3].fill(zero);
+        }
+        self.block.work(&y)
     }
 
     /// Takes a gradient, by its y, off that of the rung below.
     #[inline(always)]
     pub(super) fn reduce_gradient(&self, y: &Ends<R>, below: &mut Ends<R>) {
         self.block.reduce_gradient(y, below);
+        if let Some(row) = self.tied_row() {
+            for i in row..row + 3 {
+                below[i] += y[i];
+            }
+        }
     }
 
     /// Motion of two nodes for a gradient, by its y, and a motion of the rung below; rotation of a hinged rigid rib.
     #[inline(always)]
     pub(super) fn motion(&self, y: &Ends<R>, below: &Ends<R>) -> (Ends<R>, Option<R>) {
-        let q = self.block.motion(y, below);
+        let mut q = self.block.motion(y, below);
+        if let Some(row) = self.tied_row() {
+            q[row..row + 3].copy_from_slice(&below[row..row + 3]);
+        }
         match self.rib {
             None => (q, None),
             Some(rib) => (rib.nodal(&q), (!rib.together).then_some(q[3])),

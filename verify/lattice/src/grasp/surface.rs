@@ -39,7 +39,7 @@ impl Front {
         let half_mm = 0.5 * finger.description().front.thickness_mm;
         let mut parts = Vec::new();
         if rod_radius_mm > half_mm {
-            for node in finger.plate_nodes(Plate::Front) {
+            for node in finger.plate_nodes(Plate::Front).into_iter().filter(|node| finger.junction(*node) == *node) {
                 let anchor = assembly.key_nodes[node.0 - 1];
                 let touched = TouchedPart::Rod(node);
                 parts.push(Part { body: anchor.body, from: anchor.arm, to: None, radius_mm: rod_radius_mm, touched });

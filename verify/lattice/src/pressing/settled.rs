@@ -10,7 +10,7 @@
 use super::{Pressed, Push};
 use crate::energy::{BodyMotion, Energy};
 use crate::settling::{self, Dynamics, mass_for, own, rapier};
-use crate::skin::{Skin, Touch, TouchedPart, add_skin, groups_of_object};
+use crate::skin::{Skin, Touch, TouchedPart, add_skin, groups_of_object, require_one_thickness};
 use crate::springs::BodyIndex;
 use crate::{Lattice, LatticeError};
 use finray_model::Vector;
@@ -87,6 +87,7 @@ impl<'l> EnginePressing<'l> {
         along: Vector,
     ) -> Result<EnginePressing<'l>, LatticeError> {
         let assembly = lattice.assembly();
+        require_one_thickness(lattice)?;
         let length_mm = lattice.finger().plate_length_mm(Plate::Front);
         let (watch, middle_stiffness) = slowest_motion(lattice)?;
         let mut dynamics = Dynamics::new(assembly);

@@ -115,6 +115,9 @@ impl Fit {
         {
             return Err("ribs: expected positions_mm in the scene's table finger.ribs".to_owned());
         }
+        if self.seeks(|quantity| matches!(quantity, Quantity::RibPosition(..))) && scene.finger.has_shared_junctions() {
+            return Err("ribs: expected finger.ribs.positions_mm in which ribs share no junction".to_owned());
+        }
         let has_rig = scene.markers.is_some() && scene.camera.is_some_and(|camera| camera.pose.is_some());
         if self.seeks(Quantity::is_of_rig) && !has_rig {
             return Err("height, base: expected markers and a camera with its pose in the scene".to_owned());

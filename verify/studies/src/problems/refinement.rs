@@ -33,9 +33,10 @@ pub(crate) fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     Ok(worst(differences.collect::<Result<Vec<_>, _>>()?))
 }
 
-/// The linear finger does not change with the mesh. Unchecked with zones, whose ends cut elements.
+/// The linear finger does not change with the mesh. Unchecked with zones, whose ends cut elements, and where plates taper.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
-    if !finger.description().zones.is_empty() {
+    let tapers = [Plate::Front, Plate::Back].into_iter().any(|plate| finger.tapers(plate));
+    if tapers || !finger.description().zones.is_empty() {
         return Ok(Vec::new());
     }
     let [coarse, fine] = [finger.key_node_count(), fine_mesh(finger)?.node_count()];

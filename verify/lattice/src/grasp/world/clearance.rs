@@ -47,10 +47,11 @@ impl World<'_> {
         let of_front = front.iter().flat_map(|part| part.ends.map(|end| above(end) - part.radius_mm));
         // What is behind the front is as thick as the back plate.
         let (shape, of) = (self.finger_shape(finger), self.scene.fingers[finger].lattice.finger());
-        let half_mm = 0.5 * of.description().back.thickness_mm;
         let placement = &self.state.placements[finger];
-        let back = of.plate_nodes(Plate::Back).into_iter().map(|node| shape.point(FingerPoint::Node(node)));
-        let of_back = back.map(|at| above(placement.outwards(at)) - half_mm);
+        let back = of.plate_nodes(Plate::Back).into_iter().zip(of.plate_positions_mm(Plate::Back));
+        let of_back = back.map(|(node, s_mm)| {
+            above(placement.outwards(shape.point(FingerPoint::Node(node)))) - 0.5 * of.thickness_mm(Plate::Back, s_mm)
+        });
         of_front.chain(of_back).fold(f64::INFINITY, f64::min)
     }
 

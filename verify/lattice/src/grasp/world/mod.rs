@@ -13,6 +13,7 @@ use super::near::ContactPair;
 use super::scene::{PlacedFinger, Scene, State, Surroundings};
 use super::surface::Shape;
 use crate::energy::BodyMotion;
+use crate::skin::require_one_thickness;
 use crate::{Lattice, LatticeError};
 use account::Acting;
 use finray_model::Vector;
@@ -79,6 +80,7 @@ impl<'l> World<'l> {
         let mut stiffness = f64::INFINITY;
         let mut fingers = Vec::new();
         for &lattice in lattices {
+            require_one_thickness(lattice)?;
             stiffness = stiffness.min(middle_stiffness(lattice)?);
             fingers.push(PlacedFinger::new(lattice, rod_radius_mm));
         }

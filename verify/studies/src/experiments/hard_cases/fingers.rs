@@ -87,7 +87,7 @@ fn with_thickness(finger: &Finger, thickness_mm: f64) -> Result<Finger, Unexpect
     variant(finger, |d| {
         d.ribs.thicknesses_mm = None;
         for strip in [Some(&mut d.front), Some(&mut d.back), d.ribs.strip.as_mut()].into_iter().flatten() {
-            strip.thickness_mm = thickness_mm;
+            (strip.thickness_mm, strip.tip_thickness_mm) = (thickness_mm, None);
         }
     })
 }

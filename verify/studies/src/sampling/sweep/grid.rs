@@ -28,7 +28,8 @@ impl Grid {
     /// About `positions` positions up to the tip, which divide every member of the front plate alike (or
     /// skip nodes where there are too many), and directions from -80 to 80 degrees in steps of `step_deg`.
     pub fn grid(finger: &Finger, positions: usize, step_deg: f64) -> (Vec<f64>, Vec<f64>) {
-        let nodes = finger.plate_positions_mm(Plate::Front);
+        let mut nodes = finger.plate_positions_mm(Plate::Front);
+        nodes.dedup();
         let members = nodes.len() - 1;
         let per_member = (positions / members).max(1);
         let every = (members / positions).max(1);
