@@ -37,6 +37,7 @@ fn one_map(
         forces_n: vec![force_n],
         noise_mm,
         zones_known: false,
+        weights_n: WEIGHTS_G.map(weight_n),
     };
     causes(TruthId::Corotational, truth, &request, &|| ()).unwrap().remove(0)
 }

@@ -46,10 +46,10 @@ pub(super) struct Models {
 }
 
 impl Models {
-    /// All models of a true finger, calibrated on shapes of it under the paper's weights at nodes a third, half and two thirds
+    /// All models of a true finger, calibrated on shapes of it under weights at nodes a third, half and two thirds
     /// of the way from the tip to the base: nodes 17, 19 and 21 of the paper's finger (sec. V-A).
-    pub fn of(finger: &Finger, truth: &dyn Truth) -> Result<Models, ExperimentError> {
-        let cases = weighed(finger, truth);
+    pub fn of(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Result<Models, ExperimentError> {
+        let cases = weighed(finger, truth, weights_n);
         let mesh = |number: usize| {
             let known = Known::numbered(number);
             let zoned = with_zones(finger, known.base, known.tip)?;
@@ -118,11 +118,11 @@ pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finge
 }
 
 /// Shapes under weights along the normal, as far as the finger carries them.
-pub(super) fn weighed(finger: &Finger, truth: &dyn Truth) -> Vec<CalibrationCase> {
+pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Vec<CalibrationCase> {
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();
     loaded.dedup();
-    table_one::weighed(finger, truth, &loaded)
+    table_one::weighed(finger, truth, &loaded, weights_n)
 }
 
 /// The finger with the modulus that explains the shapes best; as it is where there are none.

@@ -14,6 +14,7 @@ impl Evidence for SpeedErrorPoint {}
 /// [`ExperimentError`] if a model or an estimator fails where it is timed.
 pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let &Context { finger, noise_mm, progress, .. } = context;
+    let forces = context.checked_forces();
     progress.part("speed and error", 2);
     // Nodes are the same for every effort, so that other programs always stand beside ours.
     let frames = match context.effort {
@@ -21,7 +22,7 @@ pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
         Effort::Full => 2 * FRAMES_A_PERIOD,
     };
     // What a finger does not carry leaves the chart out; the maps say so already.
-    let mut points = match solving(finger, ASKED_NODES) {
+    let mut points = match solving(finger, ASKED_NODES, forces) {
         Err(ExperimentError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
         points => points?,
     };
@@ -31,7 +32,7 @@ pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
         let network =
             TimedEstimator { estimator: Box::new(network), setting: "shipped networks".to_owned(), start: Start::None };
         let further = if context.is_paper { vec![network] } else { Vec::new() };
-        points.extend(sensing(context.fine, noise_mm, ASKED_NODES, frames, further)?);
+        points.extend(sensing(context.fine, noise_mm, forces, frames, further)?);
     }
     progress.step();
     Ok(points)
