@@ -125,15 +125,18 @@ pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> 
     table_one::weighed(finger, truth, &loaded, weights_n)
 }
 
-/// The finger with the modulus that explains the shapes best; as it is where there are none.
+/// The finger with the modulus that explains best the shapes whose loads its model carries; as it is where there are none.
 pub(super) fn calibrated(
     finger: &Finger,
     cases: &[CalibrationCase],
     bending: Bending,
 ) -> Result<Finger, ExperimentError> {
+    let mesh = Mesh::with_elements_per_member(finger, bending.elements());
+    let is_carried = |case: &&CalibrationCase| statics::solve(&mesh, &[case.load], bending.kinematics()).is_ok();
+    let cases: Vec<CalibrationCase> = cases.iter().filter(is_carried).cloned().collect();
     if cases.is_empty() {
         return Ok(finger.clone());
     }
     let model = FactorModel { kinematics: bending.kinematics(), elements: bending.elements(), noise_mm: None };
-    Ok(factors(finger, cases, &[Unknown::Modulus], &model)?.finger)
+    Ok(factors(finger, &cases, &[Unknown::Modulus], &model)?.finger)
 }
