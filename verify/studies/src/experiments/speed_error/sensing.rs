@@ -72,11 +72,14 @@ impl Stream {
             Some((forces_n, exact, at_truth.ok().and_then(|sensed| sensed.sigmas_n)))
         };
         let statics = || Statics::ladder(truth, Kinematics::Corotational);
-        let bent: Vec<_> = (0..frames).into_par_iter().map_init(statics, bent).collect();
+        // Periods differ in their noise alone.
+        let of_period: Vec<_> = (0..frames.min(FRAMES_A_PERIOD)).into_par_iter().map_init(statics, bent).collect();
         let mut noise = Noise::of_stream(SEED, stream);
-        let taken = bent.into_iter().flatten().map(|(forces_n, exact, bound_n)| {
-            let seen = noise.on(&exact, noise_mm);
-            Frame { forces_n, seen, exact, bound_n }
+        let taken = of_period.iter().cycle().take(frames).flatten().map(|(forces_n, exact, bound_n)| Frame {
+            forces_n: forces_n.clone(),
+            seen: noise.on(exact, noise_mm),
+            exact: exact.clone(),
+            bound_n: bound_n.clone(),
         });
         Stream { contacts, frames: taken.collect() }
     }
@@ -170,12 +173,12 @@ pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
     loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect()
 }
 
-/// One moving force on [`ASKED_NODES`] over the plate and two on neighbours, `frames` frames each of `truth`; `further` estimators join beams'.
+/// One moving force on [`ASKED_NODES`] over the plate and two on neighbours, so many `periods` of each on `truth`; `further` estimators join beams'.
 pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,
     forces: ReportForces,
-    frames: usize,
+    periods: [usize; 2],
     further: Vec<TimedEstimator<'_>>,
 ) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let finger = truth.finger();
@@ -184,9 +187,8 @@ pub(crate) fn sensing(
     let tasks = [(Task::SenseOne, singles(finger, ASKED_NODES)), (Task::SenseNeighbours, neighbours(finger))];
     let range_n = forces.scaled(TWO_FORCES_N);
     let mut points = Vec::new();
-    for (task, sets) in tasks {
-        // As many answers for the one pair as for all single nodes.
-        let frames = if task == Task::SenseNeighbours { frames * ASKED_NODES } else { frames };
+    for ((task, sets), periods) in tasks.into_iter().zip(periods) {
+        let frames = periods * FRAMES_A_PERIOD;
         let streams: Vec<Stream> = sets
             .par_iter()
             .enumerate()
@@ -281,7 +283,8 @@ pub fn largest_bias(
             let forces_n = answer.forces_n.iter().zip(&frame.forces_n).zip(frame.bound_n.as_ref()?);
             forces_n.map(|((sensed, force), bound_n)| ((sensed - force) / bound_n).abs()).reduce(f64::max)
         };
-        Ok(stream.frames.iter().filter_map(of_frame).reduce(f64::max))
+        // Without noise the frames of all periods are the same.
+        Ok(stream.frames.iter().take(FRAMES_A_PERIOD).filter_map(of_frame).reduce(f64::max))
     };
     let of_streams: Vec<Option<f64>> = streams.par_iter().map(of_stream).collect::<Result<_, ExperimentError>>()?;
     Ok(of_streams.into_iter().flatten().reduce(f64::max))
