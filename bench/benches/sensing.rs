@@ -9,7 +9,7 @@ use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Nonlinear
 use finray_model::statics::{Statics, equilibria};
 use finray_model::{Kinematics, Mesh, NodeId, statics};
 use finray_studies::experiments::speed_error::sensing::{FRAMES_A_PERIOD, Stream};
-use finray_studies::settings::CAMERA_NOISE_MM;
+use finray_studies::settings::{CAMERA_NOISE_MM, TWO_FORCES_N};
 use finray_studies::truths::fine_mesh;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -44,7 +44,7 @@ fn sensing(criterion: &mut Criterion) {
 fn nonlinear(criterion: &mut Criterion) {
     let finger = paper();
     let truth = fine_mesh(&finger).expect("a mesh of many nodes");
-    let stream = Stream::take(&truth, &[NodeId(19)], CAMERA_NOISE_MM, 2 * FRAMES_A_PERIOD, 0);
+    let stream = Stream::take(&truth, &[NodeId(19)], CAMERA_NOISE_MM, TWO_FORCES_N, 2 * FRAMES_A_PERIOD, 0);
     for elements in [1, 4] {
         let mesh = Mesh::with_elements_per_member(&finger, elements);
         let nodes = mesh.node_count();

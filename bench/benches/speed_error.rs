@@ -12,7 +12,7 @@ use finray_studies::experiments::speed_error::sensing::{
     FRAMES_A_PERIOD, Stream, TimedEstimator, beam_estimators, neighbours, sensing_meshes, singles,
 };
 use finray_studies::experiments::speed_error::{self, ASKED_NODES, Beams, Start, Task};
-use finray_studies::settings::CAMERA_NOISE_MM;
+use finray_studies::settings::{CAMERA_NOISE_MM, ReportForces, TWO_FORCES_N};
 use finray_studies::truths::fine_mesh;
 use std::hint::black_box;
 
@@ -23,7 +23,7 @@ const SAMPLES: usize = 10;
 
 fn shapes(criterion: &mut Criterion) {
     let finger = paper();
-    let loads = speed_error::solved_loads(&finger, ASKED_NODES);
+    let loads = speed_error::solved_loads(&finger, ASKED_NODES, ReportForces::PAPER);
     let mut group = criterion.benchmark_group(group(Task::Solve));
     for Beams { model, setting, kinematics, mesh } in speed_error::beams(&finger) {
         let loads: Vec<_> = loads.iter().map(|load| mesh.frame_load(load).expect("free nodes")).collect();
@@ -57,7 +57,9 @@ fn forces(criterion: &mut Criterion) {
     let estimators: Vec<TimedEstimator> = beam_estimators(&meshes).into_iter().chain([network]).collect();
     let tasks = [(Task::SenseOne, singles(&finger, ASKED_NODES)), (Task::SenseNeighbours, neighbours(&finger))];
     for (task, sets) in tasks {
-        let take = |(stream, set): (usize, &Vec<_>)| Stream::take(&truth, set, CAMERA_NOISE_MM, FRAMES, stream as u64);
+        let take = |(stream, set): (usize, &Vec<_>)| {
+            Stream::take(&truth, set, CAMERA_NOISE_MM, TWO_FORCES_N, FRAMES, stream as u64)
+        };
         let streams: Vec<Stream> = sets.iter().enumerate().map(take).collect();
         let mut group = criterion.benchmark_group(group(task));
         for timed in &estimators {

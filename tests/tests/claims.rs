@@ -82,7 +82,8 @@ static STUDY: LazyLock<Study> = LazyLock::new(|| {
     }
     let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene");
     let scene = SceneWithOutline { scene, corners: Vec::new() };
-    Study::run(&scene, settings::Effort::Quick, &Silent).expect("the paper's finger is solved")
+    Study::run(&scene, settings::ReportForces::PAPER, settings::Effort::Quick, &Silent)
+        .expect("the paper's finger is solved")
 });
 
 /// A finger that does not carry the forces everywhere, of a material that bears little strain: the first screen has shares of the cells that carry

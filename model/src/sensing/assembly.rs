@@ -5,7 +5,7 @@
 //! fingers that differ, and the nonlinear estimator seeks how far they went, with their priors.
 
 use super::{Contact, ContactQuestion, Direction, Pad, SensingError};
-use crate::finger::{Finger, Plate};
+use crate::finger::{Finger, FingerDescription, Plate};
 use crate::measurement::{Measurement, SharedError};
 use crate::mesh::{Load, Mesh};
 use crate::statics::Statics;
@@ -137,15 +137,24 @@ impl UnloadedFinger {
     }
 }
 
-/// Fingers of which one joint each sits elsewhere along its plate, then off it.
+/// Fingers of which one joint each sits elsewhere along its plate, then off it: to the other side where the finger has no room.
 fn joints_moved(finger: &Finger, by_mm: f64) -> impl Iterator<Item = Finger> {
     let joints =
         [Plate::Front, Plate::Back].into_iter().flat_map(|plate| (0..finger.rib_count()).map(move |rib| (plate, rib)));
     joints.flat_map(move |(plate, rib)| {
-        let mut along = finger.description().clone();
-        along.move_rib(finger, plate, rib, by_mm);
-        let mut off = finger.description().clone();
-        off.lengthen_bracket(finger.rib_count(), plate, rib, by_mm);
-        [along, off].into_iter().filter_map(|description| Finger::new(description).ok())
+        let along = move |by_mm: f64| {
+            let mut description = finger.description().clone();
+            description.move_rib(finger, plate, rib, by_mm);
+            description
+        };
+        let off = move |by_mm: f64| {
+            let mut description = finger.description().clone();
+            description.lengthen_bracket(finger.rib_count(), plate, rib, by_mm);
+            description
+        };
+        let possible = |moved: &dyn Fn(f64) -> FingerDescription| {
+            [1.0, -1.0].into_iter().find_map(|sign| Finger::new(moved(sign * by_mm)).ok())
+        };
+        [possible(&along), possible(&off)].into_iter().flatten()
     })
 }

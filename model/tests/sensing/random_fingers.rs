@@ -152,7 +152,8 @@ fn a_small_change_of_the_mesh_is_not_taken_for_convergence() {
     }
 }
 
-/// A V without ribs whose tip is the only marker: 0.5 N were sensed as -0.085 +- 0.055 N, and 1 N denied.
+/// A V without ribs whose tip is the only marker: 0.5 N were sensed as -0.085 +- 0.055 N, and 1 N denied. A small negative force moves the tip as
+/// 0.5 N do, which may be refused; nothing does as 1 or -0.5 N do, of which 8 and 9 draws are answered and half must be.
 #[test]
 fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
     let strip = |thickness_mm| Strip { thickness_mm, tip_thickness_mm: None, youngs_modulus_mpa: 18.5 };
@@ -180,18 +181,22 @@ fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
     .expect("a V");
     let contact = at_position(50.0, 0.0);
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS / 2);
+    const DRAWS: u64 = 10;
     let noise_mm = 0.02;
-    for truth_n in [0.5, 1.0, -0.5] {
+    let mut answered = [0_u64; 3];
+    for (truth_n, answered) in [0.5, 1.0, -0.5].into_iter().zip(&mut answered) {
         let clean = seen(&mesh, &[contact], &[truth_n], Kinematics::Corotational).expect("an equilibrium");
-        for draw in 0..10 {
+        for draw in 0..DRAWS {
             let measurement = noisy(&clean, noise_mm, &mut random_stream(7, draw));
             let Ok(found) = sense_refining(&finger, &[contact.into()], Pad::default(), &measurement, Some(noise_mm))
                 .map(|it| it.forces)
             else {
                 continue;
             };
+            *answered += 1;
             let error = (found.forces_n[0] - truth_n) / found.sigmas_n[0];
             assert!(error.abs() <= WRONG_SIGMAS || found.warning.is_some(), "{truth_n} N: {found:?}");
         }
     }
+    assert!(answered[1..].iter().all(|answered| 2 * answered >= DRAWS), "{answered:?} of {DRAWS} are answered");
 }

@@ -7,8 +7,7 @@ use super::trust::{Situation, situations};
 use super::{causes, checks, shapes};
 use crate::prelude::*;
 use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
-use finray_studies::experiments::speed_error::sensing::SENSED_N;
-use finray_studies::settings::CAMERA_FRAME_S;
+use finray_studies::settings::{CAMERA_FRAME_S, TWO_FORCES_N};
 use minijinja::value::Serde;
 
 /// Regions of a finger of which less than this share is trusted are named.
@@ -105,7 +104,8 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<Value> {
 /// Which estimator to run.
 fn use_what(study: &Study) -> Result<Option<String>, ReportError> {
     let Some(way) = recommended(&study.speed_error) else {
-        let numbers = context! { forces_n => SENSED_N, sigmas => LARGEST_BIAS_SIGMAS };
+        let numbers =
+            context! { forces_n => study.checked_forces().scaled(TWO_FORCES_N), sigmas => LARGEST_BIAS_SIGMAS };
         return say("answers.no_setting", (!ways(&study.speed_error).is_empty()).then_some(numbers));
     };
     // Without a previous answer, where that makes a difference.
@@ -148,5 +148,5 @@ fn physics(study: &Study) -> Value {
     let counts =
         counts.map(|tally| context! { passed => tally.passed, all => tally.all, against => tally.against.in_words() });
     let limits = shapes::beyond_limits(study);
-    context! { kinds => counts.collect::<Vec<_>>(), limits, force_n => DRAWN_FORCE_N }
+    context! { kinds => counts.collect::<Vec<_>>(), limits, force_n => study.forces.drawn_n() }
 }

@@ -2,9 +2,7 @@
 
 use super::format::percent_two_digits;
 use crate::prelude::*;
-use finray_studies::experiments::camera::{
-    AS_IT_IS, ASKED_ERROR, CameraRow, CameraStudy, FORCE_N, FrameTimes, NeededNoise,
-};
+use finray_studies::experiments::camera::{AS_IT_IS, ASKED_ERROR, CameraRow, CameraStudy, FrameTimes, NeededNoise};
 use finray_studies::settings::CAMERA_NOISE_MM;
 
 const CSV: &str = "camera.csv";
@@ -23,7 +21,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let Some(camera) = &study.camera else { return Ok(None) };
     let [width, height] = camera.size_px;
     let numbers = context! {
-        force_n => FORCE_N, width, height, scale => camera.px_a_mm, is_assumed => study.is_paper,
+        force_n => camera.force_n, width, height, scale => camera.px_a_mm, is_assumed => study.is_paper,
         nodes => camera.nodes.iter().map(|node| node.0).collect::<Vec<_>>(),
     };
     let mut blocks = vec![paragraph("camera.about", numbers)?];
@@ -61,7 +59,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         Format::Fixed(4),
         |needed| needed.noise_mm,
     );
-    let caption = format!("Noise of a coordinate at which {FORCE_N} N errs by {}", percent_two_digits(ASKED_ERROR));
+    let caption =
+        format!("Noise of a coordinate at which {} N errs by {}", camera.force_n, percent_two_digits(ASKED_ERROR));
     blocks.push(Block::Table(needed.table(caption, NEEDED_CSV, &camera.needed)));
     Ok(Some(Section::new("camera", "From camera to force", blocks).saying(say("camera.says", in_words(camera))?)))
 }

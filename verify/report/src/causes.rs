@@ -23,9 +23,10 @@ const FITTED: TruthId = TruthId::Twin;
 /// Where the nonlinear estimator fails along the normal, and the largest cause there.
 pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
     let map = find(study, truth, Practice::Nonlinear, contact)?;
+    let force_n = study.forces.drawn_n();
     let mut by_cause: Vec<(Cause, Vec<&str>)> = Vec::new();
     for region in Region::ENDS_AND_MIDDLE {
-        let Some(shares) = Shares::of(&study.finger, map, DRAWN_FORCE_N, region) else { continue };
+        let Some(shares) = Shares::of(&study.finger, map, force_n, region) else { continue };
         let Some(largest) = shares.largest().filter(|_| shares.rms_error > TRUSTED_ERROR) else { continue };
         let place = region.in_words();
         match by_cause.iter_mut().find(|(cause, _)| *cause == largest.cause) {
@@ -35,8 +36,8 @@ pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactK
     }
     let part = |(cause, places): &(Cause, Vec<&str>)| format!("{}, mostly {}", list(places, " and "), because(*cause));
     Some(match by_cause.is_empty() {
-        true => format!("errors of {DRAWN_FORCE_N} N along the normal stay within {}", percent(TRUSTED_ERROR)),
-        false => format!("{DRAWN_FORCE_N} N along the normal fails {}", list(by_cause.iter().map(part), "; ")),
+        true => format!("errors of {force_n} N along the normal stay within {}", percent(TRUSTED_ERROR)),
+        false => format!("{force_n} N along the normal fails {}", list(by_cause.iter().map(part), "; ")),
     })
 }
 
@@ -74,7 +75,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     };
     blocks.push(paragraph("causes.about", numbers)?);
     blocks.push(Block::Table(by_region(study)));
-    let figures: Vec<Figure> = drawn(study).take(DRAWN).map(map_figure).collect::<Result<_, _>>()?;
+    let figures: Vec<Figure> =
+        drawn(study).take(DRAWN).map(|map| map_figure(map, study.forces.drawn_n())).collect::<Result<_, _>>()?;
     blocks.push(Block::Figures { figures });
     Ok(Some(Section::new("causes", "What clears an error, and what causes it", blocks)))
 }
@@ -109,8 +111,9 @@ fn practice_in_words(map: &CauseMap) -> String {
 
 /// The largest causes region by region.
 fn by_region(study: &Study) -> Table {
-    let cell = |map: &CauseMap, region: Region| {
-        let Some(shares) = Shares::of(&study.finger, map, DRAWN_FORCE_N, region) else {
+    let force_n = study.forces.drawn_n();
+    let cell = move |map: &CauseMap, region: Region| {
+        let Some(shares) = Shares::of(&study.finger, map, force_n, region) else {
             return Cell::plain("refused");
         };
         let why = match shares.largest() {
@@ -131,7 +134,7 @@ fn by_region(study: &Study) -> Table {
         })
         .table(
             format!(
-                "Root mean square error at {DRAWN_FORCE_N} N along the normal, its largest cause, and the error without it. Near an end: within a \
+                "Root mean square error at {force_n} N along the normal, its largest cause, and the error without it. Near an end: within a \
                  sixth of the plate"
             ),
             CSV,
@@ -145,14 +148,14 @@ fn at_nodes<'s>(study: &'s Study, map: &'s CauseMap) -> impl Iterator<Item = (No
     let nodes = finger.contact_nodes().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
     nodes.flat_map(|(node, s_mm)| {
         let at = map.cells.iter().filter(move |cell| cell.angle_deg == 0.0 && (cell.s_mm - s_mm).abs() < 1e-9 * s_mm);
-        at.filter(|cell| cell.force_n == DRAWN_FORCE_N).map(move |cell| (node, cell))
+        at.filter(|cell| cell.force_n == study.forces.drawn_n()).map(move |cell| (node, cell))
     })
 }
 
 /// Error at the nodes as remedies are taken one after the other.
 fn remedies(study: &Study) -> Option<Table> {
     let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed)?;
-    let rows = at_nodes(study, map);
+    let (rows, force_n) = (at_nodes(study, map), study.forces.drawn_n());
     let shaded = |share: Option<f64>| share.map_or_else(|| Cell::plain("refused"), error);
     let columns = Columns::<(NodeId, &CauseCell)>::new()
         .page("node", Format::Plain, |(node, _)| node.to_string())
@@ -162,7 +165,7 @@ fn remedies(study: &Study) -> Option<Table> {
             columns.cells(Column::numbers(format!("+ {name}")), remedied)
         });
     let caption = format!(
-        "Root mean square error of {DRAWN_FORCE_N} N along the normal, uniform finger: by least squares with an assumed contact, then with remedies \
+        "Root mean square error of {force_n} N along the normal, uniform finger: by least squares with an assumed contact, then with remedies \
          taken one after the other. Causes may have cancelled before, so that a remedy can make an error larger"
     );
     Some(columns.table(caption, CSV, rows))

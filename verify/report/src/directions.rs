@@ -4,8 +4,7 @@ use super::drawings::{ALONG_THE_PLATE, percent_classes, percent_line, plate_map}
 use super::format::percent;
 use crate::prelude::*;
 use finray_studies::experiments::direction::{
-    Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG,
-    IDENTIFIED_FORCE,
+    Assumption, DirectionCell, DirectionStudy, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG, IDENTIFIED_FORCE,
 };
 
 const CSV: &str = "directions.csv";
@@ -53,7 +52,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.extend(say("directions.identifiable", where_identifiable(directions))?.map(text));
     let identified = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
     let all = |map: &DirectionMap| -> Result<Block, FigureError> {
-        let figures = FORCES_N.map(|force_n| map.figure(finger, directions, force_n));
+        let figures = directions.forces_n.map(|force_n| map.figure(finger, directions, force_n));
         Ok(Block::Figures { figures: figures.into_iter().collect::<Result<_, _>>()? })
     };
     blocks.push(all(&DirectionMap {
@@ -62,7 +61,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         value: &identified,
     })?);
     blocks.extend(say("directions.without_friction", without_friction(directions))?.map(text));
-    blocks.push(Block::Figure(frictionless_chart(directions, FORCES_N[0])?));
+    blocks.push(Block::Figure(frictionless_chart(directions, directions.forces_n[0])?));
     Ok(Some(Section::new("directions", "Unknown directions", blocks)))
 }
 
@@ -111,9 +110,9 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<Value> {
         [_, 0] => None,
         [identified, all] => Some(context! { share => identified as f64 / all as f64, force_n => *force_n }),
     };
-    let shares: Vec<Value> = FORCES_N.iter().filter_map(share).collect();
+    let shares: Vec<Value> = directions.forces_n.iter().filter_map(share).collect();
     // Positions at which every direction is identifiable under the largest force, and those at which none is.
-    let largest_n = FORCES_N[FORCES_N.len() - 1];
+    let largest_n = directions.forces_n[directions.forces_n.len() - 1];
     let carried = directions.cells.iter().filter(|cell| cell.force_n == largest_n && cell.answers.samples > 0);
     let carried: Vec<&DirectionCell> = carried.collect();
     let places: Vec<&[&DirectionCell]> = carried.chunk_by(|a, b| a.s_mm == b.s_mm).collect();
@@ -137,7 +136,7 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<Value> {
 
 /// How much better it is to assume the deformed normal.
 fn without_friction(directions: &DirectionStudy) -> Option<Value> {
-    let [small_n, _, large_n] = FORCES_N;
+    let [small_n, _, large_n] = directions.forces_n;
     let error = |assumed: Assumption, force_n: f64| {
         let rows =
             directions.without_friction.iter().filter(move |row| row.assumed == assumed && row.force_n == force_n);

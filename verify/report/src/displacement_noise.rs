@@ -2,7 +2,7 @@
 
 use crate::prelude::*;
 use finray_studies::experiments::displacement_noise::{
-    DisplacementNoiseRow, DisplacementNoiseStudy, FORCE_N, FRAMES, ROTATION_SD_DEG, TRANSLATION_SD_MM,
+    DisplacementNoiseRow, DisplacementNoiseStudy, FRAMES, ROTATION_SD_DEG, TRANSLATION_SD_MM,
 };
 
 const CSV: &str = "displacement_noise.csv";
@@ -36,7 +36,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             context! { noise_mm => noise.image_sd_mm, frames => FRAMES, cases },
         )?,
         Block::Table(columns.table(
-            format!("Cramer-Rao bound of {FORCE_N} N along the normal, N; for 25 frames of two images; ordinary with the motor angle"),
+            format!("Cramer-Rao bound of {} N along the normal, N; for 25 frames of two images; ordinary with the motor angle", noise.force_n),
             CSV,
             singles.into_iter().chain(pairs),
         )),

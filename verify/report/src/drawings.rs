@@ -206,7 +206,12 @@ pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
         series.push(Series::arrow([point(&(bent.at - reach)), point(&bent.at)], "", Hue::nth(n / 2)));
     }
     let alt = "The finger at rest and bent by a force at three nodes, linear and co-rotational.";
-    Chart::to_scale(Frame::full("At rest and under 3 N", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
+    Chart::to_scale(
+        Frame::full(format!("At rest and under {} N", study.forces.drawn_n()), alt),
+        [ALONG_AXIS, ACROSS_AXIS],
+        series,
+    )
+    .svg()
 }
 
 /// Bars of errors, in percent as their words have it.

@@ -64,8 +64,11 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
-    let caption = "Uniform finger, contact known, worst force of 0.5 to 3 N; networks: contact nodes along the normal alone, \
-                   node 13 by the network of any contact";
+    let [least_n, .., most_n] = study.forces.of_maps_n();
+    let caption = format!(
+        "Uniform finger, contact known, worst force of {least_n} to {most_n} N; networks: contact nodes along the normal alone, node 13 by the \
+         network of any contact"
+    );
     let mut blocks = vec![Block::Table(columns().table(caption, ESTIMATORS_CSV, rows(study)))];
     if !study.coverage.is_empty() {
         blocks.push(details("How often stated intervals hold", intervals(study)?));

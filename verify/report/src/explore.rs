@@ -30,7 +30,7 @@ pub(super) fn data(Results { study, .. }: Results) -> String {
         "finger": of_finger(finger, study.noise_mm),
         "about": super::page::about(),
         "maps": known.into_iter().chain(assumed).collect::<Vec<Value>>(),
-        "causes": study.causes.iter().map(|map| of_causes(map, &off)).collect::<Vec<Value>>(),
+        "causes": study.causes.iter().map(|map| of_causes(map, study.forces.drawn_n(), &off)).collect::<Vec<Value>>(),
         "shapes": study.touched.iter().map(shape).collect::<Vec<Value>>(),
         "pairs": pairs.collect::<Vec<Value>>(),
         "scenes": study.contact_scenes.iter().map(|scene| of_scene(finger, scene)).collect::<Vec<Value>>(),
@@ -85,13 +85,13 @@ fn of_map(map: &AccuracyMap, contact: &str, csv: &str) -> Value {
     })
 }
 
-fn of_causes(map: &CauseMap, off: &str) -> Value {
-    let cells = || map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N).map(|cell| cell.largest());
+fn of_causes(map: &CauseMap, force_n: f64, off: &str) -> Value {
+    let cells = || map.cells.iter().filter(|cell| cell.force_n == force_n).map(|cell| cell.largest());
     let cause = |(nth, _): (usize, f64)| map.causes[nth].name();
     json!({
         "truth": map.truth.label(), "estimator": map.practice.estimator().label(),
         "practice": super::causes::estimator_in_words(map), "contact": if map.contact == ContactKnowledge::Known { "known" } else { off },
-        "s_mm": map.request.positions_mm, "angle_deg": map.request.angles_deg, "force_n": DRAWN_FORCE_N,
+        "s_mm": map.request.positions_mm, "angle_deg": map.request.angles_deg, "force_n": force_n,
         "cause": cells().map(|largest| largest.map(cause)).collect::<Vec<_>>(),
         "share": cells().map(|largest| largest.map(|(_, share)| number(share))).collect::<Vec<_>>(),
     })

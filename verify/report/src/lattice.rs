@@ -112,20 +112,21 @@ pub fn axial(lattice: &LatticeStudy) -> Table {
 }
 
 fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportError> {
-    let map = &lattice.sensing.least_squares;
+    let (map, force_n) = (&lattice.sensing.least_squares, lattice.sensing.largest_n());
     Ok(Figure::narrow(
-        drawings::map_figure_svg(&study.finger, map, Some(DRAWN_FORCE_N))?,
-        format!("Least squares; {}.", map.summary(Some(DRAWN_FORCE_N)).counts()),
+        drawings::map_figure_svg(&study.finger, map, Some(force_n))?,
+        format!("Least squares; {}.", map.summary(Some(force_n)).counts()),
         map_csv_name(map),
     ))
 }
 
 /// What each estimator errs by on the lattice, by position.
 pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
-    let title = format!("lattice truth, no noise, {DRAWN_FORCE_N} N, worst direction");
+    let force_n = lattice.sensing.largest_n();
+    let title = format!("lattice truth, no noise, {force_n} N, worst direction");
     let series = lattice.sensing.maps().into_iter().enumerate().map(|(n, map)| {
         let worst = |&s_mm: &f64| {
-            let here = map.cells.iter().filter(|cell| cell.s_mm == s_mm && cell.force_n == DRAWN_FORCE_N);
+            let here = map.cells.iter().filter(|cell| cell.s_mm == s_mm && cell.force_n == force_n);
             let error = worst(here.filter_map(|cell| cell.mean_error));
             (error > 0.0).then_some([s_mm, 100.0 * error])
         };
@@ -136,10 +137,7 @@ pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let series = series.filter(|series| !series.points.is_empty()).collect();
     Ok(Figure::narrow(
         Chart::new(Frame::half(title, alt), axes, series).svg()?,
-        format!(
-            "At the worst direction; nonlinear: {}.",
-            lattice.sensing.nonlinear.summary(Some(DRAWN_FORCE_N)).counts()
-        ),
+        format!("At the worst direction; nonlinear: {}.", lattice.sensing.nonlinear.summary(Some(force_n)).counts()),
         map_csv_name(&lattice.sensing.nonlinear),
     ))
 }

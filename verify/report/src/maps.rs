@@ -8,7 +8,6 @@ use super::drawings::map_figure_svg;
 use crate::prelude::*;
 use drawings::MapFilter;
 use finray_studies::experiments::explain::Explanation;
-use finray_studies::settings::MAP_FORCES_N;
 use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 
 pub(super) use tables::map_csv_name;
@@ -44,7 +43,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 fn overview(study: &Study, shown: MapFilter) -> Result<Figure, ReportError> {
     let exported = study.map_by(TruthId::Mujoco, EstimatorId::LeastSquares, study.noise_mm > 0.0);
     let numbers = context! {
-        forces_n => MAP_FORCES_N, noise_mm => study.noise_mm, exported_n => exported.map(|map| map.request.forces_n.clone()),
+        forces_n => study.forces.of_maps_n(), noise_mm => study.noise_mm, exported_n => exported.map(|map| map.request.forces_n.clone()),
     };
     let caption = say("maps.overview", Some(numbers))?.unwrap_or_default();
     Ok(Figure::wide(drawings::overview(study, shown)?, caption, OVERVIEW_CSV))

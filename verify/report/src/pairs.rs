@@ -45,7 +45,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         [least, most] if least == most => least.to_string(),
         [least, most] => format!("{least} to {most}"),
     };
-    let numbers = context! { forces_n => TWO_FORCES_N, cases, noise_mm => noise.noise_mm };
+    let numbers =
+        context! { forces_n => study.checked_forces().scaled(TWO_FORCES_N), cases, noise_mm => noise.noise_mm };
     let mut blocks = vec![paragraph("pairs.about", numbers)?];
     blocks.extend(say("pairs.trusted", trusted(noise))?.map(text));
     blocks.extend(say("pairs.neighbours", neighbours(noise))?.map(text));

@@ -33,7 +33,8 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(noise) = &study.noise else { return Ok(None) };
     let cases = noise.single.iter().map(ScatterRow::drawn).max().unwrap_or(1);
-    let numbers = context! { one_n => ONE_FORCE_N, two_n => TWO_FORCES_N, cases };
+    let [one_n, two_n] = [ONE_FORCE_N, TWO_FORCES_N].map(|range_n| study.checked_forces().scaled(range_n));
+    let numbers = context! { one_n, two_n, cases };
     let mut blocks = vec![paragraph("noise.about", numbers)?];
     // No force of the range may be carried at a node.
     let first = |row: &ScatterRow| row.forces.first().copied();

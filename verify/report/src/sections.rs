@@ -90,7 +90,7 @@ pub(super) fn page(results: Results) -> Result<Page, ReportError> {
         answers: answers::answers(study)?,
         caveat: answers::caveat(study)?,
         lead: trust::figures(results)?,
-        lead_caption: trust::caption()?,
+        lead_caption: trust::caption(study)?,
         explore: Some(explore::data(results)),
         questions,
         footer: format!(

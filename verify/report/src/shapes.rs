@@ -37,13 +37,13 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
-    let mut blocks = Vec::new();
+    let (mut blocks, force_n) = (Vec::new(), study.forces.drawn_n());
     if study.bent.is_empty() {
-        blocks.push(text(format!("The finger cannot carry {DRAWN_FORCE_N} N at any of the nodes tried.")));
+        blocks.push(text(format!("The finger cannot carry {force_n} N at any of the nodes tried.")));
     } else {
         blocks.push(Block::Figure(Figure::wide(
             drawings::bent(study)?,
-            format!("At rest and under {DRAWN_FORCE_N} N along the normal: linear (dotted) and co-rotational (solid)."),
+            format!("At rest and under {force_n} N along the normal: linear (dotted) and co-rotational (solid)."),
             CSV,
         )));
         blocks.extend(say("shapes.validity", validity(study))?.map(text));

@@ -3,8 +3,9 @@
 use super::format::{NOTHING, or_nothing, time};
 use crate::prelude::*;
 use finray_studies::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
-use finray_studies::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
-use finray_studies::experiments::speed_error::{SOLVED_N, SpeedErrorPoint, Task, TimedBy};
+use finray_studies::experiments::speed_error::sensing::FRAMES_A_PERIOD;
+use finray_studies::experiments::speed_error::{SpeedErrorPoint, Task, TimedBy};
+use finray_studies::settings::TWO_FORCES_N;
 
 const CSV: &str = "speed_error.csv";
 
@@ -17,8 +18,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if points.is_empty() {
         return Ok(None);
     }
+    let (solved_n, sensed_n) = (study.checked_forces().drawn_n(), study.checked_forces().scaled(TWO_FORCES_N));
     let numbers = context! {
-        solved_n => SOLVED_N, sensed_n => SENSED_N, frames => FRAMES_A_PERIOD, noise_mm => study.noise_mm,
+        solved_n, sensed_n, frames => FRAMES_A_PERIOD, noise_mm => study.noise_mm,
     };
     let mut blocks = vec![paragraph("speed_error.about", numbers)?];
     blocks.extend(study.timing_notes.iter().map(text));
@@ -27,7 +29,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             "Other programs were not timed: finray report --peers peers.csv adds what bench/peers/peers.py writes.",
         ));
     }
-    let floor = study.convergence.left(SOLVED_N).filter(|left| *left > 0.0);
+    let floor = study.convergence.left(solved_n).filter(|left| *left > 0.0);
     for (task, title) in [
         (Task::Solve, "the shape under a load"),
         (Task::SenseOne, "one force from a frame"),
@@ -65,7 +67,7 @@ fn in_words(study: &Study) -> Option<Value> {
         let (model, setting) = (point.model.as_str(), point.setting.as_str());
         context! { model, setting, seconds => point.seconds, error => point.error }
     });
-    Some(context! { force_n => SOLVED_N, good_shape => GOOD_SHAPE, good, nearest, fastest })
+    Some(context! { force_n => study.checked_forces().drawn_n(), good_shape => GOOD_SHAPE, good, nearest, fastest })
 }
 
 fn answer(task: Task) -> &'static str {

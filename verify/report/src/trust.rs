@@ -7,7 +7,6 @@ use finray_figures::Patch;
 use finray_studies::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use finray_studies::sampling::map::MapRequest;
 use finray_studies::sampling::worst::WorstCell;
-use finray_studies::settings::MAP_FORCES_N;
 
 const CSV: &str = "trust.csv";
 /// Cells of the contact that is only assumed.
@@ -122,8 +121,8 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
 }
 
 /// What the drawings show.
-pub(super) fn caption() -> Result<String, ReportError> {
-    Ok(say("trust.caption", Some(context! { forces_n => MAP_FORCES_N }))?.unwrap_or_default())
+pub(super) fn caption(study: &Study) -> Result<String, ReportError> {
+    Ok(say("trust.caption", Some(context! { forces_n => study.forces.of_maps_n() }))?.unwrap_or_default())
 }
 
 /// A finger for each situation.

@@ -9,7 +9,7 @@ use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::experiments::measured::{self, NamedImage};
 use finray_studies::experiments::speed_error::criterion::CriterionTimes;
 use finray_studies::experiments::speed_error::file as peers;
-use finray_studies::settings::{Effort, Progress};
+use finray_studies::settings::{Effort, Progress, ReportForces};
 use finray_studies::study::Study;
 use indicatif::ProgressBar;
 use std::sync::Mutex;
@@ -20,9 +20,14 @@ use std::sync::Mutex;
 /// the paper's finger; what exists for that finger alone is left out for others, and the page says
 /// so.
 ///
+/// Forces reach 3 N. A finger much softer or stiffer than the paper's needs others: --force-n scales
+/// them all. For the paper's own finger it scales maps, drawings, causes, intervals and shapes. What
+/// has checks or claims for fixed forces keeps them: the paper's tables, twin, networks, noise,
+/// camera, meshes and times. The ridge estimator's prior stays the paper's.
+///
 /// Examples:
 ///   finray report --open
-///   finray report my-finger.toml --out my-report
+///   finray report my-finger.toml --force-n 0.06 --out my-report
 ///   finray report calibrated.toml --measurements new.csv --forces forces.csv --image photo*.jpg
 ///   finray report --criterion target/criterion --peers peers.csv
 #[derive(clap::Args)]
@@ -33,6 +38,9 @@ pub struct Arguments {
     /// Folder for the report; made if it does not exist
     #[arg(long, value_name = "DIR", default_value = "finray-report")]
     out: PathBuf,
+    /// The force that the report is about, N: maps are drawn at F, and computed at F/6, F/3, 2F/3 (to four digits) and F
+    #[arg(long, value_name = "F", value_parser = positive, default_value_t = ReportForces::PAPER.drawn_n())]
+    force_n: f64,
     /// Coarse maps and fewer cases: a fraction of the time
     #[arg(long)]
     quick: bool,
@@ -96,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let peers = arguments.peers.as_deref().map(peers::load).transpose()?;
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
     let bars = Bars(Mutex::new(ProgressBar::hidden()));
-    let mut study = Study::run(&scene, effort, &bars).map_err(not_computed)?;
+    let mut study = Study::run(&scene, ReportForces::up_to(arguments.force_n), effort, &bars).map_err(not_computed)?;
     bars.finish();
     if let Some(seen) = seen {
         study.measured = Some(measured::run(&scene.scene, &seen, &images).map_err(bad_input)?);

@@ -2,7 +2,7 @@
 
 pub(crate) use crate::check::{Check, Comparison, Kind, worst};
 pub(crate) use crate::settings::{
-    CAMERA_NOISE_MM, DRAWN_FORCE_N, Effort, LEAST_STATED_MM, MAP_FORCES_N, Progress, TWO_SIDED_95, is_papers_finger,
+    CAMERA_NOISE_MM, Effort, LEAST_STATED_MM, Progress, ReportForces, TWO_SIDED_95, is_papers_finger,
 };
 pub(crate) use crate::statistics::{Span, mean, rms};
 pub(crate) use finray_lattice::{Lattice, LatticeError};

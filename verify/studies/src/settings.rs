@@ -6,13 +6,9 @@ pub use finray_fixtures::CAMERA_NOISE_MM;
 
 /// Standard deviation that estimators are given without noise, mm: a mesh's errors of micrometres would be wild markers.
 pub const LEAST_STATED_MM: f64 = 0.01;
-/// Forces of the maps, N: the range of the paper's gripper experiments (sec. V-C).
-pub const MAP_FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
-/// The force at which maps are drawn, N.
-pub const DRAWN_FORCE_N: f64 = 3.0;
-/// Forces on one contact node, N (sec. V-C of the paper; below 0.5 N the noise alone is worth several percent).
+/// Forces on one contact node of the paper's finger, N (sec. V-C of the paper; below 0.5 N the noise alone is worth several percent).
 pub const ONE_FORCE_N: [f64; 2] = [0.5, 3.0];
-/// Forces on each of two contact nodes, N (sec. V-C of the paper).
+/// Forces on each of two contact nodes of the paper's finger, N (sec. V-C of the paper).
 pub const TWO_FORCES_N: [f64; 2] = [0.3, 3.0];
 /// Time of one frame of the paper's camera at 25 Hz, s.
 pub const CAMERA_FRAME_S: f64 = 0.04;
@@ -25,6 +21,53 @@ pub use finray_model::sensor::TWO_SIDED_95;
 pub const ENOUGH_CASES: usize = 4000;
 /// Directions assumed for the paper's "vertical" weights, deg; 10.9 = asin(29 / 153) where the finger's axis lies level.
 pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
+
+/// Forces of a report, all in the ratios that they have for the paper's finger.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReportForces {
+    drawn_n: f64,
+}
+
+impl ReportForces {
+    /// Up to the largest force of the paper's gripper experiments (sec. V-C).
+    pub const PAPER: ReportForces = ReportForces::up_to(3.0);
+
+    /// Forces up to one (N, positive and finite), at which maps are drawn.
+    pub const fn up_to(drawn_n: f64) -> ReportForces {
+        ReportForces { drawn_n }
+    }
+
+    /// Forces of studies whose checks and claims hold for fixed ones: the paper's for its finger, these for another.
+    pub fn checked(self, is_paper: bool) -> ReportForces {
+        if is_paper { ReportForces::PAPER } else { self }
+    }
+
+    /// The force at which maps are drawn, N.
+    pub const fn drawn_n(self) -> f64 {
+        self.drawn_n
+    }
+
+    /// Forces of the maps, N, growing.
+    pub fn of_maps_n(self) -> [f64; 4] {
+        self.scaled([0.5, 1.0, 2.0, 3.0])
+    }
+
+    /// The force of studies with a single one, N: the middle of the range.
+    pub fn half_n(self) -> f64 {
+        0.5 * self.drawn_n
+    }
+
+    /// Forces for the paper's finger, N, in these ratios to the drawn one; those that change are rounded to four digits.
+    pub fn scaled<const N: usize>(self, papers_n: [f64; N]) -> [f64; N] {
+        let largest_n = ReportForces::PAPER.drawn_n;
+        let rounded = |force_n: f64| format!("{force_n:.3e}").parse().unwrap_or(force_n);
+        papers_n.map(|paper_n| match self {
+            ReportForces::PAPER => paper_n,
+            _ if paper_n == largest_n => self.drawn_n,
+            _ => rounded(paper_n * self.drawn_n / largest_n),
+        })
+    }
+}
 
 /// Whether a finger is the paper's, for which reference values exist, whatever its scene calls itself.
 pub fn is_papers_finger(finger: &Finger) -> bool {

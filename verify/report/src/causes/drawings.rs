@@ -31,21 +31,21 @@ fn class_of(n: usize, cause: Cause) -> Class {
     class(n, cause.name(), sign, colour)
 }
 
-pub(super) fn map_figure(map: &CauseMap) -> Result<Figure, ReportError> {
+pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportError> {
     let (angles, places) = (map.request.angles_deg.len(), map.request.positions_mm.len());
     let (small, hidden) = (map.causes.len(), map.causes.len() + 1);
     let mut classes: Vec<Class> = map.causes.iter().enumerate().map(|(n, cause)| class_of(n, *cause)).collect();
     classes.push(class(small, &format!("error below {}", percent(SMALL_ERROR)), "", [0xd9, 0xdd, 0xe2]));
     classes.push(class(hidden, "each hides others", "-", [0xa9, 0xae, 0xb5]));
     let of_cell = |place: usize, angle: usize| {
-        let mut at = map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N);
+        let mut at = map.cells.iter().filter(|cell| cell.force_n == force_n);
         let cell = at.nth(place * angles + angle)?;
         Some(match cell.rms_error? {
             rms if rms < SMALL_ERROR => small as f64,
             _ => cell.largest().map_or(hidden, |(cause, _)| cause) as f64,
         })
     };
-    let title = format!("Largest cause at {DRAWN_FORCE_N} N, {}; {}", map.truth.label(), practice_in_words(map));
+    let title = format!("Largest cause at {force_n} N, {}; {}", map.truth.label(), practice_in_words(map));
     let frame = Frame::half(&title, format!("{title}: by position along the front plate and direction."));
     let y = Axis::linear(DIRECTION_AXIS).with_ticks((-2..=2).map(|i| f64::from(i) * 40.0));
     let values = (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect();
@@ -58,11 +58,13 @@ pub(super) fn map_figure(map: &CauseMap) -> Result<Figure, ReportError> {
 
 /// Which cells are cleared as remedies are taken one after the other, on each finger; `None` where that was not asked.
 pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
-    let rows: Vec<_> = own_first(study).filter(assumed).map(|map| clearing_row(study, map)).collect();
+    let force_n = study.forces.drawn_n();
+    let rows: Vec<_> =
+        own_first(study).filter(|map| is_drawn(map, force_n)).map(|map| clearing_row(study, map)).collect();
     if rows.is_empty() {
         return Ok(None);
     }
-    let title = format!("Error of {DRAWN_FORCE_N} N as remedies are taken, from left to right");
+    let title = format!("Error of {force_n} N as remedies are taken, from left to right");
     let alt =
         format!("{title}: small maps by position and direction, a row for each finger, a column for each remedy.");
     let columns = std::iter::once("as it is").chain(REMEDIES.map(|(name, _)| name)).map(str::to_owned).collect();
@@ -70,7 +72,7 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     Ok(Some(Figure::wide(
         map.svg()?,
         format!(
-            "Root mean square error of {DRAWN_FORCE_N} N: by least squares with an assumed contact; with zones and modulus known; with the contact \
+            "Root mean square error of {force_n} N: by least squares with an assumed contact; with zones and modulus known; with the contact \
              known too; by the nonlinear estimator."
         ),
         CSV,
@@ -79,7 +81,8 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
 
 /// Errors at the nodes as remedies are taken one after the other, as bars: each is what is left, so no bar is a part of another.
 pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
-    let Some(map) = study.causes.iter().filter(assumed).find(|map| map.truth == OWN) else { return Ok(None) };
+    let force_n = study.forces.drawn_n();
+    let Some(map) = study.causes.iter().find(|map| map.truth == OWN && is_drawn(map, force_n)) else { return Ok(None) };
     let cells: Vec<(NodeId, &CauseCell)> = at_nodes(study, map).collect();
     let bars = |nth: usize, label: String, error: &dyn Fn(&CauseCell) -> Option<f64>| {
         let hue = if nth == 0 { Hue::Neutral } else { Hue::nth(nth - 1) };
@@ -90,7 +93,7 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     });
     let all = std::iter::once(bars(0, "as it is".to_owned(), &|cell| cell.rms_error)).chain(taken).collect();
     let nodes = Axis::categories("contact node", cells.iter().map(|(node, _)| node.to_string()).collect());
-    let title = format!("Error left of {DRAWN_FORCE_N} N along the normal, {}", OWN.label());
+    let title = format!("Error left of {force_n} N along the normal, {}", OWN.label());
     let alt = "Root mean square error by contact node: as it is, and as remedies are taken one after the other.";
     let axes = [nodes, Axis::linear("root mean square error, %")];
     Ok(Some(Figure::wide(
@@ -100,11 +103,11 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     )))
 }
 
-/// Whether it is of least squares with an assumed contact, over position and direction.
-fn assumed(map: &&CauseMap) -> bool {
+/// Whether it is of least squares with an assumed contact under a force, over position and direction.
+fn is_drawn(map: &CauseMap, force_n: f64) -> bool {
     map.practice == Practice::LeastSquares
         && map.contact == ContactKnowledge::Assumed
-        && map.request.forces_n.contains(&DRAWN_FORCE_N)
+        && map.request.forces_n.contains(&force_n)
 }
 
 fn clearing_row(study: &Study, map: &CauseMap) -> (String, Vec<Option<Cells>>) {
@@ -116,7 +119,7 @@ fn clearing_row(study: &Study, map: &CauseMap) -> (String, Vec<Option<Cells>>) {
             _ => CellState::Answered,
         }
     };
-    let cells: Vec<&CauseCell> = map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N).collect();
+    let cells: Vec<&CauseCell> = map.cells.iter().filter(|cell| cell.force_n == study.forces.drawn_n()).collect();
     let states: Vec<CellState> = cells.iter().map(|cell| state(cell)).collect();
     let bent = states.iter().filter(|state| **state != CellState::WithoutEquilibrium).count();
     let small = |error: &dyn Fn(&CauseCell) -> Option<f64>| {

@@ -4,7 +4,6 @@
   'use strict';
 
   const TRUSTED = 0.1; // an error up to this is trusted
-  const DRAWN_FORCE_N = 3; // force of the shapes, and of the table beside them
   const TWO_SIDED_95 = 1.96;
   const WORST = 'worst';
   const TEXT_PX = 12, BUTTON_PX = 24; // as in explore.css
@@ -394,12 +393,12 @@
       panel.says.textContent = `${number(shape.force_n)} N on node ${chosen.node} (${mm(chosen.s_mm)} from the base) at ` +
         `${deg(shape.angle_deg)} move it by ${mm(Math.hypot(to[0] - from[0], to[1] - from[1]))}.`;
       const same = data.maps.filter((map) => map.truth === truth && map.contact === contact);
-      panel.text.replaceChildren(html('p', { class: 'explore-place' }, `Sensed at ${DRAWN_FORCE_N} N on the ${truth}, contact ${contact}:`),
-        table(['Estimator', 'Error', 'Bias +- 1.96 spread', 'Main cause'], same.map((map) => row(map, shape.angle_deg))));
+      panel.text.replaceChildren(html('p', { class: 'explore-place' }, `Sensed at ${number(shape.force_n)} N on the ${truth}, contact ${contact}:`),
+        table(['Estimator', 'Error', 'Bias +- 1.96 spread', 'Main cause'], same.map((map) => row(map, shape))));
     }
 
-    function row(map, direction) {
-      const i = within(map.s_mm, chosen.s_mm), j = within(map.angle_deg, direction), k = map.force_n.indexOf(DRAWN_FORCE_N);
+    function row(map, { angle_deg: direction, force_n }) {
+      const i = within(map.s_mm, chosen.s_mm), j = within(map.angle_deg, direction), k = map.force_n.indexOf(force_n);
       const cell = i < 0 || j < 0 || k < 0 ? { samples: null, error: null } : reading(map, i, j, k);
       const reach = some(cell.spread) ? TWO_SIDED_95 * cell.spread : null;
       const interval = !some(cell.bias) ? '-' : reach === null ? `${percent(cell.bias, true)}, one sample`
@@ -463,8 +462,9 @@
       return [drawn.view];
     }
 
-    const lines = [stroke('explore-first', 'shape under 3 N on the first node alone'), stroke('explore-second', 'on the second alone')];
-    legend(panel.legend, [...Object.keys(KINDS).slice(0, 6).map(patch), ...(shapes.length > 0 ? lines : [])]);
+    const lines = shapes.slice(0, 1).flatMap(({ force_n }) => [stroke('explore-first', `shape under ${number(force_n)} N on the first node alone`),
+      stroke('explore-second', 'on the second alone')]);
+    legend(panel.legend, [...Object.keys(KINDS).slice(0, 6).map(patch), ...lines]);
     panel.note.textContent = 'Error: mean of |sensed / true - 1|. The more alike two shapes are, the less accurately their forces are sensed.';
     draw();
     return draw;

@@ -51,7 +51,7 @@ fn entries(study: &Study) -> impl Iterator<Item = Entry> {
         let maps = study.all_maps().filter(has);
         maps.map(move |map| Entry { figures: map.summary(force_n), csv: map_csv_name(map) })
     };
-    of(Some(DRAWN_FORCE_N)).chain(of(None))
+    of(Some(study.forces.drawn_n())).chain(of(None))
 }
 
 /// The maps in a few figures each.

@@ -13,7 +13,7 @@ const SIDES: usize = 4;
 
 /// Map of the co-rotational finger, sensed by the nonlinear estimator with [assumed contacts](AssumedContact). `None` without noise.
 pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> {
-    let &Context { finger, noise_mm, effort, .. } = context;
+    let &Context { finger, noise_mm, forces, effort, .. } = context;
     if noise_mm == 0.0 {
         return Ok(None);
     }
@@ -22,7 +22,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> 
     let request = MapRequest {
         positions_mm,
         angles_deg,
-        forces_n: MAP_FORCES_N.to_vec(),
+        forces_n: forces.of_maps_n().to_vec(),
         noise_levels_mm: vec![noise_mm],
         noise_samples: SIDES,
         seed: 1,

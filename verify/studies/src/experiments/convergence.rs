@@ -10,10 +10,8 @@ use super::{Context, Evidence};
 use crate::prelude::*;
 use crate::truths::FINE_MESH_NODES;
 
-/// The force at which the errors of the meshes are checked, N.
-pub const CHECKED_FORCE_N: f64 = 3.0;
-/// Forces of the full table, N, growing.
-const FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, CHECKED_FORCE_N];
+/// The force at which the errors of the meshes of the paper's finger are checked, N.
+const CHECKED_FORCE_N: f64 = ReportForces::PAPER.drawn_n();
 /// Approximate number of nodes that are loaded, one after the other.
 const LOADED_NODES: usize = 12;
 /// Factor of safety of the grid convergence index for three meshes (Roache 1994).
@@ -26,13 +24,6 @@ const TWO_ELEMENTS_TOLERANCE: f64 = 6e-3;
 const FINE_MESH_TOLERANCE: f64 = 1e-4;
 /// A reference must be ten times better than what it judges.
 const REFERENCE_TOLERANCE: f64 = 0.1 * FINE_MESH_TOLERANCE;
-
-impl Effort {
-    /// Forces, N, and nodes of the largest mesh.
-    fn convergence(self) -> (&'static [f64], usize) {
-        self.choose((&FORCES_N[3..], 2500), (&FORCES_N, 5000))
-    }
-}
 
 /// A mesh of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,16 +86,18 @@ impl Evidence for Convergence {
 /// [`convergence`] of the finger.
 pub(crate) fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
     context.progress.part("convergence", loaded_nodes(context.finger).len());
-    convergence(context.finger, context.effort, &|| context.progress.step())
+    let (first, most_nodes) = context.effort.choose((3, 2500), (0, 5000));
+    let forces_n = &context.checked_forces().of_maps_n()[first..];
+    convergence(context.finger, forces_n, most_nodes, &|| context.progress.step())
 }
 
-/// Solves every load on every mesh; loads without equilibrium are gaps. `progress` is called once for every loaded node.
+/// Solves growing forces (N) on meshes of up to so many nodes; loads without equilibrium are gaps. `progress` is called once for every loaded node.
 pub(crate) fn convergence(
     finger: &Finger,
-    effort: Effort,
+    forces_n: &[f64],
+    most_nodes: usize,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Convergence, MeshSizeError> {
-    let (forces_n, most_nodes) = effort.convergence();
     let mut meshes = doubled_meshes(finger, most_nodes);
     let doubled = meshes.len();
     if finger.key_node_count() < FINE_MESH_NODES {

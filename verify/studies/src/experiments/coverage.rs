@@ -59,14 +59,14 @@ const SEED: u64 = 5;
 
 impl Evidence for CoverageRow {
     fn checks(&self, context: &Context) -> Vec<Check> {
-        self.checks(context.is_paper)
+        self.checks(context.is_paper && context.forces == ReportForces::PAPER)
     }
 }
 
 /// Coverage on the co-rotational finger over positions and directions and, of the networks, at the contact nodes; also in the maps of
 /// the finger with softer ends, if there are some, of whose ends no estimator knows. None without noise.
 pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, Infallible> {
-    let &Context { finger, noise_mm, effort, is_paper, .. } = context;
+    let &Context { finger, noise_mm, forces, effort, is_paper, .. } = context;
     if noise_mm == 0.0 {
         return Ok(Vec::new());
     }
@@ -74,7 +74,7 @@ pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, 
     let request = |(positions_mm, angles_deg), samples| MapRequest {
         positions_mm,
         angles_deg,
-        forces_n: MAP_FORCES_N.to_vec(),
+        forces_n: forces.of_maps_n().to_vec(),
         noise_levels_mm: vec![noise_mm],
         noise_samples: samples,
         seed: SEED,

@@ -16,7 +16,7 @@ use crate::sampling::sweep::Grid;
 use crate::truths::Truth;
 use finray_model::sensing::NonlinearEstimate;
 
-/// Forces, N.
+/// Forces on the paper's finger, N.
 pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];
 /// A direction counts as identified if its root mean square error is within this, degrees, ...
 pub const IDENTIFIED_DEG: f64 = 10.0;
@@ -42,6 +42,8 @@ pub struct DirectionRequest<'m> {
     pub step_deg: f64,
     /// Noise samples a cell, the same for all.
     pub samples: usize,
+    /// Forces, N, growing.
+    pub forces_n: [f64; 3],
     /// Seed of the noise.
     pub seed: u64,
 }
@@ -53,6 +55,8 @@ pub struct DirectionStudy {
     pub noise_mm: f64,
     /// Samples a cell.
     pub samples: usize,
+    /// Forces, N, growing.
+    pub forces_n: [f64; 3],
     /// By position, then direction, then force.
     pub cells: Vec<DirectionCell>,
     /// Pushes along the deformed normal, by node, force and assumption.
@@ -141,6 +145,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<DirectionStudy>, SensingEr
         positions: POSITIONS,
         step_deg: STEP_DEG,
         samples: SAMPLES,
+        forces_n: context.checked_forces().scaled(FORCES_N),
         seed: 1,
     };
     context.progress.part("unknown directions", DirectionStudy::steps(&request));
@@ -170,6 +175,7 @@ impl DirectionStudy {
         Ok(DirectionStudy {
             noise_mm: request.noise_mm,
             samples: request.samples,
+            forces_n: request.forces_n,
             cells: cells.into_iter().flatten().collect(),
             without_friction: frictionless::rows(truth, request, &samples, progress)?,
         })
@@ -222,7 +228,7 @@ fn cells(
     let mut estimator = NonlinearEstimator::new(request.model, &[question])?;
     let across = Contact { angle_deg: contact.angle_deg + 90.0, ..*contact };
     let mut components = NonlinearEstimator::new(request.model, &[(*contact).into(), across.into()])?;
-    let shapes = truth.shapes(contact, &FORCES_N);
+    let shapes = truth.shapes(contact, &request.forces_n);
     let cell = |(n, &force_n): (usize, &f64)| {
         let seen = shapes.get(n).map(|shape| Measurement::of_shape(finger, shape));
         let answers = seen.as_ref().map_or_else(Answers::default, |seen| {
@@ -241,7 +247,7 @@ fn cells(
             force_bound: sigma(0),
         }
     };
-    Ok(FORCES_N.iter().enumerate().map(cell).collect())
+    Ok(request.forces_n.iter().enumerate().map(cell).collect())
 }
 
 /// From one direction to another the shorter way, degrees.

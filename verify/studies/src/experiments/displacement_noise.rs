@@ -20,8 +20,6 @@ use finray_numerics::optimise::{FromFunction, LevenbergMarquardt, Refusal, covar
 pub const TRANSLATION_SD_MM: f64 = 0.05;
 /// Standard deviation of its rotation, degrees; likewise a choice.
 pub const ROTATION_SD_DEG: f64 = 0.1;
-/// Force at every contact, N, along the normal: the middle of the paper's 0.3 to 3 N.
-pub const FORCE_N: f64 = 1.5;
 /// Frames that are averaged in the second bound: a second of the paper's camera.
 pub const FRAMES: usize = 25;
 /// Steps of an estimator.
@@ -60,6 +58,8 @@ pub struct DisplacementNoiseRow {
 pub struct DisplacementNoiseStudy {
     /// Standard deviation of one coordinate in one image, mm.
     pub image_sd_mm: f64,
+    /// Force at every contact along the normal, N.
+    pub force_n: f64,
     /// By set of contacts, then model.
     pub rows: Vec<DisplacementNoiseRow>,
 }
@@ -169,16 +169,23 @@ impl Evidence for DisplacementNoiseStudy {
 /// Nothing without noise.
 pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadError> {
     let cases = context.effort.displacement_noise_cases();
-    let study = || DisplacementNoiseStudy::run(context.finger, context.noise_mm, cases);
+    let study =
+        || DisplacementNoiseStudy::run(context.finger, context.noise_mm, cases, context.checked_forces().half_n());
     (context.noise_mm > 0.0).then(study).transpose()
 }
 
 impl DisplacementNoiseStudy {
-    /// All single contact nodes but the tip, and the pairs of Table II where the finger has them, each with this many noise samples.
+    /// All single contact nodes but the tip, and the pairs of Table II where the finger has them, each under `force_n` with this many noise
+    /// samples.
     ///
     /// # Errors
-    /// [`LoadError`] for a finger without these nodes. Contacts that carry no force of [`FORCE_N`] are left out.
-    pub fn run(finger: &Finger, image_sd_mm: f64, cases: usize) -> Result<DisplacementNoiseStudy, LoadError> {
+    /// [`LoadError`] for a finger without these nodes. Contacts that carry no such force are left out.
+    pub fn run(
+        finger: &Finger,
+        image_sd_mm: f64,
+        cases: usize,
+        force_n: f64,
+    ) -> Result<DisplacementNoiseStudy, LoadError> {
         let mesh = Mesh::key_nodes(finger);
         let mut sets: Vec<Vec<NodeId>> = sampled_nodes(finger).into_iter().map(|node| vec![node]).collect();
         sets.retain(|set| set[0] != finger.tip());
@@ -186,8 +193,8 @@ impl DisplacementNoiseStudy {
         let pairs = contact_sets().into_iter().filter(|set| set.len() > 1).filter(on_finger);
         sets.extend(pairs.map(|pair| pair.iter().copied().map(NodeId).collect()));
         let rows: Result<Vec<Vec<DisplacementNoiseRow>>, LoadError> =
-            sets.par_iter().map(|nodes| rows_of(&mesh, nodes, image_sd_mm, cases)).collect();
-        Ok(DisplacementNoiseStudy { image_sd_mm, rows: rows?.concat() })
+            sets.par_iter().map(|nodes| rows_of(&mesh, nodes, [image_sd_mm, force_n], cases)).collect();
+        Ok(DisplacementNoiseStudy { image_sd_mm, force_n, rows: rows?.concat() })
     }
 
     /// Bounds by two ways, and generalised least squares at the bound.
@@ -229,11 +236,11 @@ impl DisplacementNoiseStudy {
 fn rows_of(
     mesh: &Mesh,
     nodes: &[NodeId],
-    image_sd_mm: f64,
+    [image_sd_mm, force_n]: [f64; 2],
     cases: usize,
 ) -> Result<Vec<DisplacementNoiseRow>, LoadError> {
     let finger = mesh.finger();
-    let truth_n = DVector::from_element(nodes.len(), FORCE_N);
+    let truth_n = DVector::from_element(nodes.len(), force_n);
     let mut bent = RespondingFinger::new(mesh);
     let Some(truth) = bent.under(&forces_at(nodes, &truth_n))? else { return Ok(Vec::new()) };
     let rows = models(image_sd_mm).into_iter().enumerate().filter_map(|(number, (name, noise))| {

@@ -64,7 +64,7 @@ pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
         }
         Effort::Full => MapRequest::grid(finger, positions, step_deg),
     };
-    ExplanationMap::new(&mesh, &positions_mm, &angles_deg, DRAWN_FORCE_N, context.noise_mm)
+    ExplanationMap::new(&mesh, &positions_mm, &angles_deg, context.forces.drawn_n(), context.noise_mm)
 }
 
 impl ExplanationMap {

@@ -125,8 +125,8 @@ impl Extent {
 }
 
 impl Evidence for LatticeStudy {
-    fn checks(&self, _: &Context) -> Vec<Check> {
-        self.checks()
+    fn checks(&self, context: &Context) -> Vec<Check> {
+        self.checks(context.forces)
     }
 
     fn comparisons(&self) -> Vec<Comparison> {
@@ -217,10 +217,12 @@ impl LatticeStudy {
         })
     }
 
-    /// All checks.
-    pub fn checks(&self) -> Vec<Check> {
+    /// All checks; those of sensing hold for the paper's forces.
+    pub fn checks(&self, forces: ReportForces) -> Vec<Check> {
         let mut checks = self.problem_checks.clone();
-        checks.extend(self.sensing.checks());
+        if forces == ReportForces::PAPER {
+            checks.extend(self.sensing.checks());
+        }
         checks
     }
 }
@@ -237,7 +239,7 @@ impl LatticeSensing {
         let (noise_levels_mm, noise_samples) = noise;
         let [linear, nonlinear] = extent.maps.map(|(positions, step_deg)| {
             let (positions_mm, angles_deg) = MapRequest::grid(finger, positions, step_deg);
-            let (forces_n, noise_levels_mm) = (MAP_FORCES_N.to_vec(), noise_levels_mm.to_vec());
+            let (forces_n, noise_levels_mm) = (theirs.request.forces_n.clone(), noise_levels_mm.to_vec());
             MapRequest { positions_mm, angles_deg, forces_n, noise_levels_mm, noise_samples, seed: 1 }
         });
         let map = |estimators: &[&dyn Estimator], request: &MapRequest| {
@@ -261,6 +263,11 @@ impl LatticeSensing {
         [&self.least_squares, &self.nonlinear]
     }
 
+    /// The largest force of the maps, N.
+    pub fn largest_n(&self) -> f64 {
+        self.least_squares.request.forces_n.iter().copied().fold(0.0, f64::max)
+    }
+
     /// Every map.
     pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
         self.maps().into_iter().chain(&self.others)
@@ -273,7 +280,8 @@ impl LatticeSensing {
 
     /// Checks that sensing errs on the lattice as on the co-rotational finger, and the nonlinear estimator hardly.
     pub fn checks(&self) -> [Check; 3] {
-        let forces = MAP_FORCES_N.map(|force_n| force_n.to_string()).join(", ");
+        let forces: Vec<String> = self.least_squares.request.forces_n.iter().map(f64::to_string).collect();
+        let forces = forces.join(", ");
         let name = |what: &str, cells: usize| format!("{what}, {forces} N, {cells} cells, no noise");
         let MapDifference { cells, largest, in_one_alone, .. } = self.difference;
         // Maps without a common cell show nothing.

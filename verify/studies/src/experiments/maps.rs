@@ -59,8 +59,11 @@ fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<
     if unexplained {
         noise_levels_mm.drain(..noise_levels_mm.len() - 1);
     }
-    let mut forces_n = MAP_FORCES_N.to_vec();
+    let mut forces_n = context.forces.of_maps_n().to_vec();
     forces_n.retain(|force_n| truth.positions(&[*force_n]).is_ok());
+    if forces_n.is_empty() {
+        return Ok(None);
+    }
     let (positions_mm, angles_deg) = match truth.positions(&forces_n)? {
         Some(positions) if !estimator.at_nodes() => positions,
         _ if estimator.at_nodes() => {

@@ -46,6 +46,8 @@ pub struct Context<'c> {
     pub is_paper: bool,
     /// Standard deviation of one coordinate of the camera, mm.
     pub noise_mm: f64,
+    /// Forces of maps and drawings, and of what explains them.
+    pub forces: ReportForces,
     /// Effort: how much is computed.
     pub effort: Effort,
     /// The finger's [fine mesh](crate::truths::fine_mesh).
@@ -59,6 +61,11 @@ pub struct Context<'c> {
 }
 
 impl Context<'_> {
+    /// Forces of studies whose checks and claims hold for fixed ones.
+    pub fn checked_forces(&self) -> ReportForces {
+        self.forces.checked(self.is_paper)
+    }
+
     /// No noise, and the camera's if it has any; mm.
     pub fn noise_levels_mm(&self) -> Vec<f64> {
         if self.noise_mm > 0.0 { vec![0.0, self.noise_mm] } else { vec![0.0] }

@@ -32,9 +32,9 @@ pub const BOUND_STANDARD_ERROR: f64 = BOUND_TOLERANCE / 4.0;
 pub struct NoiseStudy {
     /// Standard deviation of one coordinate, mm.
     pub noise_mm: f64,
-    /// One contact node each, forces of [`ONE_FORCE_N`], by the nonlinear estimator.
+    /// One contact node each, forces of [`ONE_FORCE_N`] (scaled for another finger), by the nonlinear estimator.
     pub single: Vec<ScatterRow>,
-    /// Every pair of contact nodes, forces of [`TWO_FORCES_N`], by the nonlinear estimator; none in a quick study.
+    /// Every pair of contact nodes, forces of [`TWO_FORCES_N`] likewise, by the nonlinear estimator; none in a quick study.
     pub pairs: Vec<ScatterRow>,
     /// The same samples by linear least squares.
     pub linear_pairs: Vec<ScatterRow>,
@@ -78,6 +78,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<NoiseStudy>, EstimatorErro
 impl NoiseStudy {
     fn run(context: &Context) -> Result<NoiseStudy, EstimatorError> {
         let &Context { finger, fine: truth, noise_mm, is_paper, progress, .. } = context;
+        let [one_n, two_n] = [ONE_FORCE_N, TWO_FORCES_N].map(|range_n| context.checked_forces().scaled(range_n));
         let cases = Cases::of(context.effort);
         let nodes = scatter::sampled_nodes(finger);
         let singles = scatter::singles(&nodes);
@@ -105,25 +106,24 @@ impl NoiseStudy {
         let run = |sets: &[Vec<NodeId>], range_n, cases| {
             scatter::scatter(&request(cases), &[&nonlinear], sets, range_n, &step)
         };
-        let both =
-            scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, TWO_FORCES_N, &step)?;
+        let both = scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, two_n, &step)?;
         let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
             both.into_iter().partition(|row| row.estimator == EstimatorId::Nonlinear);
         // Pairs that are checked, and too near to the tolerance to decide, are drawn again, all of their cases anew.
         let is_open = |&i: &usize| is_paper && nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE);
         let open: Vec<usize> = (0..pairs.len()).filter(is_open).collect();
         let sets: Vec<Vec<NodeId>> = open.iter().map(|&i| pairs[i].clone()).collect();
-        let again = scatter_controlled(&request(ENOUGH_PAIR_CASES), &[&of_pairs[0]], &sets, TWO_FORCES_N, &|| ())?;
+        let again = scatter_controlled(&request(ENOUGH_PAIR_CASES), &[&of_pairs[0]], &sets, two_n, &|| ())?;
         for (i, row) in open.into_iter().zip(again) {
             nonlinear_pairs[i] = row;
         }
         Ok(NoiseStudy {
             noise_mm,
-            single: run(&singles, ONE_FORCE_N, cases.single)?,
+            single: run(&singles, one_n, cases.single)?,
             pairs: nonlinear_pairs,
             linear_pairs,
             condition_numbers: pairs.iter().map(|pair| condition_number(finger, pair)).collect::<Result<_, _>>()?,
-            checked: run(&checked, TWO_FORCES_N, cases.checked)?,
+            checked: run(&checked, two_n, cases.checked)?,
         })
     }
 

@@ -46,7 +46,7 @@ const TOUCHED_STEP_DEG: f64 = 20.0;
 
 /// The co-rotational finger under the drawn force at contact nodes (a dozen of many), in all directions that carry.
 pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
-    let finger = context.finger;
+    let (finger, force_n) = (context.finger, context.forces.drawn_n());
     let every = finger.contact_nodes().len().div_ceil(13);
     let nodes: Vec<NodeId> = finger.contact_nodes().rev().step_by(every).collect();
     let angles = (-4..=4).map(|step| f64::from(step) * TOUCHED_STEP_DEG);
@@ -54,15 +54,15 @@ pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallibl
         nodes.iter().flat_map(|&node| angles.clone().map(move |angle| (node, angle))).collect();
     let shape = |&(node, angle_deg): &(NodeId, f64)| {
         let contact = Contact { position: ContactPosition::Node(node), angle_deg };
-        let shape = context.corotational.shapes(&contact, &[DRAWN_FORCE_N]).pop()?;
-        Some(TouchedFinger { node: node.0, angle_deg, force_n: DRAWN_FORCE_N, shape })
+        let shape = context.corotational.shapes(&contact, &[force_n]).pop()?;
+        Some(TouchedFinger { node: node.0, angle_deg, force_n, shape })
     };
     Ok(contacts.par_iter().filter_map(shape).collect())
 }
 
 /// The finger under the drawn force at three nodes, linear and co-rotational, where there is an equilibrium.
 pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
-    let (finger, mesh) = (context.finger, context.fine);
+    let (finger, mesh, force_n) = (context.finger, context.fine, context.forces.drawn_n());
     let nodes: Vec<_> = finger.contact_nodes().collect();
     let chosen = [nodes.len() / 8, nodes.len() / 2, nodes.len() - 1].map(|i| nodes[i]);
     let mut chosen = chosen.to_vec();
@@ -71,7 +71,7 @@ pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
     for node in chosen {
         for (kinematics, name) in [(Kinematics::Linear, "linear"), (Kinematics::Corotational, "co-rotational")] {
             let contact = Contact::at_node(node);
-            let load: Load = contact.load(finger, DRAWN_FORCE_N);
+            let load: Load = contact.load(finger, force_n);
             let Ok(frame_load) = mesh.frame_load(&load) else { continue };
             let Ok(equilibrium) = Statics::ladder(mesh, kinematics).equilibrium(&[frame_load]) else { continue };
             let motion = equilibrium.motion;
@@ -79,9 +79,9 @@ pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
             let drawn = |nodes: Vec<NodeIndex>| nodes.iter().map(position).collect();
             bent.push(BentFinger {
                 validity: Validity::of(mesh, &motion, kinematics, &[frame_load]),
-                label: format!("{DRAWN_FORCE_N} N at node {node}, {name}"),
+                label: format!("{force_n} N at node {node}, {name}"),
                 kinematics,
-                force: finger.direction(0.0) * DRAWN_FORCE_N,
+                force: finger.direction(0.0) * force_n,
                 at: position(&mesh.frame_node(node)),
                 lines: mesh.lines().iter().map(|line| line.nodes.clone()).chain(brackets(mesh)).map(drawn).collect(),
             });

@@ -13,11 +13,12 @@ pub mod sensing;
 mod solving;
 
 pub use run::run;
-pub use solving::{Beams, LATTICE, SOLVED_N, beams, lattices, solved_loads, solved_point, solving};
+pub use solving::{Beams, LATTICE, beams, lattices, solved_loads, solved_point, solving};
 
 use crate::experiments::ExperimentError;
 use crate::prelude::*;
-use sensing::{SENSED_N, neighbours, singles};
+use crate::settings::TWO_FORCES_N;
+use sensing::{neighbours, singles};
 use std::fmt;
 
 /// Task of a timed point.
@@ -157,7 +158,7 @@ pub struct Asked {
 }
 
 /// The load cases of a task's points.
-pub fn asked(finger: &Finger, task: Task) -> Asked {
+pub fn asked(finger: &Finger, forces: ReportForces, task: Task) -> Asked {
     let sets = match task {
         Task::SenseNeighbours => neighbours(finger),
         Task::Solve | Task::SenseOne => singles(finger, ASKED_NODES),
@@ -168,8 +169,11 @@ pub fn asked(finger: &Finger, task: Task) -> Asked {
         _ => nodes.iter().map(usize::to_string).collect::<Vec<_>>().join(" "),
     };
     let forces_n = match task {
-        Task::Solve => SOLVED_N.to_string(),
-        Task::SenseOne | Task::SenseNeighbours => format!("{}-{}", SENSED_N[0], SENSED_N[1]),
+        Task::Solve => forces.drawn_n().to_string(),
+        Task::SenseOne | Task::SenseNeighbours => {
+            let [least_n, most_n] = forces.scaled(TWO_FORCES_N);
+            format!("{least_n}-{most_n}")
+        }
     };
     Asked { nodes, forces_n }
 }

@@ -130,16 +130,16 @@ pub(crate) fn modulus_factor(
     Ok(calibration::youngs_modulus(finger, &cases)?.factor)
 }
 
-/// Shapes under the weights along the normal at some nodes, as far as the truth carries them.
-pub fn weighed(finger: &Finger, truth: &dyn Truth, nodes: &[NodeId]) -> Vec<CalibrationCase> {
+/// Shapes under growing weights (N) along the normal at some nodes, as far as the truth carries them.
+pub fn weighed(finger: &Finger, truth: &dyn Truth, nodes: &[NodeId], weights_n: &[f64]) -> Vec<CalibrationCase> {
     let under = |&node: &NodeId| {
         let contact = Contact::at_node(node);
-        let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
-        let case = move |(shape, weight_g)| CalibrationCase {
-            load: contact.load(finger, weight_n(weight_g)),
+        let shapes = truth.shapes(&contact, weights_n);
+        let case = move |(shape, weight_n): (FingerShape, &f64)| CalibrationCase {
+            load: contact.load(finger, *weight_n),
             measurement: Measurement::of_shape(finger, &shape),
         };
-        shapes.into_iter().zip(WEIGHTS_G).map(case).collect::<Vec<_>>()
+        shapes.into_iter().zip(weights_n).map(case).collect::<Vec<_>>()
     };
     nodes.iter().flat_map(under).collect()
 }

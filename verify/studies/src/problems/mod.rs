@@ -23,25 +23,26 @@ use crate::prelude::*;
 
 /// Every problem, in the report's order; the lattice's are part of [its study](crate::experiments::lattice).
 pub const ALL: &[Problem] = &[
-    Problem { name: "elastica of a cantilever", applies_to: |_| true, solve: |_| Ok(elastica::checks()?.into()) },
+    Problem { name: "elastica of a cantilever", applies_to: |_| true, solve: |_, _| Ok(elastica::checks()?.into()) },
     Problem {
         name: "cantilever bent into a circle by an end moment",
         applies_to: |_| true,
-        solve: |_| Ok(full_circle::checks()?.into()),
+        solve: |_, _| Ok(full_circle::checks()?.into()),
     },
-    Problem { name: "Lee frame", applies_to: |_| true, solve: |_| Ok(lee_frame::checks()?.into()) },
-    Problem { name: "toggle frame", applies_to: |_| true, solve: |_| Ok(toggle::checks()?.into()) },
+    Problem { name: "Lee frame", applies_to: |_| true, solve: |_, _| Ok(lee_frame::checks()?.into()) },
+    Problem { name: "toggle frame", applies_to: |_| true, solve: |_, _| Ok(toggle::checks()?.into()) },
     Problem {
         name: "meshes of the finger",
         applies_to: |_| true,
-        solve: |finger| {
-            Ok(ProblemResults { checks: refinement::checks(finger)?, comparisons: refinement::comparisons(finger)? })
+        solve: |finger, forces| {
+            let comparisons = refinement::comparisons(finger, forces.drawn_n())?;
+            Ok(ProblemResults { checks: refinement::checks(finger)?, comparisons })
         },
     },
     Problem {
         name: "OpenSees on the paper's finger",
         applies_to: is_papers_finger,
-        solve: |finger| {
+        solve: |finger, _| {
             Ok(ProblemResults {
                 checks: opensees::paper_checks(finger)?,
                 comparisons: opensees::linear_against_corotational(finger)?,
@@ -51,37 +52,37 @@ pub const ALL: &[Problem] = &[
     Problem {
         name: "rigid rotation",
         applies_to: is_papers_finger,
-        solve: |finger| Ok(rigid_rotation::checks(finger).into()),
+        solve: |finger, _| Ok(rigid_rotation::checks(finger).into()),
     },
     Problem {
         name: "derivatives of the energy",
         applies_to: is_papers_finger,
-        solve: |finger| Ok(tangent::checks(finger)?.into()),
+        solve: |finger, _| Ok(tangent::checks(finger)?.into()),
     },
     Problem {
         name: "energy and work",
         applies_to: is_papers_finger,
-        solve: |finger| Ok(energy_balance::checks(finger)?.into()),
+        solve: |finger, _| Ok(energy_balance::checks(finger)?.into()),
     },
     Problem {
         name: "order of convergence",
         applies_to: is_papers_finger,
-        solve: |finger| Ok(grid_convergence::checks(finger)?.into()),
+        solve: |finger, _| Ok(grid_convergence::checks(finger)?.into()),
     },
     Problem {
         name: "MuJoCo's shapes",
         applies_to: |finger| crate::mujoco::ExportedFinger::of(finger).is_some(),
-        solve: mujoco::solve,
+        solve: |finger, _| mujoco::solve(finger),
     },
     Problem {
         name: "linkage",
         applies_to: is_papers_finger,
-        solve: |finger| Ok(linkage::checks(finger, &linkage::shipped()?).into()),
+        solve: |finger, _| Ok(linkage::checks(finger, &linkage::shipped()?).into()),
     },
     Problem {
         name: "camera on the gripper",
         applies_to: is_papers_finger,
-        solve: |finger| Ok(gripper_camera::checks(finger, &linkage::shipped()?)?.into()),
+        solve: |finger, _| Ok(gripper_camera::checks(finger, &linkage::shipped()?)?.into()),
     },
 ];
 
@@ -92,8 +93,8 @@ pub struct Problem {
     pub name: &'static str,
     /// Whether there are reference values for a finger.
     pub applies_to: fn(&Finger) -> bool,
-    /// Solves it.
-    pub solve: fn(&Finger) -> Result<ProblemResults, ProblemError>,
+    /// Solves it; a finger without reference values under the report's forces.
+    pub solve: fn(&Finger, ReportForces) -> Result<ProblemResults, ProblemError>,
 }
 
 /// Results of problems.
@@ -112,9 +113,10 @@ impl From<Vec<Check>> for ProblemResults {
 }
 
 /// Solves [`ALL`] that apply to a finger, in parallel.
-pub(crate) fn solve_all(finger: &Finger) -> Result<ProblemResults, ProblemError> {
+pub(crate) fn solve_all(finger: &Finger, forces: ReportForces) -> Result<ProblemResults, ProblemError> {
     let applying = ALL.par_iter().with_max_len(1).filter(|problem| (problem.applies_to)(finger));
-    let solved: Vec<ProblemResults> = applying.map(|problem| (problem.solve)(finger)).collect::<Result<_, _>>()?;
+    let solved: Vec<ProblemResults> =
+        applying.map(|problem| (problem.solve)(finger, forces)).collect::<Result<_, _>>()?;
     Ok(solved.into_iter().fold(ProblemResults::default(), |mut all, one| {
         all.checks.extend(one.checks);
         all.comparisons.extend(one.comparisons);

@@ -10,15 +10,20 @@ use crate::truths::fine_mesh;
 
 /// Rounding of a double-precision solution on 684 nodes, which grows about as the fourth power of the node count.
 pub const ROUNDING_TOLERANCE: f64 = 1e-8;
-/// Force of each load, N.
-const FORCE_N: f64 = 3.0;
+/// Force on the linear finger, whose shapes are proportional to it, N.
+const ANY_FORCE_N: f64 = ReportForces::PAPER.drawn_n();
 /// Directions, degrees from the inward normal.
 const ANGLES_DEG: [f64; 3] = [-45.0, 0.0, 45.0];
 
-/// Largest difference between two meshes at a key node over the largest displacement, 3 N in three directions.
-fn refined(finger: &Finger, meshes: [&Mesh; 2], node: NodeId, kinematics: Kinematics) -> Result<f64, ProblemError> {
+/// Largest difference between two meshes at a key node over the largest displacement, a force in three directions.
+fn refined(
+    finger: &Finger,
+    meshes: [&Mesh; 2],
+    (node, force_n): (NodeId, f64),
+    kinematics: Kinematics,
+) -> Result<f64, ProblemError> {
     let differences = ANGLES_DEG.map(|angle_deg| -> Result<f64, ProblemError> {
-        let load = Load::at_node(node, finger.direction(angle_deg) * FORCE_N);
+        let load = Load::at_node(node, finger.direction(angle_deg) * force_n);
         let [coarse, fine] = meshes.map(|mesh| statics::solve(mesh, &[load], kinematics));
         Ok(difference(&fine?, &coarse?))
     });
@@ -28,8 +33,9 @@ fn refined(finger: &Finger, meshes: [&Mesh; 2], node: NodeId, kinematics: Kinema
 /// Largest difference between the linear finger's two meshes, over loads along the front plate, as a share of the largest displacement.
 pub(crate) fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
-    let differences =
-        sampled_nodes(finger).into_iter().map(|node| refined(finger, [&coarse, &fine], node, Kinematics::Linear));
+    let differences = sampled_nodes(finger)
+        .into_iter()
+        .map(|node| refined(finger, [&coarse, &fine], (node, ANY_FORCE_N), Kinematics::Linear));
     Ok(worst(differences.collect::<Result<Vec<_>, _>>()?))
 }
 
@@ -46,18 +52,18 @@ pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     Ok(vec![exact.vanishes(quantity, linear_difference(finger)?, ROUNDING_TOLERANCE)])
 }
 
-/// Difference of coarse co-rotational meshes from the fine one, by loaded node.
-pub(crate) fn comparisons(finger: &Finger) -> Result<Vec<Comparison>, ProblemError> {
+/// Difference of coarse co-rotational meshes from the fine one under a force, by loaded node.
+pub(crate) fn comparisons(finger: &Finger, force_n: f64) -> Result<Vec<Comparison>, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let mut comparisons = Vec::new();
     for (kinematics, name) in
         [(Kinematics::CorotationalChord, "chord strain"), (Kinematics::Corotational, "shallow-arch strain")]
     {
         for node in sampled_nodes(finger) {
-            let Ok(ours) = refined(finger, [&coarse, &fine], node, kinematics) else { continue };
+            let Ok(ours) = refined(finger, [&coarse, &fine], (node, force_n), kinematics) else { continue };
             comparisons.push(Comparison {
                 problem: format!(
-                    "{} against {} nodes, co-rotational ({name}), {FORCE_N} N at node {node}",
+                    "{} against {} nodes, co-rotational ({name}), {force_n} N at node {node}",
                     finger.key_node_count(),
                     fine.node_count()
                 ),

@@ -13,7 +13,7 @@ use crate::experiments::{
 };
 use crate::problems;
 use crate::sampling::map::AccuracyMap;
-use crate::settings::{CAMERA_NOISE_MM, Effort, Progress, is_papers_finger};
+use crate::settings::{CAMERA_NOISE_MM, Effort, Progress, ReportForces, is_papers_finger};
 use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
@@ -66,6 +66,8 @@ macro_rules! study {
             pub is_paper: bool,
             /// Standard deviation of one coordinate of the camera, mm.
             pub noise_mm: f64,
+            /// Forces of maps and drawings, and of what explains them.
+            pub forces: ReportForces,
             /// Figures against references, but for those of the hard cases.
             pub checks: Vec<Check>,
             /// Differences that are expected.
@@ -85,7 +87,7 @@ macro_rules! study {
                 $context.progress.part("problems", 1);
                 let mut parts = Vec::new();
                 let started = Instant::now();
-                let solved = problems::solve_all($context.finger).map_err(within("problems"))?;
+                let solved = problems::solve_all($context.finger, $context.checked_forces()).map_err(within("problems"))?;
                 $context.progress.step();
                 let problems::ProblemResults { mut checks, mut comparisons } = solved;
                 parts.push(PartTime::since("problems", started));
@@ -104,6 +106,7 @@ macro_rules! study {
                     strain_limits: $context.given.scene.strain_limits,
                     is_paper: $context.is_paper,
                     noise_mm: $context.noise_mm,
+                    forces: $context.forces,
                     checks,
                     comparisons,
                     timing_notes: Vec::new(),
@@ -194,11 +197,17 @@ study! { |context|
 }
 
 impl Study {
-    /// Computes everything for a scene.
+    /// Computes everything for a scene under these forces. Studies of the paper's finger whose checks and claims hold for fixed forces keep the
+    /// [paper's](ReportForces::PAPER).
     ///
     /// # Errors
     /// [`StudyError`] if a reference problem or the finger at rest cannot be solved. Loads not carried leave gaps.
-    pub fn run(given: &SceneWithOutline, effort: Effort, progress: &dyn Progress) -> Result<Study, StudyError> {
+    pub fn run(
+        given: &SceneWithOutline,
+        forces: ReportForces,
+        effort: Effort,
+        progress: &dyn Progress,
+    ) -> Result<Study, StudyError> {
         let scene = &given.scene;
         let finger = &scene.finger;
         let fine = fine_mesh(finger).map_err(within("mesh"))?;
@@ -209,12 +218,18 @@ impl Study {
             finger,
             is_paper: is_papers_finger(finger),
             noise_mm: scene.noise_mm.unwrap_or(CAMERA_NOISE_MM),
+            forces,
             effort,
             fine: &fine,
             corotational: &corotational.map_err(within("finger at rest"))?,
             networks: &networks,
             progress,
         })
+    }
+
+    /// Forces of studies whose checks and claims hold for fixed ones.
+    pub fn checked_forces(&self) -> ReportForces {
+        self.forces.checked(self.is_paper)
     }
 
     /// Every map, those of the lattice last.

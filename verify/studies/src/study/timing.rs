@@ -42,7 +42,7 @@ impl Study {
             machine => format!(", on this machine: {machine}"),
         };
         // Like with like: the same nodes and forces as ours, or none.
-        let asked = Task::ALL.map(|task| speed_error::asked(&self.finger, task));
+        let asked = Task::ALL.map(|task| speed_error::asked(&self.finger, self.checked_forces(), task));
         let (same, others): (Vec<Peer>, Vec<Peer>) =
             peers.peers.into_iter().partition(|peer| asked[peer.task as usize] == peer.asked);
         if let Some(other) = others.first() {

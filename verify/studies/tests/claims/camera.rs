@@ -28,6 +28,7 @@ fn with(largest_mm: f64, found: usize) -> ClaimVerdict {
     };
     let study = CameraStudy {
         rows: vec![row],
+        force_n: 1.5,
         nodes: Vec::new(),
         needed: Vec::new(),
         size_px: [1600, 1400],

@@ -19,7 +19,7 @@ fn markers_that_are_too_small_for_a_condition_are_refused() {
     let scene = Scene::from_toml(&scene).expect("a scene");
     let (described, markers) = (scene.camera.expect("a camera"), scene.markers.expect("markers"));
     let camera = Camera { lens: described.lens, pose: described.pose.expect("a pose") };
-    let study = CameraStudy::of(&scene.finger, Effort::Quick, &Unwatched, (&camera, &markers)).expect("a study");
+    let study = CameraStudy::of(&scene.finger, 1.5, Effort::Quick, &Unwatched, (&camera, &markers)).expect("a study");
     let quarter = study.rows.iter().find(|row| row.setting == "1/4 along each side").expect("a row");
     assert_eq!((quarter.found, quarter.refused), (0, quarter.forces));
     let as_it_is = study.as_it_is().expect("a row");

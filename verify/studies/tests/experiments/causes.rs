@@ -37,6 +37,7 @@ fn one_map(
         forces_n: vec![force_n],
         noise_mm,
         zones_known: false,
+        weights_n: WEIGHTS_G.map(weight_n),
     };
     causes(TruthId::Corotational, truth, &request, &|| ()).unwrap().remove(0)
 }
@@ -193,4 +194,21 @@ fn errors_of_a_network_and_of_its_model_are_separate() {
     for (share, rms) in fit(&short) {
         assert!(rms > 0.4 && share > 0.7, "{rms} {share}");
     }
+}
+
+/// Weights that a finger carries, but not its coarsest mesh, ended the report.
+#[test]
+fn weights_that_a_coarse_model_does_not_carry_do_not_calibrate_it() {
+    let snapping = finger_of(
+        "name = \"snapping\"
+        finger.base_width_mm = 100.14
+        finger.front_length_mm = 185.38
+        finger.back_length_mm = 190.07
+        finger.depth_mm = 20.15
+        finger.front = { thickness_mm = 1.123, youngs_modulus_mpa = 76.41 }
+        finger.back = { thickness_mm = 1.123, youngs_modulus_mpa = 76.41 }
+        finger.ribs = { count = 3, joints = \"hinged\", thickness_mm = 1.504, youngs_modulus_mpa = 8.396, bracket_mm = 1.96 }",
+    );
+    let map = one_map(&snapping, (LeastSquares, Known), [90.0, 0.0, 0.1, 0.0]);
+    assert!(share(&map, Cause::Modulus).is_finite());
 }

@@ -24,6 +24,7 @@ static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {
         positions: 6,
         step_deg: 40.0,
         samples: SAMPLES,
+        forces_n: FORCES_N,
         seed: 5,
     };
     DirectionStudy::run(&truth, &request, &|| {}).expect("contacts on the finger")

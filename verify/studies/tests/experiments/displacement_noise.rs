@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 /// Where the undeformed positions come from: bounds by two ways each, and an estimator that knows the covariance at the bound.
 #[test]
 fn floors_follow_from_where_undeformed_positions_come_from() {
-    let study = DisplacementNoiseStudy::run(&paper(), CAMERA_NOISE_MM, 60).expect("contact nodes");
+    let study = DisplacementNoiseStudy::run(&paper(), CAMERA_NOISE_MM, 60, 1.5).expect("contact nodes");
     assert_eq!(study.rows.len(), 3 * (11 + 4));
     let checks = study.checks();
     assert_eq!(checks.len(), 5);

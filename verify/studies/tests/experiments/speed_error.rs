@@ -6,6 +6,7 @@ use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::speed_error::criterion::{CriterionTimes, take_times};
 use finray_studies::experiments::speed_error::recommendation::recommended;
 use finray_studies::experiments::speed_error::{SpeedErrorPoint, Start, Task, TimedBy, asked, solved_point};
+use finray_studies::settings::ReportForces;
 use finray_tests::paper;
 
 /// A warm nonlinear point on a mesh of `nodes` nodes.
@@ -72,6 +73,8 @@ fn what_fails_is_counted_and_has_no_error() {
 /// Other programs are asked for the same: `bench/peers` writes these words.
 #[test]
 fn what_is_asked_is_said() {
-    let said = Task::ALL.map(|task| asked(&paper(), task)).map(|asked| [asked.nodes, asked.forces_n].join(" at "));
+    let said = Task::ALL
+        .map(|task| asked(&paper(), ReportForces::PAPER, task))
+        .map(|asked| [asked.nodes, asked.forces_n].join(" at "));
     assert_eq!(said, ["14-24 at 3", "14-24 at 0.3-3", "19-20 at 0.3-3"]);
 }

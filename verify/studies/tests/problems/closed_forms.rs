@@ -5,6 +5,7 @@ use finray_model::Scene;
 use finray_studies::check::{Check, Kind};
 use finray_studies::problems::grid_convergence::GridConvergence;
 use finray_studies::problems::{self, elastica, gripper_camera, lee_frame, linkage, rigid_rotation, toggle};
+use finray_studies::settings::ReportForces;
 use finray_tests::{finger_of, paper};
 
 /// Every problem that applies to the paper's finger answers, and its checks pass.
@@ -14,7 +15,9 @@ fn every_problem_passes_its_checks() {
     let applying = problems::ALL.iter().filter(|problem| (problem.applies_to)(&finger));
     let mut solved = 0;
     for problem in applying {
-        let checks = (problem.solve)(&finger).unwrap_or_else(|error| panic!("{}: {error}", problem.name)).checks;
+        let checks = (problem.solve)(&finger, ReportForces::PAPER)
+            .unwrap_or_else(|error| panic!("{}: {error}", problem.name))
+            .checks;
         assert_all_pass(&checks);
         solved += 1;
     }

@@ -77,6 +77,32 @@ fn a_report_that_cannot_be_made_leaves_nothing() {
     assert_eq!(folder.names(), ["bad.toml", "soft.toml"]);
 }
 
+/// A finger 50 times softer than the paper's was mapped under up to 3 N, which it does not carry.
+#[test]
+fn a_soft_finger_is_reported_under_the_force_that_is_asked() {
+    let folder = Folder::new();
+    let soft = paper_with(&[("count = 11", "count = 2"), ("47.976", "0.96")]) + "[camera]\nnoise_mm = 0.0\n";
+    let soft = folder.put("soft.toml", soft);
+    let out = folder.path("report");
+    let said = finray(&["report", &soft, "--quick", "--force-n", "0.012", "--out", &out]).done();
+    assert_says(&said, &["under 0.002, 0.004, 0.008, 0.012 N in", "the shape under 0.012 N within"]);
+    let summary: Value = serde_json::from_str(&folder.read("report/summary.json")).expect("JSON");
+    let asked = [serde_json::json!([0.012]), serde_json::json!([0.002, 0.004, 0.008, 0.012])];
+    for map in array(&summary, "maps") {
+        assert!(asked.contains(&map["forces_n"]), "{map}");
+    }
+    for key in ["explanations", "causes"] {
+        assert!(array(&summary, key).iter().all(|entry| entry["force_n"] == 0.012), "{key}");
+    }
+    // No figure is left at the force of the paper's finger.
+    let page = folder.read("report/index.html");
+    assert!(page.contains("At rest and under 0.012 N") && !page.contains(" 3 N"));
+    for bad in ["0", "-1", "inf", "nan", "much"] {
+        let message = finray(&["report", &soft, "--quick", &format!("--force-n={bad}"), "--out", &out]).refused();
+        assert_says(&message, &["--force-n", bad]);
+    }
+}
+
 #[test]
 fn a_folder_that_cannot_be_made_is_named() {
     let folder = Folder::new();

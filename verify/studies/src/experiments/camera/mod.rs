@@ -15,8 +15,6 @@ use finray_imaging::render::{RenderRequest, render};
 use finray_model::scene::MarkerLook;
 use tried::{Tried, tried};
 
-/// Force at every node, N, along the normal: the middle of the paper's 0.3 to 3 N.
-pub const FORCE_N: f64 = 1.5;
 /// Error of a force that a user asks for, as a share.
 pub const ASKED_ERROR: f64 = 0.01;
 /// Root mean square of a node's error in an image of the scene's camera, mm: a fiftieth of the paper's worst one.
@@ -72,6 +70,8 @@ pub struct NeededNoise {
 pub struct CameraStudy {
     /// What each condition costs; the first is the scene's camera as it is.
     pub rows: Vec<CameraRow>,
+    /// Force at every node along the normal, N.
+    pub force_n: f64,
     /// Nodes at which forces were sensed.
     pub nodes: Vec<NodeId>,
     /// For every loaded contact node, from tip to base.
@@ -103,12 +103,14 @@ pub(crate) fn run(context: &Context) -> Result<Option<CameraStudy>, ExperimentEr
         Some((Camera { lens: described.lens, pose: described.pose? }, markers))
     };
     let Some((camera, markers)) = seen_by(scene).or_else(|| seen_by(&assumed?)) else { return Ok(None) };
-    CameraStudy::of(context.finger, context.effort, context.progress, (&camera, &markers)).map(Some)
+    let force_n = context.checked_forces().half_n();
+    CameraStudy::of(context.finger, force_n, context.effort, context.progress, (&camera, &markers)).map(Some)
 }
 
 /// A bent finger, and how its free nodes move with the force.
 struct Bent {
     node: NodeId,
+    force_n: f64,
     load: Load,
     shape: FingerShape,
     /// mm per N, two coordinates a free node.
@@ -116,12 +118,13 @@ struct Bent {
 }
 
 impl CameraStudy {
-    /// Of a finger, a camera and the markers that it sees.
+    /// Of a finger under a force at its nodes, a camera and the markers that it sees.
     ///
     /// # Errors
     /// [`ExperimentError`] where a force cannot be sensed at all.
     pub fn of(
         finger: &Finger,
+        force_n: f64,
         effort: Effort,
         progress: &dyn Progress,
         (camera, markers): (&Camera, &Markers),
@@ -134,11 +137,11 @@ impl CameraStudy {
         let mut responding = RespondingFinger::new(&mesh);
         let mut all = Vec::new();
         for &node in &loaded {
-            all.extend(bent(&mut responding, &mesh, node)?);
+            all.extend(bent(&mut responding, &mesh, node, force_n)?);
         }
         let needed = |bent: &Bent| {
             let squares: f64 = bent.along.iter().map(|(_, along)| along.norm_squared()).sum();
-            NeededNoise { node: bent.node, noise_mm: ASKED_ERROR * FORCE_N * squares.sqrt() }
+            NeededNoise { node: bent.node, noise_mm: ASKED_ERROR * force_n * squares.sqrt() }
         };
         let needed = all.iter().map(needed).collect();
         let every = (all.len().div_ceil(most_nodes)).max(1);
@@ -159,7 +162,7 @@ impl CameraStudy {
         // One after the other, with nothing beside it.
         let times = asked.first().and_then(|bent| frame_times(finger, &bent.shape, camera, markers));
         let nodes = asked.iter().map(|bent| bent.node).collect();
-        Ok(CameraStudy { rows, nodes, needed, size_px: camera.lens.size_px(), px_a_mm, times })
+        Ok(CameraStudy { rows, force_n, nodes, needed, size_px: camera.lens.size_px(), px_a_mm, times })
     }
 
     /// The scene's camera as it is.
@@ -180,16 +183,21 @@ impl CameraStudy {
 }
 
 /// `None` where the finger does not carry the force.
-fn bent(responding: &mut RespondingFinger, mesh: &Mesh, node: NodeId) -> Result<Option<Bent>, ExperimentError> {
+fn bent(
+    responding: &mut RespondingFinger,
+    mesh: &Mesh,
+    node: NodeId,
+    force_n: f64,
+) -> Result<Option<Bent>, ExperimentError> {
     let finger = mesh.finger();
-    let Some(response) = responding.under(&[ContactForce::plain(Contact::at_node(node), FORCE_N)])? else {
+    let Some(response) = responding.under(&[ContactForce::plain(Contact::at_node(node), force_n)])? else {
         return Ok(None);
     };
-    let load = Load::at_node(node, finger.direction(0.0) * FORCE_N);
+    let load = Load::at_node(node, finger.direction(0.0) * force_n);
     let Ok(shape) = statics::solve(mesh, &[load], Kinematics::Corotational) else { return Ok(None) };
     let along = finger.marked_nodes().zip(response.along[0].as_slice().chunks_exact(2));
     let along = along.map(|(node, along)| (node, Vector::new(along[0], along[1]))).collect();
-    Ok(Some(Bent { node, load, shape, along }))
+    Ok(Some(Bent { node, force_n, load, shape, along }))
 }
 
 fn condition_row(

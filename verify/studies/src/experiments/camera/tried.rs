@@ -1,7 +1,7 @@
 //! A force at one node under one condition: what is seen of the bent finger, and what is sensed from it.
 
 use super::conditions::{Change, Condition, ImageChange};
-use super::{Bent, ExperimentError, FORCE_N};
+use super::{Bent, ExperimentError};
 use crate::prelude::*;
 use finray_imaging::locate::Observer;
 use finray_imaging::render::{RenderRequest, render};
@@ -82,8 +82,8 @@ pub(super) fn tried(
     let mut estimator = NonlinearEstimator::new(mesh, &[Contact::at_node(bent.node).into()])?;
     // Where no noise is stated, it is estimated from the residual.
     if let Ok(estimate) = estimator.estimate(&measurement, seen.sd_mm) {
-        tried.sensed = Some(estimate.forces.forces_n[0] / FORCE_N - 1.0);
-        tried.first_order = is_seen.then_some(product / squares / FORCE_N);
+        tried.sensed = Some(estimate.forces.forces_n[0] / bent.force_n - 1.0);
+        tried.first_order = is_seen.then_some(product / squares / bent.force_n);
     }
     Ok(Some(tried))
 }

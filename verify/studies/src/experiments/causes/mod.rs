@@ -145,6 +145,8 @@ pub struct CauseRequest {
     pub noise_mm: f64,
     /// Whether sensing knows the zones of the finger; they are a cause otherwise.
     pub zones_known: bool,
+    /// Weights under which the modulus is calibrated, N, growing.
+    pub weights_n: [f64; 6],
 }
 
 /// The causes of one force at one position and direction.
@@ -209,7 +211,7 @@ pub fn causes(
 ) -> Result<Vec<CauseMap>, ExperimentError> {
     let mesh = fine_mesh(finger)?;
     let pushed = MeshTruth::new(truth, &mesh, Kinematics::Corotational)?;
-    let models = Models::of(finger, &pushed)?;
+    let models = Models::of(finger, &pushed, &request.weights_n)?;
     let sensor = |&(practice, contact): &(Practice, ContactKnowledge)| Sensor {
         practice,
         contact,

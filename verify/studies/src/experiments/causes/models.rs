@@ -46,10 +46,10 @@ pub(super) struct Models {
 }
 
 impl Models {
-    /// All models of a true finger, calibrated on shapes of it under the paper's weights at nodes a third, half and two thirds
+    /// All models of a true finger, calibrated on shapes of it under weights at nodes a third, half and two thirds
     /// of the way from the tip to the base: nodes 17, 19 and 21 of the paper's finger (sec. V-A).
-    pub fn of(finger: &Finger, truth: &dyn Truth) -> Result<Models, ExperimentError> {
-        let cases = weighed(finger, truth);
+    pub fn of(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Result<Models, ExperimentError> {
+        let cases = weighed(finger, truth, weights_n);
         let mesh = |number: usize| {
             let known = Known::numbered(number);
             let zoned = with_zones(finger, known.base, known.tip)?;
@@ -118,22 +118,25 @@ pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finge
 }
 
 /// Shapes under weights along the normal, as far as the finger carries them.
-pub(super) fn weighed(finger: &Finger, truth: &dyn Truth) -> Vec<CalibrationCase> {
+pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Vec<CalibrationCase> {
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();
     loaded.dedup();
-    table_one::weighed(finger, truth, &loaded)
+    table_one::weighed(finger, truth, &loaded, weights_n)
 }
 
-/// The finger with the modulus that explains the shapes best; as it is where there are none.
+/// The finger with the modulus that explains best the shapes whose loads its model carries; as it is where there are none.
 pub(super) fn calibrated(
     finger: &Finger,
     cases: &[CalibrationCase],
     bending: Bending,
 ) -> Result<Finger, ExperimentError> {
+    let mesh = Mesh::with_elements_per_member(finger, bending.elements());
+    let is_carried = |case: &&CalibrationCase| statics::solve(&mesh, &[case.load], bending.kinematics()).is_ok();
+    let cases: Vec<CalibrationCase> = cases.iter().filter(is_carried).cloned().collect();
     if cases.is_empty() {
         return Ok(finger.clone());
     }
     let model = FactorModel { kinematics: bending.kinematics(), elements: bending.elements(), noise_mm: None };
-    Ok(factors(finger, cases, &[Unknown::Modulus], &model)?.finger)
+    Ok(factors(finger, &cases, &[Unknown::Modulus], &model)?.finger)
 }

@@ -7,6 +7,7 @@ use super::cell::{Squared, beside};
 use super::models::{Bending, calibrated, weighed, with_zones};
 use super::{Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, Practice, present};
 use crate::experiments::ExperimentError;
+use crate::experiments::table_one::{WEIGHTS_G, weight_n};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
@@ -35,11 +36,13 @@ pub fn causes(
         forces_n: forces_n.to_vec(),
         noise_mm,
         zones_known: false,
+        weights_n: WEIGHTS_G.map(weight_n),
     };
     let causes = present(Practice::Network, ContactKnowledge::Assumed, finger, &request);
     let worlds = causes.iter().map(|cause| Some(*cause)).chain([None]);
-    let worlds: Vec<World> =
-        worlds.map(|off| World::without(off, truth, finger, believed)).collect::<Result<_, ExperimentError>>()?;
+    let worlds: Vec<World> = worlds
+        .map(|off| World::without(off, truth, finger, believed, &request.weights_n))
+        .collect::<Result<_, ExperimentError>>()?;
     let at_rest = Measurement::at_rest(finger);
     let nodes: Vec<NodeId> =
         believed.contact_nodes().filter(|node| network.prepare(&[Contact::at_node(*node)], &at_rest).is_ok()).collect();
@@ -81,6 +84,7 @@ impl World {
         truth: TruthId,
         finger: &Finger,
         believed: &Finger,
+        weights_n: &[f64],
     ) -> Result<World, ExperimentError> {
         let finger = with_zones(finger, off != Some(Cause::BaseCompliance), off != Some(Cause::TipCompliance))?;
         let mesh = fine_mesh(&finger)?;
@@ -88,7 +92,7 @@ impl World {
         let taken_for = if off == Some(Cause::Modulus) {
             modulus(&finger)
         } else {
-            let cases = weighed(&finger, &MeshTruth::new(truth, &mesh, Kinematics::Corotational)?);
+            let cases = weighed(&finger, &MeshTruth::new(truth, &mesh, Kinematics::Corotational)?, weights_n);
             modulus(&calibrated(believed, &cases, Bending::Refined)?)
         };
         let modulus_factor = taken_for / modulus(believed);

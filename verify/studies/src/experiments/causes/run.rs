@@ -3,6 +3,7 @@
 use super::ContactKnowledge::{Assumed, Known};
 use super::Practice::{LeastSquares, Nonlinear};
 use super::{CauseMap, CauseRequest, causes, network};
+use crate::experiments::table_one::{WEIGHTS_G, weight_n};
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 use crate::sampling::sweep::Grid;
@@ -16,9 +17,11 @@ impl Evidence for CauseMap {}
 /// # Errors
 /// [`ExperimentError`] if a finger at rest cannot be solved or its modulus not calibrated.
 pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, ExperimentError> {
-    let &Context { finger, noise_mm, effort, .. } = context;
+    let &Context { finger, noise_mm, effort, forces, .. } = context;
+    let (drawn_n, [least_n, ..]) = (forces.drawn_n(), forces.of_maps_n());
     let (positions, step_deg) = effort.choose((12, 40.0), (24, 20.0));
-    let forces_n = effort.choose(vec![DRAWN_FORCE_N], vec![MAP_FORCES_N[0], DRAWN_FORCE_N]);
+    let forces_n = effort.choose(vec![drawn_n], vec![least_n, drawn_n]);
+    let weights_n = context.checked_forces().scaled(WEIGHTS_G.map(weight_n));
     let (positions_mm, angles_deg) = Grid::grid(finger, positions, step_deg);
     let of = |practices: &[_]| CauseRequest {
         practices: practices.to_vec(),
@@ -27,14 +30,15 @@ pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, Ex
         forces_n: forces_n.clone(),
         noise_mm,
         zones_known: true,
+        weights_n,
     };
     // What is not known misleads the nonlinear model so far that it searches from many starts: fewer forces and directions then.
     let requests = match effort {
         Effort::Quick => vec![of(&[(LeastSquares, Known)])],
         Effort::Full => vec![
             of(&[(LeastSquares, Known)]),
-            CauseRequest { forces_n: vec![DRAWN_FORCE_N], ..of(&[(LeastSquares, Assumed), (Nonlinear, Known)]) },
-            CauseRequest { angles_deg: vec![0.0], forces_n: vec![DRAWN_FORCE_N], ..of(&[(Nonlinear, Assumed)]) },
+            CauseRequest { forces_n: vec![drawn_n], ..of(&[(LeastSquares, Assumed), (Nonlinear, Known)]) },
+            CauseRequest { angles_deg: vec![0.0], forces_n: vec![drawn_n], ..of(&[(Nonlinear, Assumed)]) },
         ],
     };
     let twin = twin.map(|twin| (TruthId::Twin, twin));

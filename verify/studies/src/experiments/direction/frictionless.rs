@@ -1,6 +1,6 @@
 //! Contacts without friction: they push along the deformed normal, which the estimator may assume.
 
-use super::{Answers, DirectionRequest, FORCES_N};
+use super::{Answers, DirectionRequest};
 use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::Truth;
@@ -75,7 +75,7 @@ pub(super) fn rows(
     let of_node = |node: &NodeId| -> Result<Vec<FrictionlessPush>, SensingError> {
         let position = ContactPosition::Node(*node);
         let mut rows = Vec::new();
-        for force_n in FORCES_N {
+        for force_n in request.forces_n {
             let push = pushed(truth, *node, force_n);
             for assumed in Assumption::ALL {
                 let question = ContactQuestion { position: Some(position), direction: assumed.direction() };

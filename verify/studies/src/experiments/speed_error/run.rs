@@ -1,6 +1,6 @@
 //! The points of a report.
 
-use super::sensing::{FRAMES_A_PERIOD, TimedEstimator, sensing};
+use super::sensing::{TimedEstimator, sensing};
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, solving};
 use crate::experiments::{Context, Evidence};
 use crate::prelude::*;
@@ -14,14 +14,16 @@ impl Evidence for SpeedErrorPoint {}
 /// [`ExperimentError`] if a model or an estimator fails where it is timed.
 pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let &Context { finger, noise_mm, progress, .. } = context;
+    let forces = context.checked_forces();
     progress.part("speed and error", 2);
     // Nodes are the same for every effort, so that other programs always stand beside ours.
-    let frames = match context.effort {
-        Effort::Quick => FRAMES_A_PERIOD,
-        Effort::Full => 2 * FRAMES_A_PERIOD,
+    // Periods of one force and of the pair. Two forces on a finger that folds take tens of milliseconds a frame.
+    let periods = match context.effort {
+        Effort::Quick => [1, 4],
+        Effort::Full => [2, 2 * ASKED_NODES],
     };
     // What a finger does not carry leaves the chart out; the maps say so already.
-    let mut points = match solving(finger, ASKED_NODES) {
+    let mut points = match solving(finger, ASKED_NODES, forces) {
         Err(ExperimentError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
         points => points?,
     };
@@ -31,7 +33,7 @@ pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
         let network =
             TimedEstimator { estimator: Box::new(network), setting: "shipped networks".to_owned(), start: Start::None };
         let further = if context.is_paper { vec![network] } else { Vec::new() };
-        points.extend(sensing(context.fine, noise_mm, ASKED_NODES, frames, further)?);
+        points.extend(sensing(context.fine, noise_mm, forces, periods, further)?);
     }
     progress.step();
     Ok(points)

@@ -1,20 +1,19 @@
 //! Sensing a moving force, frame by frame: time, error and what the mesh adds to it.
 //!
-//! A force at a node swings over [`SENSED_N`] once a second at the paper's 25 frames a second, so that it changes by up to 0.34 N from
+//! A force at a node swings over [`TWO_FORCES_N`] once a second at the paper's 25 frames a second, so that it changes by up to 0.34 N from
 //! frame to frame. The camera sees the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a
 //! cold start (least squares, as for an unrelated measurement) and from a warm one (the frame before); others know no
 //! start. What is prepared once for a contact is timed apart. Standard deviations are those of the noise alone, so that the error of linearisation or of
 //! the mesh shows against them; finding that error, as `finray sense` does to widen them, is not timed.
 
-use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
+use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
+use crate::settings::TWO_FORCES_N;
 use crate::statistics::percentile;
 use finray_model::statics::Ladder;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Range of the forces that are sensed, N: that of the paper's gripper experiments (sec. V-C).
-pub const SENSED_N: [f64; 2] = [0.3, 3.0];
 /// Frames in which a force swings over its range and back: a second at the paper's 25 Hz.
 pub const FRAMES_A_PERIOD: usize = 25;
 /// Seed of the noise.
@@ -43,14 +42,21 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Takes frames of the co-rotational finger `truth`, two forces a quarter of a period apart. `stream` separates the sets' noise.
-    pub fn take(truth: &Mesh, nodes: &[NodeId], noise_mm: f64, frames: usize, stream: u64) -> Stream {
+    /// Takes frames of the co-rotational finger `truth` under forces of a range, two forces a quarter of a period apart. `stream` separates the sets' noise.
+    pub fn take(
+        truth: &Mesh,
+        nodes: &[NodeId],
+        noise_mm: f64,
+        range_n: [f64; 2],
+        frames: usize,
+        stream: u64,
+    ) -> Stream {
         let finger = truth.finger();
         let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
         let bound = BeamEstimator::nonlinear(&model).of_noise_alone();
         let bent = |statics: &mut Statics<Ladder<'_>>, frame: usize| {
-            let forces_n: Vec<f64> = (0..contacts.len()).map(|contact| force_n(frame, contact)).collect();
+            let forces_n: Vec<f64> = (0..contacts.len()).map(|contact| force_n(range_n, frame, contact)).collect();
             let loads = contacts
                 .iter()
                 .zip(&forces_n)
@@ -66,19 +72,21 @@ impl Stream {
             Some((forces_n, exact, at_truth.ok().and_then(|sensed| sensed.sigmas_n)))
         };
         let statics = || Statics::ladder(truth, Kinematics::Corotational);
-        let bent: Vec<_> = (0..frames).into_par_iter().map_init(statics, bent).collect();
+        // Periods differ in their noise alone.
+        let of_period: Vec<_> = (0..frames.min(FRAMES_A_PERIOD)).into_par_iter().map_init(statics, bent).collect();
         let mut noise = Noise::of_stream(SEED, stream);
-        let taken = bent.into_iter().flatten().map(|(forces_n, exact, bound_n)| {
-            let seen = noise.on(&exact, noise_mm);
-            Frame { forces_n, seen, exact, bound_n }
+        let taken = of_period.iter().cycle().take(frames).flatten().map(|(forces_n, exact, bound_n)| Frame {
+            forces_n: forces_n.clone(),
+            seen: noise.on(exact, noise_mm),
+            exact: exact.clone(),
+            bound_n: bound_n.clone(),
         });
         Stream { contacts, frames: taken.collect() }
     }
 }
 
-/// The force at a contact in a frame, N.
-fn force_n(frame: usize, contact: usize) -> f64 {
-    let [low, high] = SENSED_N;
+/// The force at a contact in a frame, N, within a range.
+fn force_n([low, high]: [f64; 2], frame: usize, contact: usize) -> f64 {
     let phase = TAU * frame as f64 / FRAMES_A_PERIOD as f64 + FRAC_PI_2 * contact as f64;
     0.5 * (low + high) + 0.5 * (high - low) * phase.sin()
 }
@@ -165,26 +173,26 @@ pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
     loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect()
 }
 
-/// One moving force on nodes over the plate and two on neighbours, `frames` frames each of `truth`; `further` estimators join beams'.
+/// One moving force on [`ASKED_NODES`] over the plate and two on neighbours, so many `periods` of each on `truth`; `further` estimators join beams'.
 pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,
-    nodes: usize,
-    frames: usize,
+    forces: ReportForces,
+    periods: [usize; 2],
     further: Vec<TimedEstimator<'_>>,
 ) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let finger = truth.finger();
     let meshes = sensing_meshes(finger);
     let beams = beam_estimators(&meshes);
-    let tasks = [(Task::SenseOne, singles(finger, nodes)), (Task::SenseNeighbours, neighbours(finger))];
+    let tasks = [(Task::SenseOne, singles(finger, ASKED_NODES)), (Task::SenseNeighbours, neighbours(finger))];
+    let range_n = forces.scaled(TWO_FORCES_N);
     let mut points = Vec::new();
-    for (task, sets) in tasks {
-        // As many answers for the one pair as for all single nodes.
-        let frames = if task == Task::SenseNeighbours { frames * nodes } else { frames };
+    for ((task, sets), periods) in tasks.into_iter().zip(periods) {
+        let frames = periods * FRAMES_A_PERIOD;
         let streams: Vec<Stream> = sets
             .par_iter()
             .enumerate()
-            .map(|(stream, set)| Stream::take(truth, set, noise_mm, frames, stream as u64))
+            .map(|(stream, set)| Stream::take(truth, set, noise_mm, range_n, frames, stream as u64))
             .collect();
         let estimators: Vec<&TimedEstimator<'_>> = beams.iter().chain(&further).collect();
         let of_task = estimators.iter().map(|timed| sensed(task, timed, noise_mm, &streams));
@@ -275,7 +283,8 @@ pub fn largest_bias(
             let forces_n = answer.forces_n.iter().zip(&frame.forces_n).zip(frame.bound_n.as_ref()?);
             forces_n.map(|((sensed, force), bound_n)| ((sensed - force) / bound_n).abs()).reduce(f64::max)
         };
-        Ok(stream.frames.iter().filter_map(of_frame).reduce(f64::max))
+        // Without noise the frames of all periods are the same.
+        Ok(stream.frames.iter().take(FRAMES_A_PERIOD).filter_map(of_frame).reduce(f64::max))
     };
     let of_streams: Vec<Option<f64>> = streams.par_iter().map(of_stream).collect::<Result<_, ExperimentError>>()?;
     Ok(of_streams.into_iter().flatten().reduce(f64::max))

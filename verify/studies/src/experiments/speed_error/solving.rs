@@ -6,8 +6,6 @@ use crate::prelude::*;
 use crate::statistics::percentile;
 use finray_model::statics::solve;
 
-/// Force of the loads that shapes are solved for, N.
-pub const SOLVED_N: f64 = 3.0;
 const SOLVED_ANGLES_DEG: [f64; 3] = [-40.0, 0.0, 40.0];
 
 /// Loads, with the reference's shapes.
@@ -58,13 +56,13 @@ pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: 
     }
 }
 
-/// Beams on several meshes and lattices of several finenesses, each under [`SOLVED_N`] on `nodes` nodes of the finger, spread over the front
+/// Beams on several meshes and lattices of several finenesses, each under the drawn force on `nodes` nodes of the finger, spread over the front
 /// plate, in three directions; errors against beams of [`CONVERGED_ELEMENTS`] elements a member. Nothing for a finger without such nodes.
 ///
 /// # Errors
 /// [`ExperimentError`] if the reference has no equilibrium or a lattice cannot be built.
-pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
-    let loads = solved_loads(finger, nodes);
+pub fn solving(finger: &Finger, nodes: usize, forces: ReportForces) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
+    let loads = solved_loads(finger, nodes, forces);
     if loads.is_empty() {
         return Ok(Vec::new());
     }
@@ -143,9 +141,9 @@ fn bodies(lattice: &Lattice) -> String {
     format!("{} bodies", lattice.assembly().bodies.len())
 }
 
-/// The loads that shapes are timed under: [`SOLVED_N`] on `nodes` nodes along the front plate, in three directions.
-pub fn solved_loads(finger: &Finger, nodes: usize) -> Vec<Load> {
-    let directions =
-        |node| SOLVED_ANGLES_DEG.map(|angle_deg| Load::at_node(node, finger.direction(angle_deg) * SOLVED_N));
+/// The loads that shapes are timed under: the drawn force on `nodes` nodes along the front plate, in three directions.
+pub fn solved_loads(finger: &Finger, nodes: usize, forces: ReportForces) -> Vec<Load> {
+    let force = |angle_deg| finger.direction(angle_deg) * forces.drawn_n();
+    let directions = |node| SOLVED_ANGLES_DEG.map(|angle_deg| Load::at_node(node, force(angle_deg)));
     spread(finger, nodes).flat_map(directions).collect()
 }

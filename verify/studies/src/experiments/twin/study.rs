@@ -2,7 +2,7 @@
 
 use super::fit::{ANGLE_DEG, TwinFit, fit};
 use super::{OTHERS, TWIN};
-use crate::experiments::table_one::{TableOne, TableOneRow, modulus_factor, table_one, weighed};
+use crate::experiments::table_one::{TableOne, TableOneRow, WEIGHTS_G, modulus_factor, table_one, weighed, weight_n};
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
@@ -100,7 +100,7 @@ impl TwinStudy {
         let all: Vec<_> = std::iter::once(TWIN).chain(OTHERS).take(sets).collect();
         let fits = all.par_iter().map(|set| fit(paper, set)).collect::<Result<_, _>>()?;
         progress();
-        let clean = weighed(&finger, &truth, &LOADED.map(NodeId));
+        let clean = weighed(&finger, &truth, &LOADED.map(NodeId), &WEIGHTS_G.map(weight_n));
         let calibrations = (0..repeats as u64)
             .into_par_iter()
             .map(|seed| calibrate(&finger, &clean, noise_mm, seed))

@@ -5,13 +5,14 @@ use finray_studies::experiments::speed_error::sensing::{
     FRAMES_A_PERIOD, Frame, Stream, beam_estimators, largest_bias, sensed, sensing_meshes,
 };
 use finray_studies::experiments::speed_error::{Start, Task};
+use finray_studies::settings::TWO_FORCES_N;
 use finray_studies::truths::fine_mesh;
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use std::f64::consts::TAU;
 
 fn stream_at(node: usize) -> (Mesh, Stream) {
     let truth = fine_mesh(&paper()).expect("a mesh");
-    let stream = Stream::take(&truth, &[NodeId(node)], CAMERA_NOISE_MM, FRAMES_A_PERIOD, 0);
+    let stream = Stream::take(&truth, &[NodeId(node)], CAMERA_NOISE_MM, TWO_FORCES_N, FRAMES_A_PERIOD, 0);
     (truth, stream)
 }
 
