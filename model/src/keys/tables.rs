@@ -148,7 +148,7 @@ tables! {
         "Standard deviation of where each joint of a rib is, along its plate and perpendicular to it.";
     preload_nmm: Number(Quantity("moment", "N mm"), Finite), Or(0.0),
         "Moment at the tip that the plates exert on each other without load, from x to y, as evenly curved plates leave. `finray calibrate` writes it.";
-    preload_sigma_nmm: Number(Quantity(SIGMA, "N mm"), NOT_NEGATIVE), Or(0.0), "Standard deviation of that moment.";
+    preload_sigma_nmm: Number(Quantity(SIGMA, "N mm"), NOT_NEGATIVE), Or(0.0), "Standard deviation of that moment. `finray calibrate` writes it.";
     height_sigma_mm: Number(Quantity(SIGMA, "mm"), NOT_NEGATIVE), Or(0.0),
         "Standard deviation of the markers' height before the camera: finger and markers then appear larger or smaller.";
 }

@@ -13,6 +13,8 @@ pub struct ContactDescription {
     pub rod_radius_mm: f64,
     /// By how much friction turns a force that is sensed, where the scene says so.
     pub lean: Option<Lean>,
+    /// The normal from which forces lean, also where friction is yet to be calibrated.
+    pub normal: Normal,
     /// Share by which sensed forces err beyond what is known otherwise: standard deviation.
     pub force_error: f64,
     /// What lies between an object and the front plate where forces are sensed.
@@ -21,7 +23,13 @@ pub struct ContactDescription {
 
 impl Default for ContactDescription {
     fn default() -> ContactDescription {
-        ContactDescription { rod_radius_mm: ROD_RADIUS_MM, lean: None, force_error: 0.0, pad: Pad::default() }
+        ContactDescription {
+            rod_radius_mm: ROD_RADIUS_MM,
+            lean: None,
+            normal: Lean::NONE.from,
+            force_error: 0.0,
+            pad: Pad::default(),
+        }
     }
 }
 
@@ -34,15 +42,17 @@ pub(super) fn read_contact(table: &TableReader, finger: &Finger) -> Result<Conta
         }
         pad_mm => Ok(pad_mm),
     };
+    let normal = read_normal(table)?;
     Ok(ContactDescription {
         rod_radius_mm: table.get(&CONTACT.rod_radius_mm)?,
-        lean: read_lean(table)?,
+        lean: read_lean(table, normal)?,
+        normal,
         force_error: table.get(&CONTACT.force_error_share)?,
         pad: Pad { length_mm: on_plate_mm(&CONTACT.pad_length_mm)?, thickness_mm: on_plate_mm(&CONTACT.pad_mm)? },
     })
 }
 
-fn read_lean(table: &TableReader) -> Result<Option<Lean>, SceneError> {
+fn read_lean(table: &TableReader, from: Normal) -> Result<Option<Lean>, SceneError> {
     let range_name = CONTACT.friction_range.name;
     let lean = match (table.optional(&CONTACT.friction)?, table.optional(&CONTACT.friction_range)?) {
         (Some(_), Some(_)) => return Err(table.wrong(range_name, "either friction or friction_range", "both")),
@@ -53,13 +63,7 @@ fn read_lean(table: &TableReader) -> Result<Option<Lean>, SceneError> {
         }
         (None, Some(range)) => Lean::within(range),
         (None, None) => {
-            let further = [
-                CONTACT.friction_sigma.name,
-                CONTACT.friction_build_up_n.name,
-                CONTACT.normal.name,
-                CONTACT.normal_over_mm.name,
-            ];
-            return match table.first_of(&further) {
+            return match table.first_of(&[CONTACT.friction_sigma.name, CONTACT.friction_build_up_n.name]) {
                 Some(name) => {
                     let expected = format!("a coefficient of friction (or friction_range), as `{name}` is there");
                     Err(table.missing(CONTACT.friction.name, &expected))
@@ -68,14 +72,17 @@ fn read_lean(table: &TableReader) -> Result<Option<Lean>, SceneError> {
             };
         }
     };
+    Ok(Some(Lean { build_up_n: table.get(&CONTACT.friction_build_up_n)?, from, ..lean }))
+}
+
+fn read_normal(table: &TableReader) -> Result<Normal, SceneError> {
     let over_mm = table.get(&CONTACT.normal_over_mm)?;
-    let from = match table.word(&CONTACT.normal, [true, false])? {
-        true => Normal::Deformed { over_mm },
+    match table.word(&CONTACT.normal, [true, false])? {
+        true => Ok(Normal::Deformed { over_mm }),
         false if table.has(&CONTACT.normal_over_mm) => {
             let expected = "nothing: an undeformed plate has one normal";
-            return Err(table.wrong(CONTACT.normal_over_mm.name, expected, &format!("{over_mm:?}")));
+            Err(table.wrong(CONTACT.normal_over_mm.name, expected, &format!("{over_mm:?}")))
         }
-        false => Normal::Undeformed,
-    };
-    Ok(Some(Lean { build_up_n: table.get(&CONTACT.friction_build_up_n)?, from, ..lean }))
+        false => Ok(Normal::Undeformed),
+    }
 }

@@ -7,7 +7,7 @@ use finray_imaging::locate::{Observer, ObserverError};
 use finray_model::Finger;
 use finray_model::measurement::Marker;
 use finray_model::observation::{LargestClampedMotion, Observation};
-use finray_model::scene::MarkerLook;
+use finray_model::scene::{MarkerLook, Markers};
 use rayon::prelude::*;
 
 /// Residual of the pose at rest, px, beyond which more than the noise of an image and a lens that was found is in it.
@@ -84,6 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Ok(seen) => {
             let seen = Observation { image, ..seen };
             warn_of_base(path, &scene.finger, &seen);
+            warn_of_lost(path, &scene, &seen);
             Ok(seen)
         }
         Err(failure) => {
@@ -94,6 +95,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let seen: Vec<_> = arguments.image.iter().zip(names).zip(found).map(of_image).collect();
     Ok(write_text(&arguments.out, &observations::to_csv(&seen)?)?)
+}
+
+/// Markers with a shade of which no more than this share is found: hidden ones are few, ones of another size many.
+const MANY_LOST: f64 = 0.75;
+
+/// Warns of markers that are lost though nothing may hide them.
+fn warn_of_lost(path: &Path, scene: &Scene, seen: &Observation) {
+    let Some(Markers { radius_mm, look: MarkerLook::Grey { .. }, .. }) = scene.markers else { return };
+    let (all, found) = (scene.finger.marked_nodes().len(), seen.markers.len());
+    if found as f64 <= MANY_LOST * all as f64 {
+        print_message(format_args!(
+            "warning: {}: {found} of {all} markers were found: if nothing hides the others, markers.radius_mm = {radius_mm} or inner_radius_mm are those of \
+             other markers",
+            path.display()
+        ));
+    }
 }
 
 /// Warns of a base that is not where displacements need it.

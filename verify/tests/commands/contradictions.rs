@@ -118,7 +118,7 @@ fn what_stands_out_is_said() {
     assert!(!silent.err.contains("warning"), "{}", silent.err);
     let mut forces = located.forces.clone();
     forces.swap(1, 3);
-    let (_, warnings) = located.calibrated("alike", &located.rows, &forces).warned();
+    let warnings = warnings_of(located.calibrated("alike", &located.rows, &forces));
     println!("{warnings:?}");
     for image in ["press1.png", "press3.png"] {
         let of_image = warnings.iter().find(|warning| warning.contains(image)).expect("a warning");
@@ -135,8 +135,14 @@ fn what_stands_out_is_said() {
         cells.join(",") + "\n"
     };
     let rows: String = located.rows.lines().map(moved).collect();
-    let (_, warnings) = located.calibrated("moved", &rows, &located.forces).warned();
+    let warnings = warnings_of(located.calibrated("moved", &rows, &located.forces));
     println!("{warnings:?}");
     let of_marker = warnings.iter().find(|warning| warning.contains("marker")).expect("a warning");
     assert_says(of_marker, &["press2.png", "node 8"]);
+}
+
+/// Warnings of a run that did what it was asked, beside its notes.
+fn warnings_of(answer: Answer) -> Vec<String> {
+    assert_eq!(answer.code, Some(0), "{}", answer.err);
+    answer.err.lines().filter(|line| line.starts_with("warning: ")).map(str::to_owned).collect()
 }

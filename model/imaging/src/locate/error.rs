@@ -66,6 +66,15 @@ pub enum LocateError {
          in an image of the unloaded finger)"
     )]
     Elsewhere(FingerPlacement),
+    /// The marks that may be the references on the base are not on the base of the finger that the markers show.
+    #[error(
+        "the marks that look like the references on the base are {away_mm:.0} mm from where the ribs have the base: other marks were taken for them; are \
+         base.reference.radius_mm, inner_radius_mm and at_mm right?"
+    )]
+    OtherReferences {
+        /// Distance of the two places of the base, mm.
+        away_mm: f64,
+    },
     /// Patches of the markers' colours have another size.
     #[error(
         "markers of this camera have a radius of {expected_px:.1} px, found patches of their colours with {found_px:.1} px: is the image resized, or the \

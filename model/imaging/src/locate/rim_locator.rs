@@ -29,6 +29,8 @@ const ROUND: f64 = 0.02;
 const LEAST_ROUND: f64 = 4.0;
 /// Another place whose names cost no more than this beyond the best fits alike.
 const ALIKE: f64 = 4.0;
+/// A place by ribs contradicts that by references if it costs less by as much as this, which is more than two hidden markers cost.
+const CONTRADICTS: f64 = 13.0;
 /// How far a base without references may be from where the ribs have it: as far as a finger may have bent.
 const UNKNOWN_MM: f64 = 10.0;
 const UNKNOWN_RAD: f64 = 0.2;
@@ -146,7 +148,10 @@ impl<'f> RimLocator<'f> {
             0 | 1 => self.by_ribs(&rims),
             _ => by_references(base, &marks),
         };
-        let best = self.best(&rims, &proposals)?;
+        let (cost, best) = self.best(&rims, &proposals)?;
+        if best.references.iter().flatten().count() > 1 {
+            self.require_base_of_finger(&rims, best, cost)?;
+        }
         let marked = Marked { finger: self.finger, base_sd_mm: best.sd_mm };
         let names = name(marked, &self.candidates(&rims, &best.base))?;
         let named = named(&rims, &names);
@@ -186,7 +191,7 @@ impl<'f> RimLocator<'f> {
     }
 
     /// The place from which the markers are named at the least cost.
-    fn best<'p>(&self, rims: &[Rim], proposals: &'p [Proposal]) -> Result<&'p Proposal, NamingError> {
+    fn best<'p>(&self, rims: &[Rim], proposals: &'p [Proposal]) -> Result<(f64, &'p Proposal), NamingError> {
         let mut best: Option<(f64, &Proposal, Names)> = None;
         let mut others: Vec<(f64, Names)> = Vec::new();
         for proposal in proposals {
@@ -206,7 +211,20 @@ impl<'f> RimLocator<'f> {
                 return Err(NamingError::Places { nodes });
             }
         }
-        Ok(proposal)
+        Ok((cost, proposal))
+    }
+
+    /// Refuses a base where references have it, if the ribs next to it have it elsewhere and the finger fits far better there: then other marks were taken
+    /// for the references.
+    fn require_base_of_finger(&self, rims: &[Rim], by_references: &Proposal, cost: f64) -> Result<(), LocateError> {
+        // Two places that fit alike by ribs alone contradict nothing.
+        let proposals = self.by_ribs(rims);
+        let Ok((cost_of_ribs, by_ribs)) = self.best(rims, &proposals) else { return Ok(()) };
+        let away_mm = (by_ribs.base.translation.vector - by_references.base.translation.vector).norm();
+        match cost_of_ribs + CONTRADICTS < cost && away_mm > by_ribs.sd_mm {
+            true => Err(LocateError::OtherReferences { away_mm }),
+            false => Ok(()),
+        }
     }
 
     /// Rims as candidates in the finger frame.

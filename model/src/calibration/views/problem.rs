@@ -3,7 +3,7 @@
 use super::quantity::changed;
 use super::{Quantity, Sought, View, ViewModel};
 use crate::finger::{Finger, Plate, RibPositions};
-use crate::frame::FrameMotion;
+use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Marker, MarkerErrors};
 use crate::mesh::Mesh;
 use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal};
@@ -139,6 +139,7 @@ impl Problem<'_> {
         let lean_deg = self.model.lean.mean_deg(own.force_n) + own.further_lean_deg;
         // A lean may count from a normal that turns with the force, and so does a pad: settled in a few steps.
         let (mut normal_rad, mut plate_rad) = (0.0_f64, 0.0_f64);
+        let mut last: Option<(FrameMotion, Vec<FrameLoad>)> = None;
         for _ in 0..NORMAL_STEPS {
             let leaning = || finger.direction(lean_deg + normal_rad.to_degrees()) * own.force_n;
             let force = measured.unwrap_or_else(leaning);
@@ -149,7 +150,9 @@ impl Problem<'_> {
             if candidate.preload_nmm != 0.0 {
                 loads.push(candidate.mesh.frame_load(&AssemblyErrors::load(finger, candidate.preload_nmm)).ok()?);
             }
-            let motion = statics.equilibrium(&loads).ok()?.motion;
+            // The normal turns little from step to step: the equilibrium before is near.
+            let near = last.take().and_then(|(motion, from)| statics.shifted(&motion, &from, &loads).ok());
+            let motion = near.map_or_else(|| statics.equilibrium(&loads), Ok).ok()?.motion;
             let load = contact.unit_load(finger);
             let normal_turn_rad = candidate.mesh.normal_turn(&motion, &load, over_mm).ok()?;
             let before = [normal_rad, plate_rad];
@@ -160,6 +163,7 @@ impl Problem<'_> {
             if (normal_rad - before[0]).abs().max((plate_rad - before[1]).abs()) <= SETTLED_RAD {
                 return Some(Pressed { force, motion, normal_turn_rad });
             }
+            last = Some((motion, loads));
         }
         None
     }

@@ -203,6 +203,7 @@ impl RigEstimate {
         }
         if let Some(found) = self.views.quantities.iter().find(|found| found.sought.quantity == Quantity::Preload) {
             put(ASSEMBLY.preload_nmm.path(), SceneValue::Number(found.value));
+            put(ASSEMBLY.preload_sigma_nmm.path(), SceneValue::Number(found.sigma));
         }
         values
     }

@@ -34,6 +34,7 @@ fn every_estimator_finds_a_small_force() {
             noise_mm: Some(CAMERA_NOISE_MM),
             mesh_nodes: None,
             networks: &networks,
+            unloaded: None,
         };
         let (contacts, estimate) = id.answer(&finger, &question).unwrap_or_else(|error| panic!("{id}: {error}"));
         assert_eq!(contacts, [contact], "{id}");
