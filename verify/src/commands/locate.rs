@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let mut observer = observer;
         arguments.image.iter().map(|path| observed(&mut observer, path)).collect()
     } else {
-        arguments.image.par_iter().map_init(|| observer.clone(), observed).collect()
+        arguments.image.par_iter().map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect()
     };
     // Without any located image there is no table.
     if found.iter().all(Result::is_err) {
@@ -182,7 +182,7 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
     ))
 }
 
-fn observed(observer: &mut Observer, path: &PathBuf) -> Result<Observation, Failure> {
+fn observed(observer: &mut Observer, path: &Path) -> Result<Observation, Failure> {
     let seen = observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?;
     if let Some(blur_px) = observer.motion_blur_px() {
         print_message(format_args!(
