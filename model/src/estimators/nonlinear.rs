@@ -26,6 +26,7 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 const SETTLED_SIGMAS: f64 = 0.05;
 const ROUNDS: usize = 8;
 
+/// In rounds, each with the ways found at the forces of the one before, where the unloaded finger may differ.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let Some(unloaded) = question.unloaded else { return answer_of_exact(finger, question) };
     let mut found: Option<Answer> = None;

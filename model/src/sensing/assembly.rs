@@ -17,8 +17,8 @@ use nalgebra::UnitComplex;
 pub struct AssemblyErrors {
     /// Standard deviation of where each joint is, along its plate and off it, mm.
     pub joint_sd_mm: f64,
-    /// Moment at the tip that the plates exert on each other without load, N mm, from x to y, and its standard deviation. Plates that are evenly
-    /// curved before they are joined leave such a moment and nothing else.
+    /// Moment at the tip that the plates exert on each other without load, N mm, from x to y. Plates that are evenly curved before they are joined
+    /// leave such a moment and nothing else: the end moments of neighbouring elements cancel.
     pub preload_nmm: f64,
     /// Standard deviation of it, N mm.
     pub preload_sd_nmm: f64,

@@ -127,6 +127,10 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let pair = written.split("clip_mm = [").nth(1).and_then(|rest| rest.split(']').next()).expect("a pair");
     let pair: Vec<f64> = pair.split(", ").map(|number| number.parse().expect("a number")).collect();
     assert_close(&pair, &found.numbers("value")[3..5], 1e-12);
+    // Without a measured force nothing says how far forces may be off.
+    let unforced = ["--fit", "bracket", "--calibrated", &folder.path("unforced.toml")];
+    let answer = finray(&[&["calibrate", &scene, "--located", &located][..], &unforced].concat());
+    assert_says(&answer.err, &["warning: no force was measured", "--forces"]);
     // An image that was not calibrated on, with another force and base.
     let other = folder.path("other.csv");
     finray(&["locate", &calibrated, "--image", &images[3], "--out", &other]).done();

@@ -178,6 +178,12 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let RigEstimate { views: estimate, compliance, .. } = &found;
     print_priors(estimate);
     print_base(&found);
+    if measured == 0 && arguments.calibrated.is_some() {
+        print_message(
+            "warning: no force was measured: what stays uncertain of the calibrated finger is not part of the sigma_n that `finray sense` states with it; one \
+             measured force (--forces) shows most of it",
+        );
+    }
     for outlier in &estimate.outliers {
         print_message(format_args!("warning: {outlier}"));
     }
