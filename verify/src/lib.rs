@@ -4,8 +4,10 @@
 //! [`figures`] draws and knows nothing of fingers; [`files`] reads and writes; [`lattice`] is the finger as bodies and springs, and two of them
 //! with an object between; the studies have [`truths`], the fingers that sensing is tested on, [`estimators`], what is tested, [`sampling`], how,
 //! [`problems`] with known answers, [`experiments`], [`study`], which runs them all for a scene, and [`claims`], the paper's sentences beside the
-//! results; [`report`] shows them. This crate is the program on top. Physics lives in [`finray_model`].
+//! results; [`report`] shows them. This crate is the program on top, with its [`guide`]. Physics lives in [`finray_model`].
 #![forbid(unsafe_code)]
+
+pub mod guide;
 
 pub use finray_figures as figures;
 pub use finray_files as files;

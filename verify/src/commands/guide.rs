@@ -4,16 +4,18 @@ use crate::commands::prelude::*;
 use finray_fixtures::PAPER_SCENE;
 use finray_model::keys;
 use finray_verify::files::write_text;
+use finray_verify::guide::GUIDES;
 
-/// Name of a topic, what it tells, and its text.
-type Topic = (&'static str, &'static str, fn() -> String);
+/// The one topic that is made from a table of the program.
+const SCENE: (&str, &str) = ("scene", "Every table and key of a scene file: unit, range, default and meaning");
 
-const TOPICS: [Topic; 1] = [("scene", "Every table and key of a scene file: unit, range, default and meaning", scene)];
-
-/// Print a guide or a reference: without a topic the list of topics.
+/// Print a guide: without a topic the list of topics.
+///
+/// Each guide has one task: the commands with their output, what can go wrong, and the background.
 ///
 /// Examples:
 ///   finray guide
+///   finray guide sense
 ///   finray guide scene
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -23,13 +25,15 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let text = match &arguments.topic {
-        None => TOPICS.iter().map(|(name, says, _)| format!("{name}: {says}\n")).collect(),
-        Some(topic) => match TOPICS.iter().find(|(name, ..)| name == topic) {
-            Some((_, _, text)) => text(),
+    let topics = || GUIDES.iter().map(|guide| (guide.name, guide.task)).chain([SCENE]);
+    let text = match arguments.topic.as_deref() {
+        None => topics().map(|(name, task)| format!("{name:<20}{task}\n")).collect(),
+        Some(name) if name == SCENE.0 => scene(),
+        Some(name) => match GUIDES.iter().find(|guide| guide.name == name) {
+            Some(guide) => guide.text.to_owned(),
             None => {
-                let names = TOPICS.map(|(name, ..)| name).join(", ");
-                return Err(bad_input(format!("guide: expected one of {names}, found {topic:?}")));
+                let names: Vec<_> = topics().map(|(name, _)| name).collect();
+                return Err(bad_input(format!("guide: expected one of {}, found {name:?}", names.join(", "))));
             }
         },
     };

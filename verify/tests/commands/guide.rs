@@ -1,12 +1,182 @@
-//! Guides and references that the command prints.
+//! Guides and references that the command prints, and the examples in guides and README: each console block runs as it stands.
+//!
+//! In a block ```` ```console ```` a line `$ COMMAND` is run by `sh`, with what earlier blocks of the page have written beside it; the lines
+//! below are its whole output, both streams. `...` stands for any rest of a number or line, and alone on a line for any lines.
+//! A block ```` ```csv NAME ```` is the file of that name. Blocks of other languages (`sh`) are not run.
 
 use crate::kit::*;
+use crate::report::shared::PAPERS;
 use finray_model::keys::TABLES;
+use finray_verify::guide::GUIDES;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::Command;
+
+/// The report takes most of a minute; tests make it once.
+const REPORT: &str = "finray report --quick";
+
+/// Whether a line is the expected one, with `...` for what differs between machines.
+fn line_matches(expected: &str, line: &str) -> bool {
+    let Some((first, others)) = expected.split_once("...") else { return expected == line };
+    let Some(mut line) = line.strip_prefix(first) else { return false };
+    let mut parts: Vec<_> = others.split("...").collect();
+    let last = parts.pop().unwrap_or_default();
+    for part in parts {
+        let Some((_, rest)) = line.split_once(part) else { return false };
+        line = rest;
+    }
+    line.ends_with(last)
+}
+
+/// Whether lines are the expected ones, with a line `...` for any number of them.
+fn lines_match(expected: &[&str], found: &[&str]) -> bool {
+    match expected {
+        [] => found.is_empty(),
+        ["...", rest @ ..] => (0..=found.len()).any(|skipped| lines_match(rest, &found[skipped..])),
+        [line, rest @ ..] => {
+            found.first().is_some_and(|found| line_matches(line, found)) && lines_match(rest, &found[1..])
+        }
+    }
+}
+
+fn matches(expected: &str, found: &str) -> bool {
+    lines_match(&expected.lines().collect::<Vec<_>>(), &found.lines().collect::<Vec<_>>())
+}
+
+/// The fenced blocks of a page: language and name, and lines.
+fn blocks(page: &str) -> impl Iterator<Item = (&str, &str)> {
+    page.split("\n```").skip(1).step_by(2).map(|block| block.split_once('\n').unwrap_or((block, "")))
+}
+
+/// The commands of a console block, each with the output that it shows.
+fn examples(block: &str) -> Vec<(String, String)> {
+    let mut examples: Vec<(String, String)> = Vec::new();
+    let mut continues = false;
+    for line in block.lines() {
+        let start = line.strip_prefix("$ ");
+        match (start, examples.last_mut()) {
+            (Some(command), _) => examples.push((command.to_owned(), String::new())),
+            (None, Some((command, _))) if continues => *command += &format!("\n{line}"),
+            (None, Some((_, output))) => *output += &format!("{line}\n"),
+            (None, None) => {}
+        }
+        continues = line.ends_with(['\\', '|']) && (continues || start.is_some());
+    }
+    examples
+}
+
+/// Output of a command, both streams in their order, and whether it succeeded.
+fn output(command: &str, folder: &Path) -> (String, bool) {
+    if command.starts_with(REPORT) {
+        return (PAPERS.said.clone(), true);
+    }
+    let program = Path::new(env!("CARGO_BIN_EXE_finray")).parent().expect("a folder");
+    let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap_or_default());
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &format!("exec 2>&1\n{command}")]).current_dir(folder).env("PATH", path);
+    let answer = shell.output().expect("a shell");
+    (String::from_utf8(answer.stdout).expect("UTF-8"), answer.status.success())
+}
+
+/// Runs the examples of a page and returns their number.
+#[track_caller]
+fn run(name: &str, page: &str) -> usize {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").canonicalize().expect("fixtures");
+    std::os::unix::fs::symlink(fixtures, folder.path().join("fixtures")).expect("a link");
+    let mut count = 0;
+    for (head, block) in blocks(page) {
+        match head.split_once(' ') {
+            Some((_, file)) => std::fs::write(folder.path().join(file), block.to_owned() + "\n").expect("a file"),
+            None if head == "console" => {
+                for (command, expected) in examples(block) {
+                    let (found, succeeded) = output(&command, folder.path());
+                    assert!(matches(&expected, &found), "{name}:\n$ {command}\n{expected}--- found\n{found}");
+                    assert_eq!(succeeded, !expected.contains("error: "), "{name}: {command}");
+                    count += 1;
+                }
+            }
+            None => {}
+        }
+    }
+    count
+}
+
+macro_rules! pages_run {
+    ($($test:ident: $name:literal),*) => {
+        $(#[test]
+        fn $test() {
+            let guide = GUIDES.iter().find(|guide| guide.name == $name).expect("a guide");
+            println!("{} commands", run(guide.name, guide.text));
+        })*
+
+        #[test]
+        fn every_guide_is_run() {
+            assert_eq!(GUIDES.iter().map(|guide| guide.name).collect::<Vec<_>>(), [$($name),*]);
+        }
+    };
+}
+
+mod guides {
+    use super::*;
+
+    pages_run! {
+        your_finger: "your-finger", sense: "sense", photographs: "photographs", calibrate: "calibrate", lens: "lens",
+        maps_and_sweeps: "maps-and-sweeps", clusters: "clusters", press_and_grasp: "press-and-grasp", networks: "networks",
+        reading_the_report: "reading-the-report", accuracy: "accuracy", architecture: "architecture", files: "files"
+    }
+
+    #[test]
+    fn readme() {
+        let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
+        let readme = std::fs::read_to_string(readme).expect("the README");
+        assert!(readme.len() <= 9 * 1024 && readme.lines().count() <= 120, "{} bytes", readme.len());
+        println!("{} commands", run("README", &readme));
+    }
+
+    #[test]
+    fn a_placeholder_stands_for_the_rest_of_a_number_or_for_lines() {
+        assert!(matches("a,1.99...,b\n", "a,1.9931,b\n") && matches("a\n...\nd\n", "a\nb\nc\nd\n"));
+        assert!(!matches("a,1.99...,b\n", "a,2.0031,b\n") && !matches("a...\n", "a\nb\n") && !matches("a\n", "a\nb\n"));
+    }
+}
+
+/// The columns that a page names in its tables, below the head `| column`.
+fn explained(section: &str) -> Vec<&str> {
+    let tables = section.split("\n| column |").skip(1);
+    let rows = tables.flat_map(|table| table.split("\n\n").next().into_iter().flat_map(str::lines));
+    rows.filter_map(|row| row.strip_prefix("| ")?.split('|').next())
+        .flat_map(|cell| cell.split('`').skip(1).step_by(2))
+        .collect()
+}
+
+#[test]
+fn the_reference_of_files_explains_the_columns_that_are_there_and_no_others() {
+    let page = GUIDES.iter().find(|guide| guide.name == "files").expect("the page").text;
+    let sections: Vec<_> = page.split("\n## ").filter(|section| section.contains("\n| column |")).collect();
+    assert!(sections.len() > 9, "{}", sections.len());
+    for section in sections {
+        let (name, _) = section.split_once('\n').expect("a head");
+        let shown = blocks(section).flat_map(|(head, block)| match head.split_once(' ') {
+            Some(_) => block.lines().next().map(str::to_owned).into_iter().collect(),
+            None => examples(block).into_iter().map(|(_, output)| output.trim_end().to_owned()).collect::<Vec<_>>(),
+        });
+        let shown: Vec<_> = shown.flat_map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>()).collect();
+        let shown: BTreeSet<_> = shown.iter().map(String::as_str).filter(|column| !column.is_empty()).collect();
+        assert_eq!(shown, explained(section).into_iter().collect(), "{name}");
+    }
+}
 
 #[test]
 fn the_topics_are_listed() {
-    assert_says(&finray(&["guide"]).done(), &["scene: "]);
-    assert_says(&finray(&["guide", "scenes"]).refused(), &["expected one of scene, found \"scenes\""]);
+    let list = finray(&["guide"]).done();
+    for guide in GUIDES {
+        assert_says(&list, &[guide.name, guide.task]);
+        assert_eq!(finray(&["guide", guide.name]).done(), guide.text);
+    }
+    assert_says(&list, &["scene  "]);
+    let refusal = finray(&["guide", "scenes"]).refused();
+    assert_says(&refusal, &["expected one of your-finger, sense, ", ", scene, found \"scenes\""]);
 }
 
 #[test]

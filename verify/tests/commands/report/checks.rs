@@ -2,6 +2,7 @@
 
 use super::shared::*;
 use crate::kit::*;
+use finray_verify::guide::GUIDES;
 use serde_json::Value;
 use std::path::Path;
 
@@ -101,7 +102,7 @@ fn nothing_claims_more_independence_than_there_is() {
     let exported = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/mujoco/README.md");
     let exported = std::fs::read_to_string(exported).expect("the exporter's README");
     let texts = [readme, exported, PAPERS.read("index.html"), PAPERS.said.clone(), PAPERS.read("summary.json")];
-    for text in texts {
+    for text in texts.into_iter().chain(GUIDES.iter().map(|guide| guide.text.to_owned())) {
         let words = text.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
         for claim in ["shares nothing", "second physics", "other parties", "neither theory", "another physics"] {
             assert!(!words.contains(claim), "\"{claim}\" in ... {}", &words[..words.len().min(60)]);

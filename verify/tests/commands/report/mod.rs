@@ -7,5 +7,5 @@ mod maps;
 mod models;
 mod networks;
 mod page;
-mod shared;
+pub mod shared;
 mod timing;

@@ -1,0 +1,42 @@
+//! The guides: one page a task. `finray guide TOPIC` prints them; their console examples run as tests.
+
+/// A page of the guide.
+#[derive(Debug, Clone, Copy)]
+pub struct Guide {
+    /// The topic, as `finray guide` takes it.
+    pub name: &'static str,
+    /// The task of the page, in one line.
+    pub task: &'static str,
+    /// The page (Markdown).
+    pub text: &'static str,
+}
+
+/// A module for each page, whose documentation is the page, and the list of all pages.
+macro_rules! guides {
+    ($($module:ident, $name:literal: $task:literal;)*) => {
+        $(
+            #[doc = include_str!(concat!("../guide/", $name, ".md"))]
+            pub mod $module {}
+        )*
+
+        /// All guides, in the order in which a new user needs them.
+        pub const GUIDES: &[Guide] =
+            &[$(Guide { name: $name, task: $task, text: include_str!(concat!("../guide/", $name, ".md")) }),*];
+    };
+}
+
+guides! {
+    your_finger, "your-finger": "Describe your finger in a scene file and deform it";
+    sense, "sense": "Estimate contact forces from displacements, with their uncertainty";
+    photographs, "photographs": "Get from an image of the markers to a force";
+    calibrate, "calibrate": "Find moduli, geometry and friction of a real finger";
+    lens, "lens": "Find the lens of a camera from images of a grid";
+    maps_and_sweeps, "maps-and-sweeps": "Map where a finger senses forces reliably";
+    clusters, "clusters": "Divide a large map or sweep among many machines";
+    press_and_grasp, "press-and-grasp": "Press an object onto a finger, or grasp it with two";
+    networks, "networks": "Train a sensing network, or use one that ships";
+    reading_the_report, "reading-the-report": "Make the report and read it";
+    accuracy, "accuracy": "How accurate forces are: photographs, images, simulation";
+    architecture, "architecture": "How the program is divided, and where to add to it";
+    files, "files": "Columns of every file that a command reads or writes";
+}
