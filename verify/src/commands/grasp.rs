@@ -11,68 +11,40 @@ use finray_studies::experiments::grasp::{
     Eyes, FINENESS, GraspEnd, GraspError, GraspScene, GraspStep, Summary, finger_name,
 };
 
-/// Two fingers grasp a free object, carry it and put it down: true forces, and those that are sensed.
-///
-/// Needs a scene with the tables gripper, object (a free one, with mass_g and centre_mm) and grasp.
-/// The frame is that of the gripper where it starts: origin on the screw's axis at the height of the
-/// fixed joints, x to the right finger, y along the screw to the fingertips. Each finger is a lattice
-/// of rigid bodies and springs on its moving base; object and fingers touch with Coulomb friction;
-/// every step is solved for equilibrium. Sensing is given the motor's angle, the displacements of the
-/// key nodes and points of the outlines with the noise of --noise-mm, or with --images what is
-/// located in images that are rendered of each finger; which parts touch and the coefficient of
-/// friction are assumed known. The support (grasp.support) is rails between which the fingers pass, or
-/// a table; a grasp ends where a finger touches the table or the other finger.
-///
-/// Writes into the folder --out:
-///   forces.csv    step,motor_deg,phase,finger,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,
-///                 sigma_n: a row a contact as `finray press` has it, and a row `total` a finger and
-///                 step: force_n across the gripper, friction_n along it
-///   object.csv    step,motor_deg,phase,x_mm,y_mm,rotation_rad,force_x_n,force_y_n,support_x_n,
-///                 support_y_n: the object's point, and the forces of both fingers and of the support
-///                 on it
-///   grasp.svg     fingers and object at some steps, forces step by step and over the motor's angle
-///   grasp-animation.svg
-///                 the whole grasp in one drawing that moves (in print it stands still)
-///   summary.json  how it ended, balance, errors of the sensed forces, and in `energy` where the
-///                 motor's work went, N mm: stored in the fingers and in the weight, lost to friction
-///                 and to the resistance where the equilibrium jumps, what was created, and the error
-///                 of the account
-///
-/// phase is approach, close, hold, lift, carry, place or open. A grasp that fails (the object drops,
-/// slips or is out of reach, the fingers fold, jam or touch each other or the table) writes what was
-/// until then and ends with exit code 1.
-///
-/// Examples:
-///   finray grasp fixtures/scenes/grasp/disc.toml --out disc
-///   finray grasp fixtures/scenes/grasp/loop.toml --noise-mm 0.01 --out loop
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray grasp fixtures/scenes/grasp/disc.toml --out disc
+  finray grasp fixtures/scenes/grasp/camera.toml --images --fineness 4 --out watched
+  finray grasp fixtures/scenes/grasp/loop.toml --noise-mm 0.01 --out loop
+
+Guide: finray guide press-and-grasp";
+
+/// Grasp a free object with two fingers, carry it and put it down: true and sensed forces.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML) with a gripper, a free object and a grasp; - for standard input
     scene: PathBuf,
-    /// Standard deviation of one displacement coordinate and of one coordinate of an outline point, mm;
-    /// the scene's, or 0, if not given
-    #[arg(long, value_name = "S", value_parser = not_negative)]
+    /// Standard deviation of one coordinate of node or outline, mm [default: the scene's, or 0]
+    #[arg(long, help_heading = "Sensing", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Sense from images that the scene's camera would take of each finger, standing before it, or on the gripper, as the scene has it;
-    /// the noise is then that of outline points alone
-    #[arg(long)]
+    /// Sense from rendered images of each finger; --noise-mm is then of outlines alone
+    #[arg(long, help_heading = "Sensing")]
     images: bool,
-    /// With --images: noise of every channel of every pixel, grey levels of 255
-    #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = not_negative, requires = "images")]
+    /// Noise of the images, grey levels of 255
+    #[arg(long, help_heading = "Sensing", value_name = "S", default_value_t = 2.0, value_parser = not_negative, requires = "images")]
     grey_noise: f64,
-    /// With --images: blur, px
-    #[arg(long, value_name = "S", default_value_t = 0.8, value_parser = not_negative, requires = "images")]
+    /// Blur of the images, px
+    #[arg(long, help_heading = "Sensing", value_name = "S", default_value_t = 0.8, value_parser = not_negative, requires = "images")]
     blur_px: f64,
-    /// Sense with an estimator of `finray sense` instead: contacts are then what they are read as, without friction, which sigma_n does
-    /// not allow for; the network takes forces for normal to the undeformed plate
-    #[arg(long, value_name = "E", value_parser = listed::<EstimatorId>())]
+    /// Sense with an estimator of `finray sense`, which takes contacts as read, without friction
+    #[arg(long, help_heading = "Sensing", value_name = "E", value_parser = listed::<EstimatorId>())]
     estimator: Option<EstimatorId>,
     /// Seed of the noise
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, help_heading = "Sensing", value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Segments of the lattice in a member of a plate, between two rods: shapes are within 0.4 % of converged beams
-    /// under 5 N with 2, 0.1 % with 3, 0.03 % with 4
+    /// Segments of the lattice in a plate member
     #[arg(long, value_name = "N", default_value_t = FINENESS as u16, value_parser = value_parser!(u16).range(1..=12))]
     fineness: u16,
     /// Folder of the results

@@ -16,26 +16,26 @@ use std::io::Read;
 pub struct GridArguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Network of `finray train`; without it, those that ship with finray
+    /// Network of `finray train` [default: those that ship]
     #[arg(long, value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Sizes of the force, N: one, or several as 1,2,3
-    #[arg(long, value_name = "F", value_delimiter = ',', default_values_t = [3.0], value_parser = positive)]
+    /// Sizes of the force, N, as 1,2,3
+    #[arg(long, help_heading = "Cells", value_name = "F", value_delimiter = ',', default_values_t = [3.0], value_parser = positive)]
     force_n: Vec<f64>,
-    /// Number of noise samples that a cell's error is averaged over
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Noise samples of a cell
+    #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: u32,
     /// First seed of the noise
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, help_heading = "Cells", value_name = "S", default_value_t = 1)]
     seed: u64,
     /// About how many positions along the front plate
-    #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     places: u32,
-    /// Degrees from one direction to the next, up to 80 on both sides of the normal; 90 for the normal alone
-    #[arg(long, value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
+    /// Degrees between directions, up to 80 on both sides of the normal; 90: the normal alone
+    #[arg(long, help_heading = "Cells", value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
     step_deg: f64,
     /// Compute only share I of N, for `finray merge`
-    #[arg(long, value_name = "I/N")]
+    #[arg(long, help_heading = "Cells", value_name = "I/N")]
     shard: Option<Shard>,
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]

@@ -8,40 +8,28 @@ use finray_model::keys::{GRIPPER, SceneTable};
 /// Steps of the motor in the paper's experiments, degrees (sec. V-C).
 const STEP_DEG: f64 = 22.5;
 
-/// Where a gripper's two fingers stand: from the angle of its motor, or from how far it is open.
-///
-/// Needs a scene with a gripper table: a screw that moves a nut, and a rocker and a link for each of
-/// two mirrored fingers (Xu et al., IEEE T-RO 2021, eqs 6-9).
-///
-/// Writes motor_deg,slider_mm,phi1_rad,phi2_rad,base_x_mm,base_y_mm,angle_rad,opening_mm,
-/// opening_per_turn_mm,state, a row a motor angle. Base and angle place the finger in the mechanism
-/// frame: its origin is the rocker's fixed joint, y goes along the screw, whose axis is at x =
-/// fixed_joint_mm; the finger's base line is turned by the angle from x, its tip points along y, its
-/// front plate to the screw's axis. The other finger is the mirror image. opening_mm is the distance
-/// between the tips of the undeformed fingers, negative where they would have passed each other.
-///
-/// state is `regular`, `singular` (rocker and link on one line: the end of the nut's reach, without a
-/// derivative) or `out of reach` (no pose).
-///
-/// With --errors, further columns say by how much the undeformed key nodes err, one standard
-/// deviation of the worst node by each cause: motor_error_mm, backlash_error_mm, rocker_error_mm,
-/// link_error_mm, fixed_joint_error_mm. All nodes of a finger err together, as a rigid body.
-///
-/// Examples:
-///   finray gripper fixtures/scenes/gripper.toml --motor-deg -1800:1800:360
-///   finray gripper fixtures/scenes/gripper.toml --opening-mm 60
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray gripper fixtures/scenes/gripper.toml --motor-deg -1800:1800:360
+  finray gripper fixtures/scenes/gripper.toml --opening-mm 60
+  finray gripper fixtures/scenes/gripper.toml --motor-deg 0 --errors 1,0.05,0.05
+
+Guide: finray guide press-and-grasp";
+
+/// Where a gripper's two fingers stand, from the angle of its motor or from how far it is open.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML) with a gripper; - for standard input
     scene: PathBuf,
     /// Motor angles, degrees: one, or FROM:TO:STEP [default: the whole reach in steps of 22.5]
     #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, value_parser = motor_angles, conflicts_with = "opening_mm")]
     motor_deg: Option<MotorAngles>,
-    /// The motor angle for this distance between the tips, mm; of several the one nearest to 0
+    /// Find the motor angle for this distance between the tips, mm; the one nearest to 0
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     opening_mm: Option<f64>,
-    /// Standard deviation of the motor's angle (degrees), play of the screw (mm), standard deviation of each length (mm)
+    /// Errors (standard deviations) of motor angle, play of the screw, and each length
     #[arg(long, value_name = "DEG,MM,MM", value_parser = linkage_errors)]
     errors: Option<LinkageErrors>,
     /// Result file; - for standard output

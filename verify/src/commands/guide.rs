@@ -9,16 +9,16 @@ use finray_verify::guide::GUIDES;
 /// The one topic that is made from a table of the program.
 const SCENE: (&str, &str) = ("scene", "Every table and key of a scene file: unit, range, default and meaning");
 
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray guide
+  finray guide sense
+  finray guide scene";
+
 /// Print a guide: without a topic the list of topics.
-///
-/// Each guide has one task: the commands with their output, what can go wrong, and the background.
-///
-/// Examples:
-///   finray guide
-///   finray guide sense
-///   finray guide scene
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// The topic
     topic: Option<String>,

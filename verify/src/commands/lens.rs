@@ -9,30 +9,19 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::fmt::Write;
 
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray lens --grid-mm 5 --image grid1.png grid2.png grid3.png --out lens.toml
+  finray lens --plane --grid-mm 25 --image photo*.jpg --out lens.toml
+
+Guide: finray guide lens";
+
 /// Find the lens of a camera from images of a plane grid of dots or holes, or of a chessboard.
-///
-/// Writes size_px, focal_px, principal_point_px and distortion as a scene's camera table has them
-/// (TOML), with standard deviations and the residual in comments. The grid is square, of dark or
-/// light dots, or a chessboard, which a comment says; it is found without a guess, may be unevenly
-/// lit, slanted and partly hidden. --grid-mm is the distance between neighbouring dots, the side of
-/// a chessboard's squares, or the distance between rows of an asymmetric grid, whose rows are
-/// displaced by as much in turn, so that neighbours are diagonal.
-///
-/// Take ten images or more that fill the frame, slanted by 20 to 40 degrees in different directions.
-/// What the images do not show (from one image or from images without slant: focal length and
-/// principal point) stays near what lenses are like, and a note says so. Such a lens still holds for
-/// positions in the plane of the grid, with a pose found in that plane (`finray locate --rest`).
-///
-/// --plane also writes the pose of the grid's plane, for a finger that moves in a plane before it:
-/// origin in the middle of the image, x to its right, y up, z towards the camera. All images must
-/// show the grid in the same place.
-///
-/// Example:
-///   finray lens --grid-mm 5 --image grid1.png grid2.png grid3.png --out lens.toml
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Distance between neighbouring dots, side of a square, or distance between rows of an asymmetric grid, mm
+    /// Distance between dots, side of a square, or distance between rows of an asymmetric grid, mm
     #[arg(long, value_name = "P", value_parser = positive)]
     grid_mm: f64,
     /// Image of the grid (PNG, JPEG); several of one camera

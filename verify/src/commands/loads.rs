@@ -15,13 +15,13 @@ const DRAWN_MM: f64 = 3e-4;
 /// Loads and the mesh that carries them.
 #[derive(clap::Args)]
 pub struct Loads {
-    /// Force in N (and moment in N mm) on a key node, finger frame
+    /// Force (N) and moment (N mm) on a key node, finger frame
     #[arg(long, value_name = "NODE:FX,FY[,M]", value_parser = node_load, num_args = 1.., allow_hyphen_values = false)]
     load: Vec<NodeLoad>,
-    /// Force in N at a position along the front plate (mm from its base), at an angle from the inward normal
+    /// Force (N) at a position on the front plate (mm from its base), at an angle from the normal
     #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = position_load, num_args = 1..)]
     load_at: Vec<PositionLoad>,
-    /// Nodes of the mesh; if not given, `solve` takes the key nodes alone, and `render` refines until the image hardly changes
+    /// Nodes of the mesh [default: key nodes; `render` refines it]
     #[arg(long, value_name = "N")]
     mesh_nodes: Option<usize>,
 }

@@ -13,44 +13,25 @@ use rayon::prelude::*;
 /// Residual of the pose at rest, px, beyond which more than the noise of an image and a lens that was found is in it.
 const SURE_REST_PX: f64 = 0.3;
 
-/// Locate the nodes of a finger in images of its markers.
-///
-/// Writes image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm, a row a marker found; a hidden one has
-/// none. image is the file's name, with as many of its folders as distinguish it from the others.
-/// x_mm, y_mm is its position in the finger frame, ux_mm, uy_mm its displacement from the scene's
-/// undeformed node. `finray sense` reads this.
-///
-/// --rest takes an image of the unloaded finger: the pose comes from it, and displacements count from
-/// where its markers are.
-///
-/// sigma_mm is the standard deviation of one coordinate of the displacement, from the noise of the
-/// image. It does not hold errors of the lens, nor of a pose that the scene states; a warning says
-/// where markers of clamped nodes are not where that pose has them. An image that shows the finger
-/// elsewhere, upside down, mirrored or in another size is refused. EXIF orientation is heeded. Of
-/// several images, one that is refused has one row, with its reason in a further column refused.
-///
-/// Several images are taken for a stream: markers are sought near where they were in the one before.
-/// Markers are named by their order along the plates and by what a finger can do; where two ways to
-/// name them fit alike, or too few are seen, the image is refused.
-///
-/// Markers with a shade instead of colours are found by their rims, each image by itself. Where the
-/// base moves (table base), its pose comes from the references on it, and base_x_mm,base_y_mm,base_deg,
-/// base_sigma_mm,base_sigma_deg follow: errors that all markers of an image share. marker_sigma_mm is
-/// what sigma_mm is without them: `finray sense` seeks the base together with the forces.
-///
-/// Examples:
-///   finray render fixtures/scenes/camera.toml --load-at 80:2,-20 --grey-noise 2 --out image.png
-///   finray locate fixtures/scenes/camera.toml --image image.png --out nodes.csv
-///   finray sense fixtures/scenes/camera.toml --displacements nodes.csv --contact-at 80@-20
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray locate fixtures/scenes/camera.toml --image fixtures/pictures/camera.png --out nodes.csv
+  finray locate fixtures/scenes/camera.toml --image new.png --rest rest.png --out nodes.csv
+  finray sense fixtures/scenes/camera.toml --displacements nodes.csv --contact-at 80@-20
+
+Guide: finray guide photographs";
+
+/// Locate the markers of a finger in images: positions and displacements of its nodes.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Image of the finger (PNG, JPEG); several in the order in which they were taken; - for standard input
+    /// Image of the finger (PNG, JPEG); several in the order they were taken; - for standard input
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     image: Vec<PathBuf>,
-    /// Image of the unloaded finger
+    /// Image of the unloaded finger: gives the pose, and displacements count from it
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
     /// Result file; - for standard output

@@ -6,21 +6,23 @@ use finray_files::{Reader, Stream, write_from};
 use finray_studies::sampling::sweep::{MergeError, Shards};
 use std::io::Read;
 
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray map fixtures/scenes/paper.toml --shard 1/2 --out 1.csv
+  finray map fixtures/scenes/paper.toml --shard 2/2 --out 2.csv
+  finray merge 1.csv 2.csv --out map.csv      (and map.svg)
+
+Guide: finray guide clusters";
+
 /// Join the shards of `finray map` or `finray sweep` into the files of one run.
-///
-/// All shards must be there, each once and whole, and of one request; their order does not matter.
-///
-/// Example:
-///   finray map fixtures/scenes/paper.toml --shard 1/2 --out 1.csv
-///   finray map fixtures/scenes/paper.toml --shard 2/2 --out 2.csv
-///   finray merge 1.csv 2.csv --out map.csv                                    (and map.svg)
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Files that were written with --shard
     #[arg(value_name = "SHARD", required = true)]
     shards: Vec<PathBuf>,
-    /// Result file (of a map, the figure takes its name with .svg); - for the table on standard output
+    /// Result file; the figure of a map takes its name with .svg; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }

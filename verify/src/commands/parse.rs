@@ -133,7 +133,7 @@ impl AskedContact {
 
 /// The names of an enum as values of an option.
 pub fn listed<T: Listed>() -> impl TypedValueParser<Value = T> {
-    let values = T::ALL.iter().map(|value| PossibleValue::new(value.name()).help(value.help()));
+    let values = T::ALL.iter().map(|value| PossibleValue::new(value.name()));
     PossibleValuesParser::new(values).try_map(|name: String| {
         T::ALL.iter().copied().find(|value| value.name() == name).ok_or_else(|| format!("no such value: {name}"))
     })

@@ -11,55 +11,28 @@ use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::experiments::contact_scene::{ContactScene, Refinement, SceneStep, TotalChange, force_rows};
 use finray_studies::sampling::noise::Noise;
 
-/// Press an object onto the finger, and sense the contact forces as it goes.
-///
-/// Needs a scene with an object table: a disc, a box, or a polygon from a CSV file (x_mm,y_mm,
-/// beside the scene), with optional friction, pressed along a line to a travel or a force, or moved
-/// along a path; see fixtures/scenes/contact. The finger is a lattice of rigid bodies and springs;
-/// every step is its quasi-static equilibrium with the object at its prescribed position, with Coulomb
-/// friction and its history. The forces of its contacts are the true ones. The report has the same
-/// equilibria held in the physics engine rapier. Sensing uses what a camera measures: displacements
-/// of the key nodes, and position and direction of every contact, read from the outlines of object
-/// and finger; all with the noise of --noise-mm a coordinate. Which parts touch and the object's
-/// coefficient of friction are assumed known; a force may lie anywhere in the cone of that friction
-/// around its normal. sigma_n covers all of this. The object touches the front plate and its rods;
-/// the finger does not touch itself.
-///
-/// Writes step,travel_mm,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,sigma_n,read_s_mm,
-/// read_angle_deg: a row a contact, from the base to the tip, and a row `total` a step: the force
-/// along the object's way, without what the clamp takes.
-/// `contact` is a node, `at` for a position between nodes, or `clamp` where a force is not sensed;
-/// `angle_deg` is the normal, from the front plate's undeformed inward normal; `force_n` is the true
-/// force along it and `friction_n` the one across it, positive towards the tip; `sensed_n` is the
-/// sensed force along the normal, and `read_s_mm` and `read_angle_deg` are the position and normal,
-/// with noise, that it was sensed from. They stay empty where the forces are not identifiable.
-///
-/// Where the clamped end of the plate is in its way, the object stops there, and a warning says so.
-/// A press that fails (the finger lets go, jams or folds) writes the steps before and ends with
-/// exit code 1.
-///
-/// A warning on standard error names the step that strains most where the beam model does not hold, as
-/// beams under the true contact forces have it (see `finray solve --help`).
-///
-/// Examples:
-///   finray press fixtures/scenes/contact/disc.toml
-///   finray press fixtures/scenes/contact/disc.toml --noise-mm 0 --shape shape.csv --out forces.csv
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray press fixtures/scenes/contact/disc.toml
+  finray press fixtures/scenes/contact/disc.toml --noise-mm 0 --shape shape.csv --out forces.csv
+  finray press fixtures/scenes/contact/friction.toml --fineness 2 --seed 7
+
+Guide: finray guide press-and-grasp";
+
+/// Press an object onto a finger, and sense the contact forces as it goes.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML) with an object; - for standard input
     scene: PathBuf,
-    /// Standard deviation of one displacement coordinate and of one coordinate of an outline point, mm;
-    /// the scene's, or 0, if not given
+    /// Standard deviation of one coordinate of node or outline, mm [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Segments of the lattice in a plate member of mean length; if not given, they are halved until no
-    /// total changes by more than 0.1 %, and a warning says by how much it does where that takes too many.
-    /// On the paper's finger under 5 N shapes are within 0.4 % with 2, 0.1 % with 3, 0.03 % with 4; 1 is for
-    /// a first look (sigma_n does not allow for this difference)
+    /// Segments of the lattice in a plate member [default: until no total changes by 0.1 %]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=100))]
     fineness: Option<u16>,
     /// Also write the last shape, as `finray solve` does

@@ -10,51 +10,46 @@ use nalgebra::Isometry2;
 /// Largest blur, px: beyond, a marker of a few pixels is no longer seen.
 const LARGEST_BLUR_PX: f64 = 100.0;
 
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray render fixtures/scenes/camera.toml --load-at 80:2,-20 --out image.png
+  finray render fixtures/scenes/bracketed.toml --base 60,-75,90 --load-at 75:3,5 --out image.png
+  finray render fixtures/scenes/camera.toml --shape shape.csv --grey-noise 2 --blur-px 0.8 --hide 18 --out i.png
+
+Guide: finray guide photographs";
+
 /// Render the image that the scene's camera takes of the (deformed) finger.
-///
-/// Writes a PNG file. The scene needs the tables camera, with lens and pose, and markers. Without loads
-/// and --shape the finger is undeformed. Under loads its mesh is refined until the image hardly
-/// changes; with --mesh-nodes it has the shape that `finray solve` gives with the same arguments. Edge
-/// pixels of a marker hold the share that its disc covers, so its true centre is known to a thousandth
-/// of a pixel.
-///
-/// --base moves a finger whose base moves from image to image (table base) in its plane.
-///
-/// Examples:
-///   finray render fixtures/scenes/camera.toml --load-at 80:2,-20 --out image.png
-///   finray render fixtures/scenes/bracketed.toml --base 60,-75,90 --load-at 75:3,5 --out image.png
-///   finray render fixtures/scenes/camera.toml --shape shape.csv --grey-noise 2 --blur-px 0.8
-///       --light-falloff 0.3 --clutter 30 --hide 18 --out image.png
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
     #[command(flatten)]
     loads: Loads,
-    /// Shape of the finger instead of loads (CSV of solve or press); - for standard input
+    /// Shape instead of loads (CSV of solve or press); - for standard input
     #[arg(long, value_name = "FILE", conflicts_with_all = ["load", "load_at", "mesh_nodes"])]
     shape: Option<PathBuf>,
-    /// Where the base is: the origin of the finger frame in that of the camera's pose, and its turn
+    /// Where a base that moves is, in the frame of the camera's pose
     #[arg(long, value_name = "X_MM,Y_MM,DEG", value_parser = moved_base, allow_hyphen_values = true)]
     base: Option<Isometry2<f64>>,
-    /// Standard deviation of noise on every channel of every pixel, grey levels of 255
-    #[arg(long, value_name = "S", value_parser = not_negative, default_value_t = 0.0)]
+    /// Noise of every channel of every pixel, grey levels of 255
+    #[arg(long, help_heading = "Camera", value_name = "S", value_parser = not_negative, default_value_t = 0.0)]
     grey_noise: f64,
     /// Standard deviation of a Gaussian blur, px
-    #[arg(long, value_name = "S", value_parser = not_negative, default_value_t = 0.0)]
+    #[arg(long, help_heading = "Camera", value_name = "S", value_parser = not_negative, default_value_t = 0.0)]
     blur_px: f64,
-    /// Share of the light that the image's corners lack, 0 to 1
-    #[arg(long, value_name = "SHARE", value_parser = share, default_value_t = 0.0)]
+    /// Share of light that the corners lack, 0 to 1
+    #[arg(long, help_heading = "Camera", value_name = "SHARE", value_parser = share, default_value_t = 0.0)]
     light_falloff: f64,
-    /// Discs and boxes beside the markers, half of them in their colours
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1000))]
+    /// Discs and boxes beside the markers, half in their colours
+    #[arg(long, help_heading = "Camera", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1000))]
     clutter: u16,
     /// Nodes whose markers are hidden
-    #[arg(long, value_name = "NODE", num_args = 1..)]
+    #[arg(long, help_heading = "Camera", value_name = "NODE", num_args = 1..)]
     hide: Vec<usize>,
     /// Seed of noise and clutter
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, help_heading = "Camera", value_name = "S", default_value_t = 1)]
     seed: u64,
     /// Result file (PNG); - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]

@@ -14,54 +14,46 @@ use finray_studies::study::Study;
 use indicatif::ProgressBar;
 use std::sync::Mutex;
 
-/// Run every cross-check and map, and write a page that shows them.
-///
-/// Writes DIR/index.html, DIR/summary.json and a CSV behind every figure. Without SCENE it is about
-/// the paper's finger; what exists for that finger alone is left out for others, and the page says
-/// so.
-///
-/// Forces reach 3 N. A finger much softer or stiffer than the paper's needs others: --force-n scales
-/// them all. For the paper's own finger it scales maps, drawings, causes, intervals and shapes. What
-/// has checks or claims for fixed forces keeps them: the paper's tables, twin, networks, noise,
-/// camera, meshes and times. The ridge estimator's prior stays the paper's.
-///
-/// Examples:
-///   finray report --open
-///   finray report my-finger.toml --force-n 0.06 --out my-report
-///   finray report calibrated.toml --measurements new.csv --forces forces.csv --image photo*.jpg
-///   finray report --criterion target/criterion --peers peers.csv
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray report --open
+  finray report my-finger.toml --force-n 0.06 --out my-report
+  finray report calibrated.toml --measurements new.csv --forces forces.csv --image photo*.jpg
+
+Guide: finray guide reading-the-report";
+
+/// Run every check and map, and write a page that shows them.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input [default: the finger of Xu et al. 2021]
     scene: Option<PathBuf>,
     /// Folder for the report; made if it does not exist
     #[arg(long, value_name = "DIR", default_value = "finray-report")]
     out: PathBuf,
-    /// The force that the report is about, N: maps are drawn at F, and computed at F/6, F/3, 2F/3 (to four digits) and F
+    /// The force that the report is about, N: maps are for F/6, F/3, 2F/3 and F
     #[arg(long, value_name = "F", value_parser = positive, default_value_t = ReportForces::PAPER.drawn_n())]
     force_n: f64,
     /// Coarse maps and fewer cases: a fraction of the time
     #[arg(long)]
     quick: bool,
-    /// Folder of criterion's results of the bench `speed_error`, whose times take the place of those taken here, for
-    /// the paper's finger [default: target/criterion, where it is there]
-    #[arg(long, value_name = "DIR")]
+    /// Folder of criterion's results of the bench `speed_error` [default: target/criterion]
+    #[arg(long, help_heading = "Times of other runs", value_name = "DIR")]
     criterion: Option<PathBuf>,
-    /// Times and errors of other programs on the paper's finger, as bench/peers writes them (CSV); - for standard input
-    #[arg(long, value_name = "FILE")]
+    /// Times and errors of other programs, as bench/peers writes them (CSV)
+    #[arg(long, help_heading = "Times of other runs", value_name = "FILE")]
     peers: Option<PathBuf>,
-    /// Images of the finger as `finray locate` has located them with this scene (CSV), with --forces: a section compares
-    /// what is sensed in them with what was measured
-    #[arg(long, value_name = "FILE", requires = "scene", requires = "forces")]
+    /// Images of the finger to compare: a file of `finray locate`
+    #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "scene", requires = "forces")]
     measurements: Option<PathBuf>,
-    /// The contact forces that were measured in these images: image,fx_n,fy_n in the frame of the camera's pose (CSV)
-    #[arg(long, value_name = "FILE", requires = "measurements")]
+    /// Forces measured in these images: image,fx_n,fy_n (CSV)
+    #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "measurements")]
     forces: Option<PathBuf>,
-    /// Some of these images (PNG or JPEG): the section shows the residuals of the markers over them
-    #[arg(long, value_name = "FILE", num_args = 1.., requires = "measurements")]
+    /// Some of these images (PNG, JPEG), to draw the residuals over
+    #[arg(long, help_heading = "Your photographs", value_name = "FILE", num_args = 1.., requires = "measurements")]
     image: Vec<PathBuf>,
-    /// Open the page in the browser when it is done; where nothing opens it, its path is all there is
+    /// Open the page in the browser when it is done
     #[arg(long)]
     open: bool,
 }

@@ -7,82 +7,49 @@ use finray_files::{load_network, read_text};
 use finray_model::sensing::ContactPosition;
 use finray_model::sensor::{Refusal, SensedForces, Sensor, SensorOptions, SensorWarning};
 
-/// Sense contact forces from measured displacements, with their uncertainty.
-///
-/// Reads node,ux_mm,uy_mm (nodes may be missing or their cells empty; of further columns x_mm,y_mm
-/// only serve to warn of a file of another finger) and writes contact,s_mm,angle_deg,force_n,sigma_n,
-/// a row a contact. Where the scene has its markers on hinges, hinge_ux_mm,hinge_uy_mm of `finray
-/// solve` are read instead. Markers on clamped nodes are ignored; one that moved by more than noise
-/// explains is refused. The direction of each force is an angle from the front plate's undeformed
-/// inward normal, positive towards the tip; 0 if left out. Give a node twice with two angles to ask
-/// for two components.
-/// A contact that was measured has standard deviations, as 80+-0.5@-20+-3 (mm, degrees): its force
-/// then lies anywhere in the cone of --friction about the direction, as `press` and `grasp` sense it.
-///
-/// sigma_n is one standard deviation: from the noise of --noise-mm, else of noise_mm in the scene's
-/// camera table, else of a column sigma_mm as `finray locate` writes it, else of the residual, and
-/// from the model's own error as far as it is known (linearisation, mesh, training). Where the
-/// measurement contradicts the stated noise (chi-squared test), or the model errs by more than noise
-/// does, a warning says so. sigma_n does not include errors that no measurement shows: a wrong
-/// modulus scales every force alike.
-///
-/// The nonlinear estimator is co-rotational. It alone takes the directions `normal` (of the deformed
-/// plate), `friction` (leaning from the normal, as the scene's table contact has it), `object` (the
-/// same, from the outline of the scene's contact.object, which the plate touches there) and `auto`
-/// (unknown), and the position `auto` (unknown); what is not identifiable is refused. Without a given
-/// mesh it refines until doubling the mesh changes no force by more than 0.2 %. Where a file of
-/// `finray locate` or the scene's table base says how well the base is known, it seeks the base too.
-///
-/// The network estimator answers in microseconds what it was trained for, and refuses the rest.
-/// Networks for the paper's finger ship (contact nodes 14 to 24 alone, the pairs 19 20, 16 17, 18 20
-/// and 16 20, any of 13 to 24); `finray train` makes those of other fingers and contacts, for
-/// --network.
-///
-/// With --all-images a file of several images gives a row for each; an image that is refused says why.
-///
-/// Examples:
-///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19
-///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 16@-20 --contact 20@10
-///       --noise-mm 0.067
-///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal
-///   finray solve fixtures/scenes/paper.toml --kinematics linear --load 19:-0.38,-1.96 |
-///       finray sense fixtures/scenes/paper.toml --displacements - --contact 19
-///           --estimator least-squares
-///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19 20
-///       --estimator network
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19 --noise-mm 0.067
+  finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal
+  finray sense calibrated.toml --displacements nodes.csv --all-images --contact-at auto@friction
+
+Guide: finray guide sense";
+
+/// Sense contact forces from measured displacements, with their standard deviations.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Measured displacements (CSV); - for standard input
-    #[arg(long, value_name = "FILE")]
+    /// Displacements: node,ux_mm,uy_mm, or a file of `finray locate`; - for standard input
+    #[arg(long, help_heading = "Input", value_name = "FILE")]
     displacements: PathBuf,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Question")]
     contacts: Contacts,
     /// The estimator
-    #[arg(long, value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
+    #[arg(long, help_heading = "Estimator", value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
     /// Network of `finray train`; without it, the one that ships for these contacts
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = "Estimator", value_name = "FILE")]
     network: Option<PathBuf>,
     /// Standard deviation of one measured coordinate, mm
-    #[arg(long, value_name = "S", value_parser = not_negative)]
+    #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Largest coefficient of friction, where contacts are given with standard deviations
-    #[arg(long, value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
+    /// Largest coefficient of friction, for contacts with standard deviations
+    #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
-    /// Image whose rows are read, of a file of several, by its name there or more of its path
-    #[arg(long, value_name = "NAME")]
+    /// The image to sense in, of a file of several
+    #[arg(long, help_heading = "Input", value_name = "NAME")]
     image_name: Option<String>,
-    /// Sense in every image of a file of several: image,contact,s_mm,angle_deg,force_n,sigma_n,refused
-    #[arg(long, conflicts_with = "image_name")]
+    /// Sense in every image of a file of several: a row each
+    #[arg(long, help_heading = "Input", conflicts_with = "image_name")]
     all_images: bool,
     /// Nodes of the nonlinear estimator's mesh
-    #[arg(long, value_name = "N")]
+    #[arg(long, help_heading = "Estimator", value_name = "N")]
     mesh_nodes: Option<usize>,
     /// Result file; - for standard output
-    #[arg(long, value_name = "FILE", default_value = "-")]
+    #[arg(long, help_heading = "Output", value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }
 

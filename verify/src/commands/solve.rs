@@ -6,28 +6,24 @@ use clap::ValueEnum;
 use finray_files::displacements;
 use finray_model::Kinematics;
 
-/// Deform a finger under loads: displacements of its key nodes.
-///
-/// Writes node,x_mm,y_mm,ux_mm,uy_mm,theta_rad, a row a key node: undeformed position, displacement
-/// and rotation. Of ribs on brackets hinge_x_mm,hinge_y_mm,hinge_ux_mm,hinge_uy_mm follow: the same of
-/// the joint that is held off the plate. Loads keep their direction while the finger bends; several on
-/// one node add up.
-///
-/// A warning on standard error says where the beam model does not hold: a strain above 5 % (or
-/// largest_strain of the scene's material), shear that would add more than 5 % to the
-/// displacement of the loads, a finger less deep than thick.
-///
-/// Examples:
-///   finray solve fixtures/scenes/paper.toml --load 19:-0.38,-1.96
-///   finray solve fixtures/scenes/paper.toml --load-at 80:2,-20 --mesh-nodes 684 --out shape.csv
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray solve fixtures/scenes/paper.toml --load 19:-0.38,-1.96
+  finray solve fixtures/scenes/paper.toml --load-at 80:2,-20 --mesh-nodes 684 --out shape.csv
+  finray solve fixtures/scenes/paper.toml --load-at 80:0.1,0 --kinematics linear
+
+Guide: finray guide your-finger";
+
+/// Deform a finger under loads: displacements and rotations of its key nodes.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
     #[command(flatten)]
     loads: Loads,
-    /// How displacements become deformations
+    /// Kinematics of the finger
     #[arg(long, value_enum, default_value_t = KinematicsArgument::Corotational)]
     kinematics: KinematicsArgument,
     /// Result file; - for standard output
@@ -37,11 +33,11 @@ pub struct Arguments {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum KinematicsArgument {
-    /// Small displacements
+    // Small displacements
     Linear,
-    /// Co-rotational, with the axial strain of a shallow arch
+    // Co-rotational, with the axial strain of a shallow arch
     Corotational,
-    /// Co-rotational, with the plain strain of the chord (as in OpenSees)
+    // Co-rotational, with the plain strain of the chord (as in OpenSees)
     CorotationalChord,
 }
 

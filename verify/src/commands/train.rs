@@ -9,67 +9,64 @@ use finray_model::sensor::SensorContacts;
 use finray_model::train::{TrainingRecipe, train};
 use finray_studies::settings::CAMERA_NOISE_MM;
 
+/// Below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray train fixtures/scenes/paper.toml --contact 15 21 --out 15-21.safetensors
+  finray train mine.toml --contact-at 80@-10 --noise-mm 0.1 --out mine.safetensors
+  finray train mine.toml --contact 16 18 20 22 --any-of --out mine.safetensors
+
+Guide: finray guide networks";
+
 /// Train a sensing network for a finger and its contacts.
-///
-/// Random forces bend the finger, camera noise is added to its displacements, and a network learns to
-/// sense the forces from them. `finray sense --estimator network --network FILE` then senses in
-/// microseconds, and refuses other fingers, other contacts and shapes unlike those of the training. A
-/// contact or a pair takes about half a minute.
-///
-/// Examples:
-///   finray train fixtures/scenes/paper.toml --contact 15 --contact 21 --out 15-21.safetensors
-///   finray train mine.toml --contact-at 80@-10 --noise-mm 0.1 --out mine.safetensors
-///   finray train mine.toml --contact 16 18 20 22 --any-of --out mine.safetensors
-///   finray train fixtures/scenes/paper.toml --contact 19 --truth linear --plain --noise-mm 0
-///       --hidden-layers 150,200,150 --out paper-19.safetensors                  (as in the paper)
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Contacts")]
     contacts: Contacts,
-    /// Any of the contacts may touch, at least one; which ones is given when sensing
-    #[arg(long, conflicts_with = "plain")]
+    /// Any of the contacts may touch; which ones is given when sensing
+    #[arg(long, help_heading = "Contacts", conflicts_with = "plain")]
     any_of: bool,
     /// The true finger
-    #[arg(long, value_name = "TRUTH", default_value_t = TruthId::Corotational, value_parser = own_beams)]
+    #[arg(long, help_heading = "Cases", value_name = "TRUTH", default_value_t = TruthId::Corotational, value_parser = own_beams)]
     truth: TruthId,
     /// Number of training cases [default: 20000; 100000 with --any-of]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    #[arg(long, help_heading = "Cases", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     samples: Option<u32>,
-    /// Standard deviation of one measured coordinate, mm; the scene's camera table if not given, else 0.067
-    #[arg(long, value_name = "S", value_parser = not_negative)]
+    /// Standard deviation of one coordinate, mm [default: the scene's, or 0.067]
+    #[arg(long, help_heading = "Cases", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Largest force of a contact, N
-    #[arg(long, value_name = "F", default_value_t = 5.0, value_parser = positive)]
+    #[arg(long, help_heading = "Cases", value_name = "F", default_value_t = 5.0, value_parser = positive)]
     largest_force_n: f64,
     /// Largest sum of the forces, N
-    #[arg(long, value_name = "F", default_value_t = 10.0, value_parser = positive)]
+    #[arg(long, help_heading = "Cases", value_name = "F", default_value_t = 10.0, value_parser = positive)]
     largest_sum_n: f64,
-    /// Standard deviation of each force's direction about its contact's, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = not_negative)]
+    /// Standard deviation of each force's direction, degrees
+    #[arg(long, help_heading = "Cases", value_name = "DEG", default_value_t = 0.0, value_parser = not_negative)]
     direction_spread_deg: f64,
-    /// Standard deviation of the logarithm of the finger's modulus: 0.05 for 5 %
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative)]
+    /// Relative standard deviation of the finger's modulus
+    #[arg(long, help_heading = "Cases", value_name = "S", default_value_t = 0.0, value_parser = not_negative)]
     modulus_spread: f64,
     /// Nodes that the camera never sees
-    #[arg(long, value_name = "NODE", num_args = 1..)]
+    #[arg(long, help_heading = "Cases", value_name = "NODE", num_args = 1..)]
     hide: Vec<usize>,
-    /// Widths of the hidden layers, separated by commas [default: 32,32; 128,128 with --any-of]
-    #[arg(long, value_name = "WIDTHS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=4096))]
+    /// Widths of the hidden layers [default: 32,32; 128,128 with --any-of]
+    #[arg(long, help_heading = "Network", value_name = "WIDTHS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=4096))]
     hidden_layers: Vec<u16>,
-    /// As plain as the paper's network: every coordinate an input, no linear branch
-    #[arg(long)]
+    /// The paper's network: every coordinate an input, no linear branch
+    #[arg(long, help_heading = "Network")]
     plain: bool,
-    /// Most passes through the training cases [default: 100; 60 with --any-of or --plain]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Largest number of passes [default: 100; 60 with --any-of or --plain]
+    #[arg(long, help_heading = "Network", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     epochs: Option<u32>,
     /// Seed of everything random
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, help_heading = "Cases", value_name = "S", default_value_t = 1)]
     seed: u64,
     /// File of the network (safetensors); - for standard output
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = "Output", value_name = "FILE")]
     out: PathBuf,
 }
 

@@ -12,78 +12,55 @@ use finray_model::estimators::ELEMENTS;
 use finray_model::finger::FingerDescription;
 use nalgebra::DMatrix;
 
-/// Find Young's modulus from measured shapes under known loads.
-///
-/// Reads case,load_node,fx_n,fy_n,node,ux_mm,uy_mm, the load repeated on each row of its case, and
-/// writes parameter,value,sigma: the factor on all moduli of the scene for which measured and
-/// computed nodes are closest, and the moduli that follow. The finger is co-rotational; single
-/// markers that are far off count little. --kinematics linear is eq. (11) of Xu et al. 2021, which
-/// holds for small displacements; where the co-rotational finger is closer, a warning says so and
-/// sigma holds the difference.
-///
-/// With --zones the modulus_factor of each zone of the scene is estimated too, starting from the
-/// value of the scene, by least squares (Gauss-Newton). A compliant clamp is a zone at the base.
-/// Factors that are not identifiable are refused; pairs that are hardly separable are named.
-///
-/// With --located a finger and its rig are calibrated from images of the pressed finger, all at once:
-/// --fit names what the scene has only nominally. modulus, front-modulus, back-modulus: factors on
-/// moduli; bracket, clip: their lengths; brackets: of each rib by itself; ribs: where each sits on
-/// each plate; height: of the markers above the beams, which is their scale; base: where the finger
-/// is in the frame of its references (or of the camera's pose). Where forces were measured (--forces,
-/// in the frame of the camera's pose), friction is the coefficient about the normal of the scene's
-/// table contact, friction-build-up also the force over which it builds up; friction=0.05 adds how
-/// much it differs from object to object, which images of one do not show. base-compliance is by how
-/// much a force turns the base, degrees a newton, where all images are of one mounting. Without
-/// forces geometry alone is identifiable. noise_factor is what markers err by as a share of what
-/// `finray locate` states: what is wrong alike in all images is then part of what was found.
-/// model_error_mm is by how much the calibrated finger still misses its markers, with what is open of
-/// its geometry; force_error_share by which share it misses forces: the scatter of those that were
-/// measured, and what is open alike for all forces, as a modulus is. --calibrated writes the scene that
-/// `finray sense` takes. Markers and forces that contradict the other images are refused, or said
-/// where they stand out: a name, a sign, a unit.
-///
-/// Examples:
-///   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
-///   finray calibrate fixtures/scenes/twin.toml --measurements weights.csv --zones
-///   finray calibrate fixtures/scenes/twin.toml --measurements weights.csv --zones=1+2,3+4,5+6
-///   finray calibrate fixtures/scenes/bracketed.toml --located nodes.csv --forces forces.csv
-///       --fit modulus,bracket,ribs=0.2,friction --calibrated calibrated.toml
+/// Below the options.
+const AFTER_HELP: &str = "\
+NAMES for --fit, joined by commas, each perhaps with a prior: modulus, front-modulus, back-modulus,
+bracket, brackets, clip, front-clip, back-clip, ribs, height, base, base-compliance, preload,
+friction, friction-build-up, force-error.
+
+Examples:
+  finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
+  finray calibrate fixtures/scenes/twin.toml --measurements weights.csv --zones=1+2,3+4,5+6
+  finray calibrate fixtures/scenes/bracketed.toml --located nodes.csv --forces forces.csv
+      --fit modulus,bracket,ribs=0.2,friction --calibrated calibrated.toml
+
+Guide: finray guide calibrate";
+
+/// Find moduli, geometry and friction of a finger, from weights or from images of the pressed finger.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = AFTER_HELP)]
 #[command(group = clap::ArgGroup::new("several").args(["zones", "located"]).multiple(true))]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Measured shapes under known loads (CSV); - for standard input
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["fit", "forces", "calibrated", "images"])]
+    /// Shapes under known loads: case,load_node,fx_n,fy_n,node,ux_mm,uy_mm
+    #[arg(long, help_heading = "From weights", value_name = "FILE", conflicts_with_all = ["fit", "forces", "calibrated", "images"])]
     measurements: Option<PathBuf>,
-    /// Images of the pressed finger as `finray locate` has located them (CSV); - for standard input
-    #[arg(long, value_name = "FILE", conflicts_with = "measurements", requires = "fit")]
+    /// Images of the pressed finger: a file of `finray locate`
+    #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with = "measurements", requires = "fit")]
     located: Option<PathBuf>,
-    /// What the images are to show, with --located: names joined by commas, each perhaps with a prior, as ribs=0.2
-    #[arg(long, value_name = "NAMES", requires = "located")]
+    /// What is unknown (see below), as modulus,ribs=0.2
+    #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "located")]
     fit: Option<String>,
-    /// Contact forces that were measured in some of the images: image,fx_n,fy_n (CSV), with --located
-    #[arg(long, value_name = "FILE", requires = "located")]
+    /// Forces measured in some of the images: image,fx_n,fy_n
+    #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     forces: Option<PathBuf>,
-    /// File for the scene with all that was found (TOML), with --located
-    #[arg(long, value_name = "FILE", requires = "located")]
+    /// File for the calibrated scene (TOML)
+    #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     calibrated: Option<PathBuf>,
-    /// File for what was found of each image (CSV), with --located
-    #[arg(long, value_name = "FILE", requires = "located")]
+    /// File for the results of each image (CSV)
+    #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     images: Option<PathBuf>,
-    /// Seek the factors of the scene's zones too: of each, or of those named, by their order from 1; zones joined by +
-    /// share a factor
-    #[arg(long, value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
+    /// Also estimate the factors of the scene's zones: each, or those named; + joins zones
+    #[arg(long, help_heading = "From weights", value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
     zones: Option<String>,
-    /// How displacements become deformations, with --measurements
-    #[arg(long, value_enum, requires = "measurements", default_value_t = KinematicsArgument::Corotational)]
+    /// Kinematics of the finger
+    #[arg(long, help_heading = "From weights", value_enum, requires = "measurements", default_value_t = KinematicsArgument::Corotational)]
     kinematics: KinematicsArgument,
-    /// Standard deviation of one measured coordinate, mm, with --measurements; the scene's camera table if not given, else
-    /// estimated from the residual
-    #[arg(long, value_name = "S", requires = "measurements", value_parser = not_negative)]
+    /// Standard deviation of one coordinate, mm [default: the scene's, or from the residual]
+    #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// File for the correlation of each two values that were found (CSV), with --zones or --located
+    /// File for the correlations of the results (CSV)
     #[arg(long, value_name = "FILE", requires = "several")]
     correlations: Option<PathBuf>,
     /// Result file; - for standard output
@@ -96,9 +73,9 @@ const EACH: &str = "each";
 
 #[derive(Clone, Copy, ValueEnum)]
 enum KinematicsArgument {
-    /// Small displacements
+    // Small displacements
     Linear,
-    /// Co-rotational, on four elements a member, or eight where one factor is sought
+    // Co-rotational, on four elements a member, or eight where one factor is sought
     Corotational,
 }
 
