@@ -19,7 +19,7 @@ use std::process::ExitCode;
 ///
 /// A finger is described by a scene file (TOML); start from fixtures/scenes/paper.toml. Lengths are
 /// in mm, forces in N, moduli in MPa, angles of forces in degrees from the front plate's inward
-/// normal, positive towards the tip.
+/// normal, positive towards the tip. `finray guide` lists the guides, one for each task.
 ///
 /// Exit codes: 0 done; 1 a valid question that could not be computed; 2 bad input, or a question
 /// without a unique answer.

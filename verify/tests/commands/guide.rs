@@ -9,7 +9,7 @@ use crate::report::shared::PAPERS;
 use finray_model::keys::TABLES;
 use finray_verify::guide::GUIDES;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The report takes most of a minute; tests make it once.
@@ -164,6 +164,33 @@ fn the_reference_of_files_explains_the_columns_that_are_there_and_no_others() {
         let shown: Vec<_> = shown.flat_map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>()).collect();
         let shown: BTreeSet<_> = shown.iter().map(String::as_str).filter(|column| !column.is_empty()).collect();
         assert_eq!(shown, explained(section).into_iter().collect(), "{name}");
+    }
+}
+
+/// All sources below a folder as one text, in which string literals that go over lines are whole.
+fn sources(folder: &Path) -> String {
+    let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let text = |path: PathBuf| match path.is_dir() {
+        true => sources(&path),
+        false => std::fs::read_to_string(path).expect("a source"),
+    };
+    let lines = entries.map(text).collect::<String>();
+    lines.split("\\\n").map(str::trim_start).collect()
+}
+
+/// The table of refusals names messages by their words, which the program may change.
+#[test]
+fn the_messages_that_the_guide_explains_are_those_of_the_program() {
+    let page = GUIDES.iter().find(|guide| guide.name == "sense").expect("the page").text;
+    let (_, table) = page.split_once("| the message has |").expect("the table");
+    let rows =
+        table.lines().take_while(|line| !line.is_empty()).filter_map(|row| row.strip_prefix("| `")?.split('`').next());
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let said: String = ["../model/src", "src", "files/src"].map(|folder| sources(&root.join(folder))).concat();
+    let words: Vec<_> = rows.collect();
+    assert!(words.len() > 9, "{words:?}");
+    for message in words {
+        assert!(said.contains(message), "{message}");
     }
 }
 
