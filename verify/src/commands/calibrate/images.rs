@@ -5,8 +5,8 @@ use crate::commands::prelude::*;
 use finray_files::views::LocatedViews;
 use finray_files::{load_scene_and_text, views, with_values};
 use finray_model::calibration::{
-    self, BaseCompliance, FoundView, FrictionQuestion, LocatedView, Quantity, RigEstimate, RigQuestion, SceneValue,
-    Sought, ViewEstimate,
+    self, BaseCompliance, FoundView, FrictionEstimate, FrictionQuestion, LeftOutObject, LocatedView, Quantity,
+    RigEstimate, RigQuestion, SceneValue, Sought, ViewEstimate,
 };
 use finray_model::finger::{Plate, RibPositions};
 use finray_model::sensing::{Lean, Normal};
@@ -178,6 +178,9 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let RigEstimate { views: estimate, compliance, .. } = &found;
     print_priors(estimate);
     print_base(&found);
+    if let Some(friction) = &found.friction {
+        print_friction(friction);
+    }
     if measured == 0 && arguments.calibrated.is_some() {
         print_message(
             "warning: no force was measured: what stays uncertain of the calibrated finger is not part of the sigma_n that `finray sense` states with it; one \
@@ -239,6 +242,29 @@ fn print_base(found: &RigEstimate) {
     ));
 }
 
+/// Says what friction rests on where several objects were pressed, and that its sign is unusual.
+fn print_friction(FrictionEstimate { lean, between_objects, left_out }: &FrictionEstimate) {
+    let [coefficient, _] = lean.coefficient();
+    if coefficient < 0.0 {
+        print_message(format_args!(
+            "warning: friction is {coefficient:.2}: measured forces lean from the normal towards the base, as under an object that slides that way; check \
+             the sign of fy_n, and the frame of the forces"
+        ));
+    }
+    if let Some(between_objects) = between_objects {
+        print_message(format_args!(
+            "note: friction differs by {between_objects:.3} (standard deviation) from object to object; friction_sigma holds that, and that so few objects \
+             show it badly"
+        ));
+    }
+    for LeftOutObject { object, predicted_deg, sigma_deg, measured_deg } in left_out {
+        print_message(format_args!(
+            "note: left out by object: {object}: predicted lean {predicted_deg:.1} degrees (standard deviation of one force {sigma_deg:.1}), measured \
+             {measured_deg:.1} (means)"
+        ));
+    }
+}
+
 /// What was found; no standard deviation is known of what is itself one, nor of a force over which friction builds up.
 fn rows(found: &RigEstimate) -> Vec<Row> {
     let &RigEstimate { views: ref estimate, ref friction, compliance, force_error, .. } = found;
@@ -249,12 +275,13 @@ fn rows(found: &RigEstimate) -> Vec<Row> {
     if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = compliance {
         rows.push(row("base_deg_per_n", deg_per_n, Some(sigma_deg_per_n).filter(|sigma| sigma.is_finite())));
     }
-    if let Some(lean) = friction {
+    if let Some(FrictionEstimate { lean, between_objects, .. }) = friction {
         let [coefficient, sigma] = lean.coefficient();
         rows.push(row("friction", coefficient, Some(sigma)));
         if lean.build_up_n > 0.0 {
             rows.push(row("friction_build_up_n", lean.build_up_n, None));
         }
+        rows.extend(between_objects.map(|sd| row("friction_between_objects", sd, None)));
     }
     rows.push(row("noise_factor", estimate.new_marker_errors.noise_factor, None));
     rows.push(row("model_error_mm", estimate.new_marker_errors.model_mm, None));

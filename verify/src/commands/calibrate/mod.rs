@@ -31,9 +31,10 @@ use nalgebra::DMatrix;
 /// each plate; height: of the markers above the beams, which is their scale; base: where the finger
 /// is in the frame of its references (or of the camera's pose). Where forces were measured (--forces,
 /// in the frame of the camera's pose), friction is the coefficient about the normal of the scene's
-/// table contact, friction-build-up also the force over which it builds up; friction=0.05 adds how
-/// much it differs from object to object, which images of one do not show. base-compliance is by how
-/// much a force turns the base, degrees a newton, where all images are of one mounting. Without
+/// table contact, friction-build-up also the force over which it builds up. A column object in --forces
+/// names what pressed the finger: of several objects friction_between_objects is by how much the
+/// coefficient differs between them, and each is predicted from the others; friction=0.05 states it for
+/// one object. base-compliance is by how much a force turns the base, degrees a newton, where all images are of one mounting. Without
 /// forces geometry alone is identifiable. noise_factor is what markers err by as a share of what
 /// `finray locate` states: what is wrong alike in all images is then part of what was found.
 /// model_error_mm is by how much the calibrated finger still misses its markers, with what is open of
@@ -63,7 +64,7 @@ pub struct Arguments {
     /// What the images are to show, with --located: names joined by commas, each perhaps with a prior, as ribs=0.2
     #[arg(long, value_name = "NAMES", requires = "located")]
     fit: Option<String>,
-    /// Contact forces that were measured in some of the images: image,fx_n,fy_n (CSV), with --located
+    /// Contact forces that were measured in some of the images: image,fx_n,fy_n, perhaps object (CSV), with --located
     #[arg(long, value_name = "FILE", requires = "located")]
     forces: Option<PathBuf>,
     /// File for the scene with all that was found (TOML), with --located
