@@ -148,5 +148,6 @@ fn physics(study: &Study) -> Value {
     let counts =
         counts.map(|tally| context! { passed => tally.passed, all => tally.all, against => tally.against.in_words() });
     let limits = shapes::beyond_limits(study);
-    context! { kinds => counts.collect::<Vec<_>>(), limits, force_n => study.forces.drawn_n() }
+    let is_measured = study.measured.is_some();
+    context! { kinds => counts.collect::<Vec<_>>(), limits, force_n => study.forces.drawn_n(), is_measured }
 }

@@ -2,6 +2,7 @@
 
 mod images;
 mod modulus;
+mod notes;
 
 use crate::commands::prelude::*;
 use clap::ValueEnum;
