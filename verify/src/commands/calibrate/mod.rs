@@ -32,17 +32,17 @@ use nalgebra::DMatrix;
 /// each plate; height: of the markers above the beams, which is their scale; base: where the finger
 /// is in the frame of its references (or of the camera's pose). Where forces were measured (--forces,
 /// in the frame of the camera's pose), friction is the coefficient about the normal of the scene's
-/// table contact, friction-build-up also the force over which it builds up. A column object in --forces
-/// names what pressed the finger: of several objects friction_between_objects is by how much the
-/// coefficient differs between them, and each is predicted from the others; friction=0.05 states it for
-/// one object. base-compliance is by how much a force turns the base, degrees a newton, where all images are of one mounting. Without
-/// forces geometry alone is identifiable. noise_factor is what markers err by as a share of what
-/// `finray locate` states: what is wrong alike in all images is then part of what was found.
-/// model_error_mm is by how much the calibrated finger still misses its markers, with what is open of
-/// its geometry; force_error_share by which share it misses forces: the scatter of those that were
-/// measured, and what is open alike for all forces, as a modulus is. --calibrated writes the scene that
-/// `finray sense` takes. Markers and forces that contradict the other images are refused, or said
-/// where they stand out: a name, a sign, a unit.
+/// table contact, friction-build-up also the force over which it builds up. A column object in
+/// --forces names what pressed the finger: of several objects friction_between_objects is by how much
+/// the coefficient differs between them, and each is predicted from the others; friction=0.05 states
+/// it for one object. base-compliance is by how much a force turns the base, degrees a newton, where
+/// all images are of one mounting. Without forces geometry alone is identifiable. noise_factor is
+/// what markers err by as a share of what `finray locate` states: what is wrong alike in all images
+/// is then part of what was found. model_error_mm is by how much the calibrated finger still misses
+/// its markers, with what is open of its geometry; force_error_share by which share it misses forces:
+/// the scatter of those that were measured, and what is open alike for all forces, as a modulus is.
+/// --calibrated writes the scene that `finray sense` takes. Markers and forces that contradict the
+/// other images are refused, or said where they stand out: a name, a sign, a unit.
 ///
 /// Examples:
 ///   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
