@@ -8,9 +8,9 @@ mod views;
 pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
 pub use modulus::{CorotationalModulus, OutlyingMarker, corotational_modulus};
 pub use views::{
-    BaseCompliance, ForceError, FoundQuantity, FoundView, FrictionQuestion, LocatedView, Outlier, OutlierKind,
-    Quantity, RigEstimate, RigQuestion, SceneValue, Sought, UNSTATED_BASE, View, ViewError, ViewEstimate, ViewModel,
-    calibrate_rig, compliance_of, friction_of, views,
+    BaseCompliance, ForceError, FoundQuantity, FoundView, FrictionEstimate, FrictionQuestion, LeftOutObject,
+    LocatedView, MeasuredLean, Outlier, OutlierKind, Quantity, RigEstimate, RigQuestion, SceneValue, Sought,
+    UNSTATED_BASE, View, ViewError, ViewEstimate, ViewModel, calibrate_rig, compliance_of, friction_of, views,
 };
 
 use crate::Kinematics;
@@ -88,6 +88,19 @@ pub enum CalibrationError {
     NotSeparable {
         /// Their names.
         parameters: String,
+    },
+    /// Measured forces do not lean as friction would have it, or not far enough to show it in full.
+    #[error(
+        "friction is not identifiable: it would build up over {build_up_n:.3} N to a lean of {angle_deg:.1} degrees from the normal; expected less than 90 \
+         degrees, and no more than the largest force that was measured, {largest_n:.3} N: measure larger forces, check signs, or seek one coefficient (friction)"
+    )]
+    FrictionLimit {
+        /// The lean of a force that slides, degrees.
+        angle_deg: f64,
+        /// The force over which friction builds up, N.
+        build_up_n: f64,
+        /// The largest measured force, N.
+        largest_n: f64,
     },
     /// The search for factors does not settle.
     #[error(

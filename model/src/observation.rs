@@ -187,6 +187,15 @@ impl Observation {
         self.markers.iter().any(is_elsewhere)
     }
 
+    /// From the frame in which forces are sensed to that of the camera's pose: the base as the observation shows it. A base without references is about
+    /// where the camera's pose has it.
+    pub fn frame(&self, scene: &Scene) -> Isometry2<f64> {
+        match scene.base.as_ref().is_some_and(Base::is_of_pose) {
+            true => Isometry2::identity(),
+            false => self.base_pose(),
+        }
+    }
+
     /// From the finger frame to that of the camera's pose.
     fn base_pose(&self) -> Isometry2<f64> {
         self.base.map_or_else(Isometry2::identity, |base| base.pose)
@@ -208,10 +217,10 @@ struct Reading {
 impl Reading {
     fn of(&self, seen: &Observation, scene: &Scene) -> Result<ObservedMeasurement, ObservationError> {
         let finger = &scene.finger;
-        // Without references the base is about where the camera's pose has it, and displacements count from there.
+        // Displacements then count from the camera's pose.
         let is_of_pose = scene.base.as_ref().is_some_and(Base::is_of_pose);
         let pose = seen.base_pose();
-        let frame = if is_of_pose { Isometry2::identity() } else { pose };
+        let frame = seen.frame(scene);
         let stated_base = seen.base.and_then(|base| base.uncertainty).filter(|_| self.base_is_sought);
         let own_sds = stated_base.is_some();
         let mut rows = Vec::with_capacity(seen.markers.len());

@@ -195,14 +195,6 @@ impl<'s> Sensor<'s> {
         Ok(Sensor { scene, contacts, options })
     }
 
-    /// Number of contacts whose forces are sought.
-    pub fn contact_count(&self) -> usize {
-        match &self.contacts {
-            SensorContacts::Asked(questions) => questions.len(),
-            SensorContacts::Measured { contacts, .. } => contacts.len(),
-        }
-    }
-
     /// Forces of one observation. Every observation counts by itself: the order in which they come does not matter.
     ///
     /// # Errors
@@ -352,9 +344,11 @@ pub enum AskedDirection {
     Friction,
     /// The same from the normal of the scene's table `contact.object`.
     Object,
+    /// As the force of the image was measured.
+    Measured,
 }
 
-/// A direction needs what the scene does not have.
+/// A direction needs what the scene does not have, or a measured force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum MissingInScene {
     /// The friction.
@@ -363,17 +357,21 @@ pub enum MissingInScene {
     /// The object.
     #[error("a direction is `object`: expected a table contact.object in the scene")]
     Object,
+    /// The measured force.
+    #[error("a direction is `measured`: expected the measured force of the image (--forces)")]
+    Measured,
 }
 
 impl AskedDirection {
-    /// The direction with what a scene knows of friction and object.
+    /// The direction with what a scene knows of friction and object; `measured_deg` is that of the measured force, degrees.
     ///
     /// # Errors
     /// [`MissingInScene`].
-    pub fn of_scene(self, scene: &Scene) -> Result<Direction, MissingInScene> {
+    pub fn of_scene(self, scene: &Scene, measured_deg: Option<f64>) -> Result<Direction, MissingInScene> {
         let friction = scene.contact.lean;
         match self {
             AskedDirection::Itself(direction) => Ok(direction),
+            AskedDirection::Measured => measured_deg.map(Direction::Angle).ok_or(MissingInScene::Measured),
             AskedDirection::Friction => friction.map(Direction::Leaning).ok_or(MissingInScene::Friction),
             AskedDirection::Object => {
                 let object = scene.touched.as_ref().ok_or(MissingInScene::Object)?;

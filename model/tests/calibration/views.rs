@@ -1,7 +1,8 @@
 //! A finger and its rig from several views of it: what was changed is found, to what is stated.
 
 use finray_model::calibration::{
-    CalibrationError, Quantity, Sought, View, ViewError, ViewEstimate, ViewModel, compliance_of, friction_of, views,
+    CalibrationError, FrictionQuestion, MeasuredLean, Quantity, Sought, View, ViewError, ViewEstimate, ViewModel,
+    compliance_of, friction_of, views,
 };
 use finray_model::finger::{BracketLengths, Plate, RibPositions};
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
@@ -339,20 +340,109 @@ fn a_finger_of_no_use_is_refused() {
     assert!(refused.as_ref().is_err_and(is_of_forces), "{refused:?}");
 }
 
+fn leans_of<'o>(object: &'o str, leans: &[(f64, f64)]) -> Vec<MeasuredLean<'o>> {
+    leans.iter().map(|(force_n, lean_deg)| (object, *force_n, *lean_deg)).collect()
+}
+
+fn asked(builds_up: bool, between_objects: f64) -> FrictionQuestion {
+    FrictionQuestion { builds_up, between_objects }
+}
+
 /// Friction that builds up, from leans that follow the law, and from leans that scatter about a constant.
 #[test]
 fn friction_follows_from_leans() {
     let law = |force_n: f64| 20.0 * (1.0 - (-force_n / 2.5_f64).exp());
-    let leans = [0.5, 1.0, 2.0, 4.0, 8.0].map(|force_n| (force_n, law(force_n)));
-    let found = friction_of(&leans, Normal::Undeformed, true).expect("identifiable");
+    let leans = leans_of("", &[0.5, 1.0, 2.0, 4.0, 8.0].map(|force_n| (force_n, law(force_n))));
+    let found = friction_of(&leans, Normal::Undeformed, asked(true, 0.0)).expect("identifiable");
     // Build-up forces are tried in steps of 0.7 %.
-    assert!((found.build_up_n / 2.5 - 1.0).abs() < 0.007, "{found:?}");
-    assert!((found.angle_deg / 20.0 - 1.0).abs() < 0.005 && found.sd_deg < 0.05, "{found:?}");
-    let found = friction_of(&[(1.0, 19.0), (2.0, 21.0), (3.0, 20.0)], Normal::Undeformed, false).expect("identifiable");
+    assert!((found.lean.build_up_n / 2.5 - 1.0).abs() < 0.007, "{found:?}");
+    assert!((found.lean.angle_deg / 20.0 - 1.0).abs() < 0.005 && found.lean.sd_deg < 0.05, "{found:?}");
+    assert_eq!((found.between_objects, found.left_out.len()), (None, 0));
+    let scattered = leans_of("", &[(1.0, 19.0), (2.0, 21.0), (3.0, 20.0)]);
+    let found = friction_of(&scattered, Normal::Undeformed, asked(false, 0.0)).expect("identifiable").lean;
     // The mean, and the standard deviation of three about their mean.
     assert!((found.angle_deg - 20.0).abs() < 1e-12 && (found.sd_deg - 1.0).abs() < 1e-12, "{found:?}");
-    let refused = friction_of(&leans[..2], Normal::Undeformed, true);
+    // What objects are assumed to differ by: 0.05 of a coefficient is 0.05 cos^2 20 deg of an angle.
+    let other = friction_of(&scattered, Normal::Undeformed, asked(false, 0.05)).expect("identifiable").lean;
+    let between_deg = (0.05 * 20.0_f64.to_radians().cos().powi(2)).to_degrees();
+    assert!((other.sd_deg - 1.0_f64.hypot(between_deg)).abs() < 1e-9, "{other:?}");
+    let refused = friction_of(&leans[..2], Normal::Undeformed, asked(true, 0.0));
     assert_eq!(refused, Err(CalibrationError::TooFewViews { views: 2, unknowns: 2 }));
+}
+
+/// Leans that grow with the force up to the largest once led to an angle of 141 degrees where an object slides, and to a coefficient of -0.80.
+#[test]
+fn friction_that_still_builds_up_has_no_coefficient() {
+    let grows = leans_of("", &[2.0, 4.0, 6.0, 8.0, 10.0].map(|force_n| (force_n, 1.6 * force_n)));
+    let refused = friction_of(&grows, Normal::Undeformed, asked(true, 0.05));
+    let is_limit = |error: &CalibrationError| matches!(error, CalibrationError::FrictionLimit { angle_deg, largest_n, .. } if *angle_deg > 90.0 && *largest_n == 10.0);
+    assert!(refused.as_ref().is_err_and(is_limit), "{refused:?}");
+    // The same law at a fifth of the lean has a tangent, but not one that was measured.
+    let grows = leans_of("", &[2.0, 4.0, 6.0, 8.0, 10.0].map(|force_n| (force_n, 0.3 * force_n)));
+    let refused = friction_of(&grows, Normal::Undeformed, asked(true, 0.05));
+    assert!(matches!(refused, Err(CalibrationError::FrictionLimit { .. })), "{refused:?}");
+    let found = friction_of(&grows, Normal::Undeformed, asked(false, 0.05)).expect("a mean");
+    assert!((found.lean.angle_deg - 1.8).abs() < 1e-12, "{found:?}");
+}
+
+/// Balanced objects: restricted likelihood has the variance between them where their means' variance is that less the share of the variance within
+/// (Searle, Casella and McCulloch, Variance Components, 1992, sec. 3.8); each object is predicted by the mean of the others.
+#[test]
+fn friction_differs_from_object_to_object() {
+    let of = |object: &'static str, mean_deg: f64| {
+        leans_of(object, &[(1.0, mean_deg - 1.0), (2.0, mean_deg), (3.0, mean_deg + 1.0)])
+    };
+    let means = [10.0, 14.0, 21.0];
+    let leans: Vec<MeasuredLean> =
+        ["a", "b", "c"].iter().zip(means).flat_map(|(object, mean)| of(object, mean)).collect();
+    let found = friction_of(&leans, Normal::Undeformed, asked(false, 0.05)).expect("identifiable");
+    assert!((found.lean.angle_deg - 15.0).abs() < 1e-9, "{found:?}");
+    // Of three means 31, less a third of the variance within, 1.
+    let between_deg = (31.0_f64 - 1.0 / 3.0).sqrt();
+    let between = between_deg.to_radians() / 15.0_f64.to_radians().cos().powi(2);
+    // Standard deviations are tried in steps of 2 %.
+    assert!((found.between_objects.expect("three objects") / between - 1.0).abs() < 0.02, "{found:?}");
+    assert!(found.lean.sd_deg > 1.2 * between_deg, "{found:?}");
+    let predicted: Vec<(f64, f64)> = found.left_out.iter().map(|out| (out.predicted_deg, out.measured_deg)).collect();
+    for ((predicted, measured), expected) in predicted.iter().zip([(17.5, 10.0), (15.5, 14.0), (12.0, 21.0)]) {
+        assert!(
+            (predicted - expected.0).abs() < 1e-9 && (measured - expected.1).abs() < 1e-9,
+            "{predicted} {measured}"
+        );
+    }
+}
+
+/// Two, three and five objects over many draws: 95 % intervals of a new one hold a force in at least 89 %, whether objects hardly differ or by twice as
+/// much as is assumed.
+#[test]
+fn few_objects_leave_open_by_how_much_they_differ() {
+    const DRAWS: usize = 60;
+    const NAMES: [&str; 5] = ["a", "b", "c", "d", "e"];
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    for objects in [2, 3, 5] {
+        for true_deg in [0.5, 3.0, 6.0] {
+            let mut within = 0.0;
+            for _ in 0..DRAWS {
+                let object = |name: &'static str, normal: &mut dyn FnMut() -> f64| {
+                    let angle_deg = 20.0 + true_deg * normal();
+                    let leans = [1.0, 2.0, 4.0, 6.0, 9.0, 12.0].map(|force_n| (force_n, angle_deg + 1.5 * normal()));
+                    leans_of(name, &leans)
+                };
+                let leans: Vec<MeasuredLean> =
+                    NAMES[..objects].iter().flat_map(|name| object(name, &mut normal)).collect();
+                let lean = friction_of(&leans, Normal::Undeformed, asked(false, 0.05)).expect("identifiable").lean;
+                // The chance that a new force is within, of a normal one.
+                let new_deg = 1.5_f64.hypot(true_deg);
+                let below = |deg: f64| 0.5 * statrs::function::erf::erfc(-(deg - 20.0) / new_deg / 2.0_f64.sqrt());
+                let reach_deg = 1.96 * lean.sd_deg;
+                within += (below(lean.angle_deg + reach_deg) - below(lean.angle_deg - reach_deg)) / DRAWS as f64;
+            }
+            // Two objects hardly bound by how much a third may differ; five do.
+            let most = if objects == 5 { 0.99 } else { 1.0 };
+            assert!((0.89..most).contains(&within), "{within} of {objects} objects that differ by {true_deg}");
+        }
+    }
 }
 
 /// A line by hand: slope 0.5 and residuals of 0.1, -0.2 and 0.1, of variance 0.06 with one degree of freedom, over forces whose squares about their

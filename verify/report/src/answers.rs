@@ -4,7 +4,7 @@ use super::format::capitalised;
 use super::maps::small;
 use super::page::Answer;
 use super::trust::{Situation, situations};
-use super::{causes, checks, shapes};
+use super::{causes, checks, measured, shapes};
 use crate::prelude::*;
 use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
 use finray_studies::settings::{CAMERA_FRAME_S, TWO_FORCES_N};
@@ -32,7 +32,7 @@ pub(super) fn answers(study: &Study) -> Result<Vec<Answer>, ReportError> {
 pub(super) fn caveat(study: &Study) -> Result<String, ReportError> {
     let finger = study.finger.description();
     let numbers = context! {
-        noise_mm => study.noise_mm, is_measured => study.measured.is_some(), is_paper => study.is_paper,
+        noise_mm => study.noise_mm, measured => study.measured.as_ref().and_then(measured::in_words), is_paper => study.is_paper,
         base_width_mm => finger.base_width_mm, depth_mm => finger.depth_mm,
     };
     Ok(say("answers.caveat", Some(numbers))?.unwrap_or_default())
@@ -148,5 +148,6 @@ fn physics(study: &Study) -> Value {
     let counts =
         counts.map(|tally| context! { passed => tally.passed, all => tally.all, against => tally.against.in_words() });
     let limits = shapes::beyond_limits(study);
-    context! { kinds => counts.collect::<Vec<_>>(), limits, force_n => study.forces.drawn_n() }
+    let is_measured = study.measured.is_some();
+    context! { kinds => counts.collect::<Vec<_>>(), limits, force_n => study.forces.drawn_n(), is_measured }
 }

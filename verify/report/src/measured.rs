@@ -9,6 +9,9 @@ use finray_studies::experiments::measured::{MarkerResidual, MeasuredForce, Measu
 use finray_studies::statistics::{mean, rms};
 
 const CSV: &str = "measured_forces.csv";
+const COVERAGE_CSV: &str = "measured_coverage.csv";
+/// Things that are known of which each image is listed: the measured direction and the friction of the scene.
+const OF_SCENE: usize = 2;
 const RESIDUALS_CSV: &str = "measured_residuals.csv";
 /// Longest residual of the picture, mm on the page: the others to the same scale.
 const LONGEST_MM: f64 = 12.0;
@@ -16,6 +19,7 @@ const LONGEST_MM: f64 = 12.0;
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     vec![
         Dataset::records(CSV, study.measured.iter().flat_map(|measured| &measured.forces)),
+        Dataset::new(COVERAGE_CSV, &coverage_columns(), study.measured.iter().flat_map(coverages)),
         Dataset::records(RESIDUALS_CSV, study.measured.iter().flat_map(|measured| &measured.residuals)).csv_alone(),
     ]
 }
@@ -48,41 +52,97 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         let figures = measured.pictures.iter().map(figure).collect();
         blocks.push(Block::Figures { figures });
     }
-    let columns = Columns::<(&'static str, &[MeasuredForce])>::new()
-        .page("what is known", Format::Words, |(known, _)| *known)
-        .page("images", Format::Plain, |(_, forces)| forces.len())
-        .page("refused", Format::Plain, |(_, forces)| forces.iter().filter(|force| force.error.is_none()).count())
-        .page("mean error", Format::Percent, |(_, forces)| mean_error(forces))
-        .page("largest", Format::Percent, |(_, forces)| errors(forces).reduce(f64::max))
-        .page("error / sigma, rms", Format::Fixed(2), |(_, forces)| {
-            rms(forces.iter().filter_map(|force| force.error_over_sigma))
-        })
-        .page("within 95 %", Format::Plain, |(_, forces)| within(forces));
     let caption = "Error of the force as a share of the measured one, by what is known: all that the scene has, and all but one thing";
-    blocks.push(Block::Table(columns.table(caption, CSV, measured.by_knowledge())));
+    let of_all = coverages(measured).into_iter().filter(|coverage| coverage.object.is_none());
+    blocks.push(Block::Table(coverage_columns().table(caption, COVERAGE_CSV, of_all)));
+    let by_object: Vec<Coverage> =
+        coverages(measured).into_iter().filter(|coverage| coverage.object.is_some()).collect();
+    if !by_object.is_empty() {
+        let table = coverage_columns().table("The same by object", COVERAGE_CSV, by_object);
+        blocks.push(details("By object", vec![Block::Table(table)]));
+    }
+    let of_scene = measured.by_knowledge().take(OF_SCENE).flat_map(|(_, forces)| forces);
+    let table =
+        image_columns().table("Each image, by what is known; z is the error in standard deviations", CSV, of_scene);
+    blocks.push(details("By image", vec![Block::Table(table)]));
     let says = say("measured.says", in_words(measured))?;
     Ok(Some(Section::new("measured", "Measured images", blocks).saying(says)))
 }
 
-fn errors(forces: &[MeasuredForce]) -> impl Iterator<Item = f64> {
-    forces.iter().filter_map(|force| force.error).map(f64::abs)
+/// Images with what was known of them, of one object or of all.
+struct Coverage<'s> {
+    known: &'static str,
+    object: Option<&'s str>,
+    forces: Vec<&'s MeasuredForce>,
 }
 
-fn mean_error(forces: &[MeasuredForce]) -> Option<f64> {
-    mean(errors(forces))
+impl Coverage<'_> {
+    fn errors(&self) -> impl Iterator<Item = f64> {
+        self.forces.iter().filter_map(|force| force.error).map(f64::abs)
+    }
+
+    /// Images whose interval holds the measured force.
+    fn within(&self) -> usize {
+        self.forces.iter().filter(|force| force.error_over_sigma.is_some_and(|off| off.abs() <= TWO_SIDED_95)).count()
+    }
 }
 
-/// Images whose interval holds the measured force.
-fn within(forces: &[MeasuredForce]) -> usize {
-    forces.iter().filter(|force| force.error_over_sigma.is_some_and(|off| off.abs() <= TWO_SIDED_95)).count()
+/// By what is known: of all images, then of each object where these are known.
+fn coverages(measured: &MeasuredStudy) -> Vec<Coverage<'_>> {
+    let mut objects: Vec<&str> = Vec::new();
+    for force in measured.forces.iter().filter(|force| !force.object.is_empty()) {
+        if !objects.contains(&force.object.as_str()) {
+            objects.push(&force.object);
+        }
+    }
+    let of = |(known, forces): (&'static str, _), object: Option<&_>| {
+        let forces: &[MeasuredForce] = forces;
+        let forces = forces.iter().filter(|force| object.is_none_or(|object: &&str| force.object == *object)).collect();
+        Coverage { known, object: object.copied(), forces }
+    };
+    let by_knowledge = measured.by_knowledge();
+    by_knowledge
+        .flat_map(|it| {
+            std::iter::once(None).chain(objects.iter().map(Some)).map(move |o| of(it, o)).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+fn coverage_columns<'s>() -> Columns<'s, Coverage<'s>> {
+    Columns::new()
+        .both("known", "what is known", Format::Words, |of: &Coverage<'s>| of.known)
+        .both("object", "object", Format::Words, |of| of.object.unwrap_or("all"))
+        .both("images", "images", Format::Plain, |of| of.forces.len())
+        .both("refused", "refused", Format::Plain, |of| of.forces.iter().filter(|force| force.error.is_none()).count())
+        .both("mean_error", "mean error", Format::Percent, |of| mean(of.errors()))
+        .both("largest_error", "largest", Format::Percent, |of| of.errors().reduce(f64::max))
+        .both("error_over_sigma_rms", "error / sigma, rms", Format::Fixed(2), |of| {
+            rms(of.forces.iter().filter_map(|force| force.error_over_sigma))
+        })
+        .both("within_95", "within 95 %", Format::Plain, Coverage::within)
+}
+
+fn image_columns<'s>() -> Columns<'s, &'s MeasuredForce> {
+    Columns::new()
+        .page("image", Format::Words, |force: &&'s MeasuredForce| force.image.as_str())
+        .page("object", Format::Words, |force| force.object.as_str())
+        .page("what is known", Format::Words, |force| force.known)
+        .page("measured, N", Format::Fixed(2), |force| force.measured_n)
+        .page("sensed, N", Format::Fixed(2), |force| force.sensed_n)
+        .page("sigma, N", Format::Fixed(2), |force| force.sigma_n)
+        .page("z", Format::Fixed(2), |force| force.error_over_sigma)
 }
 
 /// The friction of the scene where it has one, else the measured direction.
-fn in_words(measured: &MeasuredStudy) -> Option<Value> {
-    let all: Vec<_> = measured.by_knowledge().collect();
-    let (known, forces) = all.iter().find(|(known, _)| known.starts_with("friction")).or(all.first())?;
-    let (error, within) = (mean_error(forces)?, within(forces));
-    Some(context! { images => measured.images, known => *known, error, within, forces => forces.len() })
+pub(super) fn in_words(measured: &MeasuredStudy) -> Option<Value> {
+    let all = coverages(measured);
+    let first = all.iter().find(|of| of.known.starts_with("friction") && of.object.is_none()).or(all.first())?;
+    let of_known = all.iter().filter(|of| of.known == first.known);
+    let objects: Vec<String> = of_known.filter_map(|of| of.object.map(str::to_owned)).collect();
+    let (error, within) = (mean(first.errors())?, first.within());
+    Some(
+        context! { images => measured.images, known => first.known, error, within, forces => first.forces.len(), objects },
+    )
 }
 
 fn forces(measured: &MeasuredStudy) -> Result<Option<String>, FigureError> {

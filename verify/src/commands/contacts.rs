@@ -4,7 +4,7 @@ use super::parse::{AskedContact, contact_at_node, contact_at_position};
 use crate::commands::prelude::*;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use finray_model::sensing::{ContactQuestion, MeasuredContact};
-use finray_model::sensor::SensorContacts;
+use finray_model::sensor::{AskedDirection, SensorContacts};
 
 const AT_NODES: &str = "contact";
 const AT_POSITIONS: &str = "contact-at";
@@ -13,11 +13,12 @@ const AT_POSITIONS: &str = "contact-at";
 pub struct Contacts(Vec<AskedContact>);
 
 impl Contacts {
-    /// The contacts with the scene's friction and object: all or none with standard deviations; with them, forces lie within the cone of `friction`.
+    /// The contacts with the scene's friction and object, and `measured_deg`, the direction of the measured force: all or none with standard deviations;
+    /// with them, forces lie within the cone of `friction`.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where friction or object of a direction is unknown, or only some contacts have standard deviations.
-    pub fn of(&self, scene: &Scene, friction: f64) -> Result<SensorContacts, Failure> {
+    pub fn of(&self, scene: &Scene, friction: f64, measured_deg: Option<f64>) -> Result<SensorContacts, Failure> {
         if self.0.iter().any(|asked| asked.has_deviation() && asked.measured().is_none()) {
             return Err(bad_input(
                 "a contact with standard deviations (+-): expected numbers for its position and its direction",
@@ -34,10 +35,20 @@ impl Contacts {
             return Err(bad_input("--friction is for contacts with standard deviations (+-)"));
         }
         let question = |asked: &AskedContact| {
-            let direction = asked.direction.of_scene(scene).map_err(bad_input)?;
+            let direction = asked.direction.of_scene(scene, measured_deg).map_err(bad_input)?;
             Ok(ContactQuestion { position: asked.position, direction })
         };
         self.0.iter().map(question).collect::<Result<_, Failure>>().map(SensorContacts::Asked)
+    }
+
+    /// Number of contacts.
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether a direction is that of the measured force.
+    pub fn ask_measured(&self) -> bool {
+        self.0.iter().any(|asked| asked.direction == AskedDirection::Measured)
     }
 }
 
@@ -47,13 +58,13 @@ impl Args for Contacts {
         command
             .arg(
                 list(AT_NODES)
-                    .value_name("NODE[@ANGLE_DEG[+-SD]|normal|friction|object|auto]")
+                    .value_name("NODE[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]")
                     .value_parser(contact_at_node)
                     .help("Contact at a node of the front plate, tip included"),
             )
             .arg(
                 list(AT_POSITIONS)
-                    .value_name("S_MM[+-SD]|auto[@ANGLE_DEG[+-SD]|normal|friction|object|auto]")
+                    .value_name("S_MM[+-SD]|auto[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]")
                     .value_parser(contact_at_position)
                     .help("Contact at a position along the front plate, mm from its base, or at an unknown one"),
             )

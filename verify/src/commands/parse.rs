@@ -150,7 +150,7 @@ fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
 /// Beyond it an angle says the same as a smaller one, and is more likely no angle in degrees.
 const FULL_TURN_DEG: f64 = 360.0;
 
-/// Direction after an `@` with its standard deviation, degrees, if it has one: an angle, `normal`, `friction`, `object` or `auto`; 0 degrees without one.
+/// Direction after an `@` with its standard deviation, degrees, if it has one: an angle, `normal`, `friction`, `object`, `measured` or `auto`; 0 degrees without one.
 fn direction(text: Option<&str>) -> Result<(AskedDirection, Option<f64>), String> {
     let direction = match text.map(str::trim) {
         None => Direction::Angle(0.0),
@@ -158,6 +158,7 @@ fn direction(text: Option<&str>) -> Result<(AskedDirection, Option<f64>), String
         Some("auto") => Direction::Auto,
         Some("friction") => return Ok((AskedDirection::Friction, None)),
         Some("object") => return Ok((AskedDirection::Object, None)),
+        Some("measured") => return Ok((AskedDirection::Measured, None)),
         Some(number) => match with_deviation(number) {
             Ok((angle_deg, sd_deg)) if angle_deg.abs() <= FULL_TURN_DEG => {
                 return Ok((AskedDirection::Itself(Direction::Angle(angle_deg)), sd_deg));
@@ -168,7 +169,7 @@ fn direction(text: Option<&str>) -> Result<(AskedDirection, Option<f64>), String
                 ));
             }
             Err(_) => {
-                let expected = "an angle in degrees, `normal`, `friction`, `object` or `auto`";
+                let expected = "an angle in degrees, `normal`, `friction`, `object`, `measured` or `auto`";
                 return Err(format!("expected {expected}, found \"{number}\""));
             }
         },
@@ -176,7 +177,7 @@ fn direction(text: Option<&str>) -> Result<(AskedDirection, Option<f64>), String
     Ok((AskedDirection::Itself(direction), None))
 }
 
-/// `NODE[@ANGLE_DEG[+-SD]|normal|friction|object|auto]`.
+/// `NODE[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`.
 pub fn contact_at_node(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
     let (direction, direction_sd_deg) = direction(towards)?;
@@ -184,7 +185,7 @@ pub fn contact_at_node(text: &str) -> Result<AskedContact, String> {
     Ok(AskedContact { position, position_sd_mm: None, direction, direction_sd_deg })
 }
 
-/// `S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|auto]`, or `auto` for the position.
+/// `S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`, or `auto` for the position.
 pub fn contact_at_position(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
     let (position, position_sd_mm) = match position.trim() {

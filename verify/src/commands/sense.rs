@@ -3,9 +3,11 @@
 use super::contacts::Contacts;
 use crate::commands::prelude::*;
 use finray_files::observations::{Coordinates, ObservationTable};
+use finray_files::views::{self, MeasuredForce};
 use finray_files::{load_network, read_text};
+use finray_model::observation::Observation;
 use finray_model::sensing::ContactPosition;
-use finray_model::sensor::{Refusal, SensedForces, Sensor, SensorOptions, SensorWarning};
+use finray_model::sensor::{MissingInScene, Refusal, SensedForces, Sensor, SensorOptions, SensorWarning};
 
 /// Below the options.
 const AFTER_HELP: &str = "\
@@ -13,6 +15,8 @@ Examples:
   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19 --noise-mm 0.067
   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal
   finray sense calibrated.toml --displacements nodes.csv --all-images --contact-at auto@friction
+  finray sense calibrated.toml --displacements nodes.csv --all-images --contact-at auto@measured
+      --forces forces.csv
 
 Guide: finray guide sense";
 
@@ -45,6 +49,9 @@ pub struct Arguments {
     /// Sense in every image of a file of several: a row each
     #[arg(long, help_heading = "Input", conflicts_with = "image_name")]
     all_images: bool,
+    /// Measured forces, for the direction `measured`: image,fx_n,fy_n in the frame of the camera's pose
+    #[arg(long, help_heading = "Question", value_name = "FILE")]
+    forces: Option<PathBuf>,
     /// Nodes of the nonlinear estimator's mesh
     #[arg(long, help_heading = "Estimator", value_name = "N")]
     mesh_nodes: Option<usize>,
@@ -93,13 +100,34 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         noise_mm: arguments.noise_mm,
         mesh_nodes: arguments.mesh_nodes,
     };
-    let sensor = Sensor::new(&scene, arguments.contacts.of(&scene, arguments.friction)?, options)?;
+    let mut question = ImageQuestion {
+        scene: &scene,
+        contacts: &arguments.contacts,
+        friction: arguments.friction,
+        forces: None,
+        options,
+    };
+    match (&arguments.forces, arguments.contacts.ask_measured()) {
+        (Some(_), true) if arguments.contacts.count() > 1 => {
+            return Err(bad_input("a direction is `measured`: expected one contact, whose force --forces has"));
+        }
+        (Some(forces), true) => {
+            not_both_from_standard_input(&arguments.scene, forces, "--forces")?;
+            not_both_from_standard_input(&arguments.displacements, forces, "--forces")?;
+        }
+        (Some(_), false) => return Err(bad_input("--forces is for the direction `measured`, as in auto@measured")),
+        // Contacts that are wrong are so in any image.
+        (None, _) => drop(question.sensor(&Observation::default())?),
+    }
     let text = read_text(&arguments.displacements)?;
     let table = ObservationTable::new(&arguments.displacements, &text, finger, Coordinates::Displacements)?;
+    question.forces = arguments.forces.as_ref().map(|path| views::forces(path, &table.images()?)).transpose()?;
     if arguments.all_images {
-        write_text(&arguments.out, &csv_text(all_images(&sensor, finger, &table)?)?)?;
+        write_text(&arguments.out, &csv_text(all_images(&question, &table)?)?)?;
     } else {
-        let sensed = sensed(&sensor, &table, arguments.image_name.as_deref())?;
+        let seen = table.observation(arguments.image_name.as_deref())?;
+        let sensor = question.sensor(&seen)?;
+        let sensed = sensed(&sensor, &seen, &table)?;
         warn("", &sensed.warnings);
         write_text(&arguments.out, &csv_text(rows(finger, &sensed))?)?;
         validity::warn_of_forces(&sensor, &sensed);
@@ -108,39 +136,68 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// What is asked of each image.
+struct ImageQuestion<'a> {
+    scene: &'a Scene,
+    contacts: &'a Contacts,
+    friction: f64,
+    /// Measured forces, where a direction is one of them.
+    forces: Option<Vec<MeasuredForce>>,
+    options: SensorOptions<'a>,
+}
+
+impl<'a> ImageQuestion<'a> {
+    fn force(&self, image: &str) -> Option<&MeasuredForce> {
+        self.forces.iter().flatten().find(|measured| measured.image == image)
+    }
+
+    /// The sensor of an image; a measured force is turned into the frame of the image's base.
+    fn sensor(&self, seen: &Observation) -> Result<Sensor<'a>, Failure> {
+        let in_base = |measured: &MeasuredForce| seen.frame(self.scene).rotation.inverse() * measured.force;
+        let measured_deg = self.force(&seen.image).map(|measured| self.scene.finger.angle_deg(in_base(measured)));
+        let contacts = self.contacts.of(self.scene, self.friction, measured_deg)?;
+        Ok(Sensor::new(self.scene, contacts, self.options)?)
+    }
+}
+
 /// A row a contact of each image. An image that is refused has rows without numbers that say why.
 fn all_images<'t>(
-    sensor: &Sensor,
-    finger: &Finger,
+    question: &ImageQuestion,
     table: &'t ObservationTable,
 ) -> Result<Vec<(OfImage<'t>, Row, Refused)>, Failure> {
+    let finger = &question.scene.finger;
     let mut all = Vec::new();
     for image in table.images()? {
         let row = |row: Row, refused: String| (OfImage { image }, row, Refused { refused });
+        let refused = |reason: &str| -> Vec<_> {
+            (0..question.contacts.count()).map(|_| row(Row::default(), reason.to_owned())).collect()
+        };
         if let Some(reason) = table.refused(image) {
-            all.extend((0..sensor.contact_count()).map(|_| row(Row::default(), reason.to_owned())));
+            all.extend(refused(reason));
+            continue;
+        }
+        if question.forces.is_some() && question.force(image).is_none() {
+            all.extend(refused(&MissingInScene::Measured.to_string()));
             continue;
         }
         let seen = table.observation(Some(image))?;
-        match sensor.sense(&seen) {
+        match question.sensor(&seen)?.sense(&seen) {
             Ok(sensed) => {
                 warn(&format!("{image}: "), &sensed.warnings);
                 all.extend(rows(finger, &sensed).into_iter().map(|numbers| row(numbers, String::new())));
             }
             // An error in the file ends the command; an image without an answer is one of its rows.
             Err(Refusal::Observation(error)) => return Err(table.error(Some(image), &error).into()),
-            Err(refusal) => {
-                let reason = refusal.to_string();
-                all.extend((0..sensor.contact_count()).map(|_| row(Row::default(), reason.clone())));
-            }
+            Err(refusal) => all.extend(refused(&refusal.to_string())),
         }
     }
     Ok(all)
 }
 
 /// Forces of one image.
-fn sensed(sensor: &Sensor, table: &ObservationTable, image: Option<&str>) -> Result<SensedForces, Failure> {
-    sensor.sense(&table.observation(image)?).map_err(|refusal| match refusal {
+fn sensed(sensor: &Sensor, seen: &Observation, table: &ObservationTable) -> Result<SensedForces, Failure> {
+    let image = Some(seen.image.as_str()).filter(|image| !image.is_empty());
+    sensor.sense(seen).map_err(|refusal| match refusal {
         Refusal::Observation(error) => table.error(image, &error).into(),
         refusal => refusal.into(),
     })

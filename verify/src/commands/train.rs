@@ -81,12 +81,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     require_writable(&arguments.out)?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
-    let contacts: Option<Vec<Contact>> = match arguments.contacts.of(&scene, 0.0)? {
+    let contacts: Option<Vec<Contact>> = match arguments.contacts.of(&scene, 0.0, None)? {
         SensorContacts::Asked(questions) => questions.iter().map(ContactQuestion::known).collect(),
         SensorContacts::Measured { .. } => None,
     };
     let contacts = contacts.ok_or_else(|| {
-        bad_input("a network learns the forces of known positions and directions, not of `auto`, `normal`, `friction`, `object` or +-")
+        bad_input("a network learns the forces of known positions and directions, not of `auto`, `normal`, `friction`, `object`, `measured` or +-")
     })?;
     if let Some(node) = arguments.hide.iter().find(|&&node| finger.marked_nodes().all(|free| free.0 != node)) {
         let [first, last] = [2, finger.key_node_count() - 1];

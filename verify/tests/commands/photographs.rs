@@ -146,7 +146,13 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     }
     let anew = folder.path("anew.csv");
     finray(&["locate", &calibrated, "--image", &images[0], &images[1], &images[2], "--out", &anew]).done();
-    compared_in_a_report(&folder, &calibrated, [&located, &anew], &forces, &images);
+    let mut objects = "image,fx_n,fy_n,object\n".to_owned();
+    for (row, object) in folder.read("forces.csv").lines().skip(1).zip(["disc", "disc", "bar"]) {
+        writeln!(objects, "{row},{object}").expect("memory");
+    }
+    let objects = folder.put("objects.csv", objects);
+    friction_is_judged(&folder, &scene, &located, &objects);
+    compared_in_a_report(&folder, &calibrated, [&located, &anew], &objects, &images);
     // All images of one file: a row each, one for an image that shows no finger as well.
     let mut rows = folder.read("other.csv");
     let seen = Csv::of(&rows);
@@ -169,6 +175,22 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     assert_says(&finray_reading(b"node,ux_mm,uy_mm\n19,1,1\n", &sense).refused(), &["image"]);
 }
 
+/// Each object that others may predict is predicted by them; forces that lean the other way are computed with, and said.
+fn friction_is_judged(folder: &Folder, scene: &str, located: &str, objects: &str) {
+    let calibrate = ["calibrate", scene, "--located", located, "--fit", "modulus,bracket,friction=0.05", "--forces"];
+    let answer = finray(&[&calibrate[..], &[objects]].concat());
+    assert_says(&answer.err, &["from object to object", "left out by object: bar: predicted lean", "measured"]);
+    assert!(!answer.err.contains("warning: friction"), "{}", answer.err);
+    assert!(Csv::of(&answer.out).texts("parameter").contains(&"friction_between_objects"));
+    let mut mirrored = "image,fx_n,fy_n\n".to_owned();
+    for (i, ([_, force_n, angle], [.., deg])) in PRESSES.iter().enumerate().take(3) {
+        let [fx, fy] = force([*force_n, -angle], *deg);
+        writeln!(mirrored, "press{i}.png,{fx},{fy}").expect("memory");
+    }
+    let answer = finray(&[&calibrate[..], &[&folder.put("mirrored.csv", mirrored)]].concat());
+    assert_says(&answer.err, &["warning: friction is -0.", "check the sign of fy_n"]);
+}
+
 /// The report compares what is sensed in the images with what was measured.
 fn compared_in_a_report(
     folder: &Folder,
@@ -183,7 +205,8 @@ fn compared_in_a_report(
     assert_says(&other, &["\"press3.png\" is not among those that were located"]);
     let answer = finray(&[&report[..], &["--image", &images[0], &images[2]]].concat());
     assert!(!answer.err.contains("another scene"), "{}", answer.err);
-    assert_says(&answer.computed(), &["but for the section on measured images"]);
+    let caveat = ["contact force in 3 images (objects disc, bar)", "which is simulation"];
+    assert_says(&answer.computed(), &caveat);
     let page = folder.read("report/index.html");
     let section =
         page.split("id=\"measured\"").nth(1).expect("the section").split("</section>").next().unwrap_or_default();
@@ -201,6 +224,15 @@ fn compared_in_a_report(
         let number = |i: usize, column: &str| rows.texts(column)[i].parse().unwrap_or(f64::INFINITY);
         of_known.into_iter().map(|i| [number(i, "error"), number(i, "error_over_sigma")]).collect()
     };
+    // Coverage and error of all, and of each object.
+    let coverage = Csv::of(&folder.read("report/measured_coverage.csv"));
+    assert_eq!(coverage.texts("object")[..3], ["all", "disc", "bar"]);
+    assert_eq!(coverage.numbers("images")[..3], [3.0, 2.0, 1.0]);
+    let of_objects: Vec<f64> = coverage.numbers("mean_error")[..3].to_vec();
+    assert!((of_objects[0] - (2.0 * of_objects[1] + of_objects[2]) / 3.0).abs() < 1e-12, "{of_objects:?}");
+    assert_eq!(coverage.numbers("within_95")[0], coverage.numbers("within_95")[1..3].iter().sum::<f64>());
+    assert!(folder.read("report/summary.json").contains("\"measured_coverage\": ["));
+    assert_says(section, &["By object", "By image"]);
     // The finger that was calibrated on them explains them; one without its brackets does not, nor one without friction.
     let known = errors("direction measured");
     assert_eq!(known.len(), 3);

@@ -20,7 +20,7 @@ mod start;
 mod view;
 
 pub use compliance::{BaseCompliance, compliance_of};
-pub use friction::friction_of;
+pub use friction::{FrictionEstimate, LeftOutObject, MeasuredLean, friction_of};
 pub use outliers::{Outlier, OutlierKind};
 pub use quantity::{Quantity, Sought};
 pub use rig::{FrictionQuestion, RigEstimate, RigQuestion, SceneValue, UNSTATED_BASE, calibrate_rig};

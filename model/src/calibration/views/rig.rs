@@ -1,7 +1,8 @@
 //! A calibration with what follows from it: friction, the compliance of the base, and the values of the calibrated scene.
 
 use super::{
-    BaseCompliance, LocatedView, Quantity, Sought, View, ViewEstimate, ViewModel, compliance_of, friction_of, views,
+    BaseCompliance, FrictionEstimate, LocatedView, Quantity, Sought, View, ViewEstimate, ViewModel, compliance_of,
+    friction_of, views,
 };
 use crate::calibration::CalibrationError;
 use crate::estimators::ELEMENTS;
@@ -38,7 +39,7 @@ pub struct RigQuestion {
 pub struct FrictionQuestion {
     /// Whether it builds up over a force, which is sought, too.
     pub builds_up: bool,
-    /// Standard deviation of the coefficient from object to object, which images of one do not show.
+    /// Standard deviation of the coefficient from object to object: what is assumed of a single one; of several, the scale of its prior. Zero: none is stated.
     pub between_objects: f64,
 }
 
@@ -48,7 +49,7 @@ pub struct RigEstimate {
     /// Finger, markers, base and errors.
     pub views: ViewEstimate,
     /// Friction, where it was sought.
-    pub friction: Option<Lean>,
+    pub friction: Option<FrictionEstimate>,
     /// Turn of the base with the force, where it was sought.
     pub compliance: Option<BaseCompliance>,
     /// Relative standard deviation of a force in a new image, of other objects too; `None` as in [`ViewEstimate::force_error`].
@@ -101,16 +102,12 @@ pub fn calibrate_rig(
     let all: Vec<View> = seen.iter().map(view).collect();
     let found = views(&scene.finger, &all, &question.sought, &ViewModel::of_scene(scene, lean))?;
     let measured = || seen.iter().zip(&found.views).filter(|(seen, _)| seen.view.force.is_some());
-    let friction = question.friction.map(|friction| {
-        let leans: Vec<(f64, f64)> =
-            measured().map(|(_, view)| (view.force.norm(), view.lean_deg(&found.finger, lean.from))).collect();
-        let found = friction_of(&leans, lean.from, friction.builds_up)?;
-        // Scatter of the coefficient from object to object, as an angle.
-        let tangent = found.angle_deg.to_radians().tan();
-        let between_deg = (friction.between_objects / (1.0 + tangent * tangent)).to_degrees();
-        Ok::<Lean, CalibrationError>(Lean { sd_deg: found.sd_deg.hypot(between_deg), ..found })
-    });
-    let friction = friction.transpose()?;
+    let leans: Vec<_> = measured()
+        .map(|(seen, view)| {
+            (seen.object.as_deref().unwrap_or_default(), view.force.norm(), view.lean_deg(&found.finger, lean.from))
+        })
+        .collect();
+    let friction = question.friction.map(|question| friction_of(&leans, lean.from, question)).transpose()?;
     let turns = || -> Vec<(f64, f64)> {
         let turn_deg = |seen: &LocatedView, base: &nalgebra::Isometry2<f64>| {
             (seen.base.rotation * base.rotation).angle().to_degrees()
@@ -153,7 +150,7 @@ impl RigEstimate {
                 put(BASE.turn_sigma_deg_per_n.path(), SceneValue::Number(sigma_deg_per_n));
             }
         }
-        if let Some(lean) = &self.friction {
+        if let Some(FrictionEstimate { lean, .. }) = &self.friction {
             let [coefficient, sigma] = lean.coefficient();
             put(CONTACT.friction.path(), SceneValue::Number(coefficient));
             put(CONTACT.friction_sigma.path(), SceneValue::Number(sigma));

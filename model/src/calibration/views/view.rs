@@ -33,6 +33,8 @@ pub struct LocatedView {
     pub base: Isometry2<f64>,
     /// The view.
     pub view: View,
+    /// What pressed the finger, where it is known.
+    pub object: Option<String>,
 }
 
 impl LocatedView {
@@ -57,7 +59,7 @@ impl LocatedView {
             eye: (base.inverse() * Point2::from(eye)).coords,
             force: force.map(|force| base.rotation.inverse() * force),
         };
-        Ok(LocatedView { observation, base, view })
+        Ok(LocatedView { observation, base, view, object: None })
     }
 }
 

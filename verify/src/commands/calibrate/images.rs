@@ -1,19 +1,16 @@
 //! `finray calibrate --located`: a finger and its rig from several images.
 
-use super::{Arguments, Row, correlations, failure};
+use super::{Arguments, Row, correlations, failure, notes};
 use crate::commands::prelude::*;
 use finray_files::views::LocatedViews;
 use finray_files::{load_scene_and_text, views, with_values};
 use finray_model::calibration::{
-    self, BaseCompliance, FoundView, FrictionQuestion, LocatedView, Quantity, RigEstimate, RigQuestion, SceneValue,
-    Sought, ViewEstimate,
+    self, BaseCompliance, FoundView, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, RigEstimate,
+    RigQuestion, SceneValue, Sought, ViewEstimate,
 };
 use finray_model::finger::{Plate, RibPositions};
 use finray_model::sensing::{Lean, Normal};
 use toml_edit::{Array, Value};
-
-/// A prior that the images do not make better than this share of itself is all that is known.
-const HARDLY_BETTER: f64 = 0.8;
 
 /// What a name of `--fit` stands for.
 #[derive(Clone, Copy)]
@@ -176,8 +173,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     };
     let found = calibration::calibrate_rig(&scene, &seen, &fit.0, lean).map_err(failure)?;
     let RigEstimate { views: estimate, compliance, .. } = &found;
-    print_priors(estimate);
-    print_base(&found);
+    notes::print(&found);
     if measured == 0 && arguments.calibrated.is_some() {
         print_message(
             "warning: no force was measured: what stays uncertain of the calibrated finger is not part of the sigma_n that `finray sense` states with it; one \
@@ -209,36 +205,6 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     Ok(write_all_or_nothing(&files)?)
 }
 
-/// Says which values rest on a prior, and how far.
-fn print_priors(estimate: &ViewEstimate) {
-    for found in &estimate.quantities {
-        let Some(prior_sd) = found.sought.prior_sd else { continue };
-        let quantity = found.sought.quantity;
-        match found.sigma > HARDLY_BETTER * prior_sd {
-            true => print_message(format_args!(
-                "note: {quantity}: prior of {prior_sd} (standard deviation), which the images hardly better"
-            )),
-            false => print_message(format_args!("note: {quantity}: prior of {prior_sd} (standard deviation)")),
-        }
-    }
-}
-
-/// Says how the base is sought where the scene does not.
-fn print_base(found: &RigEstimate) {
-    if !found.is_base_unstated {
-        return;
-    }
-    let turn_deg = |view: &FoundView| (found.views.base.inverse() * view.base).rotation.angle().to_degrees();
-    let turns = || found.views.views.iter().map(turn_deg);
-    let (least, most) = (turns().fold(f64::INFINITY, f64::min), turns().fold(f64::NEG_INFINITY, f64::max));
-    print_message(format_args!(
-        "note: base.sigma_mm, base.sigma_deg: the scene does not say how far the base may be off its references: {} mm and {} degree (standard deviations); \
-         the images turn it by {least:.2} to {most:.2} degrees against them",
-        calibration::UNSTATED_BASE.sd_mm,
-        calibration::UNSTATED_BASE.sd_rad.to_degrees()
-    ));
-}
-
 /// What was found; no standard deviation is known of what is itself one, nor of a force over which friction builds up.
 fn rows(found: &RigEstimate) -> Vec<Row> {
     let &RigEstimate { views: ref estimate, ref friction, compliance, force_error, .. } = found;
@@ -249,12 +215,13 @@ fn rows(found: &RigEstimate) -> Vec<Row> {
     if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = compliance {
         rows.push(row("base_deg_per_n", deg_per_n, Some(sigma_deg_per_n).filter(|sigma| sigma.is_finite())));
     }
-    if let Some(lean) = friction {
+    if let Some(FrictionEstimate { lean, between_objects, .. }) = friction {
         let [coefficient, sigma] = lean.coefficient();
         rows.push(row("friction", coefficient, Some(sigma)));
         if lean.build_up_n > 0.0 {
             rows.push(row("friction_build_up_n", lean.build_up_n, None));
         }
+        rows.extend(between_objects.map(|sd| row("friction_between_objects", sd, None)));
     }
     rows.push(row("noise_factor", estimate.new_marker_errors.noise_factor, None));
     rows.push(row("model_error_mm", estimate.new_marker_errors.model_mm, None));

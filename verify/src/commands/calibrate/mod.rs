@@ -2,6 +2,7 @@
 
 mod images;
 mod modulus;
+mod notes;
 
 use crate::commands::prelude::*;
 use clap::ValueEnum;
@@ -42,7 +43,7 @@ pub struct Arguments {
     /// What is unknown (see below), as modulus,ribs=0.2
     #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "located")]
     fit: Option<String>,
-    /// Forces measured in some of the images: image,fx_n,fy_n
+    /// Forces measured in some of the images: image,fx_n,fy_n, perhaps object
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     forces: Option<PathBuf>,
     /// File for the calibrated scene (TOML)

@@ -20,6 +20,8 @@ use picture::Picture;
 pub struct MeasuredForce {
     /// The image.
     pub image: String,
+    /// What pressed the finger; empty where that is not known.
+    pub object: String,
     /// What was known.
     pub known: &'static str,
     /// The measured force, N.
@@ -180,6 +182,7 @@ fn sensed(
     let off_n = sensed_n.map(|sensed_n| sensed_n - measured_n);
     Some(MeasuredForce {
         image: seen.view.name.clone(),
+        object: seen.object.clone().unwrap_or_default(),
         known: knowledge.name,
         measured_n,
         sensed_n,

@@ -133,7 +133,7 @@ fn the_page_begins_with_its_summary() {
     let at = |part: &str| page.find(part).unwrap_or_else(|| panic!("no {part}"));
     let head = &page[at("<div class=\"answers\">")..at("<nav class=\"bar\"")];
     assert_eq!((head.matches("<dt>").count(), head.matches("<dd>").count(), head.matches("<svg").count()), (5, 5, 3));
-    assert!(head.contains("class=\"caveat\">All of this is simulation"));
+    assert!(head.contains("class=\"caveat\">Simulation only, with"));
     for figure in drawings(head) {
         assert!(figure.contains("refused") && figure.contains("without equilibrium"), "a share without its counts");
     }

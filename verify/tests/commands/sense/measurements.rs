@@ -206,3 +206,49 @@ fn more_unknowns_than_coordinates_are_refused() {
     let message = sense_text("node,ux_mm,uy_mm\n1,0,0\n25,0,0\n", &["--contact", "19"]).refused();
     assert_says(&message, &["1 unknown force", "0 measured coordinates"]);
 }
+
+/// The direction of a measured force was once an arctangent by hand, less the turn of the image's base and that of the plate.
+#[test]
+fn a_measured_force_has_its_direction_in_the_frame_of_the_base() {
+    let folder = Folder::new();
+    let shape = Csv::of(&paper_shape(&[(19, 2.0, 12.0)], &["--mesh-nodes", "200"]).computed());
+    let (node, ux, uy) = (shape.texts("node"), shape.texts("ux_mm"), shape.texts("uy_mm"));
+    let [x, y] = paper_force(2.0, 12.0);
+    let mut located = "image,node,ux_mm,uy_mm,base_x_mm,base_y_mm,base_deg\n".to_owned();
+    let mut forces = "image,fx_n,fy_n,object\n".to_owned();
+    for (image, base_deg) in [("a.png", 0.0_f64), ("b.png", -25.0), ("c.png", 3.0)] {
+        let row = |i: usize| format!("{image},{},{},{},4.0,-2.0,{base_deg}\n", node[i], ux[i], uy[i]);
+        located.extend((0..node.len()).map(row));
+        if image != "c.png" {
+            let (sin, cos) = (y.atan2(x) + base_deg.to_radians()).sin_cos();
+            forces += &format!("{image},{},{},disc\n", 2.0 * cos, 2.0 * sin);
+        }
+    }
+    let (located, forces) = (folder.put("located.csv", located), folder.put("forces.csv", forces));
+    let sense = |contact: &str, options: &[&str]| {
+        let asked = ["sense", PAPER, "--displacements", &located, "--noise-mm", "0.01", "--contact", contact];
+        finray(&[&asked[..], options].concat())
+    };
+    let with_forces = ["--forces", &forces, "--all-images"];
+    let sensed = Csv::of(&sense("19@measured", &with_forces).computed());
+    assert_eq!(sensed.texts("image"), ["a.png", "b.png", "c.png"]);
+    let number = |column: &str, i: usize| -> f64 { sensed.texts(column)[i].parse().expect("a number") };
+    for i in 0..2 {
+        assert!((number("angle_deg", i) - 12.0).abs() < 1e-9, "{}", number("angle_deg", i));
+        assert!((number("force_n", i) / 2.0 - 1.0).abs() < 2e-3, "{}", number("force_n", i));
+    }
+    // An image whose force was not measured is refused, alone as among others.
+    assert_says(sensed.texts("refused")[2], &["measured", "--forces"]);
+    assert!(sensed.texts("force_n")[2].is_empty());
+    let alone = |image: &str| sense("19@measured", &["--forces", &forces, "--image-name", image]);
+    assert_eq!(Csv::of(&alone("b.png").computed()).texts("force_n")[0], sensed.texts("force_n")[1]);
+    assert_says(&alone("c.png").refused(), &["measured", "--forces"]);
+    // A direction without its force, a force without its direction, and one force for two contacts.
+    assert_says(&sense("19@measured", &["--all-images"]).refused(), &["measured", "--forces"]);
+    assert_says(&sense("19@12", &with_forces).refused(), &["--forces is for the direction `measured`"]);
+    let two = sense("19@measured", &[&with_forces[..], &["--contact", "16@5"]].concat());
+    assert_says(&two.refused(), &["expected one contact"]);
+    let nameless = folder.put("nameless.csv", "image,fx_n,fy_n,object\na.png,0,-1,\n");
+    let refused = sense("19@measured", &["--forces", &nameless, "--all-images"]).refused();
+    assert_says(&refused, &["nameless.csv", "line 2", "object"]);
+}

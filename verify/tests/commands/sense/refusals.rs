@@ -27,8 +27,14 @@ fn contacts_that_cannot_be_sensed_are_refused() {
         (vec!["--contact", "19@normal"], "`object` or `auto` needs --estimator nonlinear"),
         (vec!["--contact", "19@auto"], "`object` or `auto` needs --estimator nonlinear"),
         (vec!["--contact-at", "auto"], "`object` or `auto` needs --estimator nonlinear"),
-        (vec!["--contact", "19@nan"], "expected an angle in degrees, `normal`, `friction`, `object` or `auto`"),
-        (vec!["--contact", "19@"], "expected an angle in degrees, `normal`, `friction`, `object` or `auto`"),
+        (
+            vec!["--contact", "19@nan"],
+            "expected an angle in degrees, `normal`, `friction`, `object`, `measured` or `auto`",
+        ),
+        (
+            vec!["--contact", "19@"],
+            "expected an angle in degrees, `normal`, `friction`, `object`, `measured` or `auto`",
+        ),
         (vec!["--contact", "19@object"], "expected a table contact.object in the scene"),
         (vec!["--contact", "19@friction"], "expected friction or friction_range in the scene's table contact"),
         (vec!["--contact", "tip"], "expected the number of a node, found \"tip\""),

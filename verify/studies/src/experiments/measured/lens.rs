@@ -94,5 +94,5 @@ pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<Lo
     observation.markers = markers.collect::<Option<Vec<_>>>()?;
     observation.base = observation.base.map(|seen| ObservedBase { pose: base, ..seen });
     let force = seen.view.force.map(|force| seen.base.rotation * force);
-    LocatedView::new(observation, scene, force).ok()
+    Some(LocatedView { object: seen.object.clone(), ..LocatedView::new(observation, scene, force).ok()? })
 }

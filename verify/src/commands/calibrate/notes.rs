@@ -1,0 +1,69 @@
+//! What a calibration rests on, for standard error.
+
+use crate::commands::prelude::*;
+use finray_model::calibration::{self, FoundView, FrictionEstimate, LeftOutObject, RigEstimate, ViewEstimate};
+
+/// A prior that the images do not make better than this share of itself is all that is known.
+const HARDLY_BETTER: f64 = 0.8;
+
+/// Says what priors, base and friction rest on.
+pub fn print(found: &RigEstimate) {
+    print_priors(&found.views);
+    print_base(found);
+    if let Some(friction) = &found.friction {
+        print_friction(friction);
+    }
+}
+
+/// Says which values rest on a prior, and how far.
+fn print_priors(estimate: &ViewEstimate) {
+    for found in &estimate.quantities {
+        let Some(prior_sd) = found.sought.prior_sd else { continue };
+        let quantity = found.sought.quantity;
+        match found.sigma > HARDLY_BETTER * prior_sd {
+            true => print_message(format_args!(
+                "note: {quantity}: prior of {prior_sd} (standard deviation), which the images hardly better"
+            )),
+            false => print_message(format_args!("note: {quantity}: prior of {prior_sd} (standard deviation)")),
+        }
+    }
+}
+
+/// Says how the base is sought where the scene does not.
+fn print_base(found: &RigEstimate) {
+    if !found.is_base_unstated {
+        return;
+    }
+    let turn_deg = |view: &FoundView| (found.views.base.inverse() * view.base).rotation.angle().to_degrees();
+    let turns = || found.views.views.iter().map(turn_deg);
+    let (least, most) = (turns().fold(f64::INFINITY, f64::min), turns().fold(f64::NEG_INFINITY, f64::max));
+    print_message(format_args!(
+        "note: base.sigma_mm, base.sigma_deg: the scene does not say how far the base may be off its references: {} mm and {} degree (standard deviations); \
+         the images turn it by {least:.2} to {most:.2} degrees against them",
+        calibration::UNSTATED_BASE.sd_mm,
+        calibration::UNSTATED_BASE.sd_rad.to_degrees()
+    ));
+}
+
+/// Says what friction rests on where several objects were pressed, and that its sign is unusual.
+fn print_friction(FrictionEstimate { lean, between_objects, left_out }: &FrictionEstimate) {
+    let [coefficient, _] = lean.coefficient();
+    if coefficient < 0.0 {
+        print_message(format_args!(
+            "warning: friction is {coefficient:.2}: measured forces lean from the normal towards the base, as under an object that slides that way; check \
+             the sign of fy_n, and the frame of the forces"
+        ));
+    }
+    if let Some(between_objects) = between_objects {
+        print_message(format_args!(
+            "note: friction differs by {between_objects:.3} (standard deviation) from object to object; friction_sigma holds that, and that so few objects \
+             show it badly"
+        ));
+    }
+    for LeftOutObject { object, predicted_deg, sigma_deg, measured_deg } in left_out {
+        print_message(format_args!(
+            "note: left out by object: {object}: predicted lean {predicted_deg:.1} degrees (standard deviation of one force {sigma_deg:.1}), measured \
+             {measured_deg:.1} (means)"
+        ));
+    }
+}
