@@ -124,6 +124,19 @@ pub enum CalibrationError {
         /// Measured forces over those that are shown.
         times: f64,
     },
+    /// Measured forces lean to the other side than the views show.
+    #[error(
+        "measured forces scatter by {:.1} % about those that the images show, and by {:.1} % if each leans as much to the other side of the plate's normal: \
+         check the sign of fx_n and fy_n and their frame, that of the camera's pose",
+        100.0 * scatter,
+        100.0 * mirrored
+    )]
+    MirroredForces {
+        /// Relative standard deviation of the forces as measured.
+        scatter: f64,
+        /// Of the mirrored ones.
+        mirrored: f64,
+    },
     /// A factor is beyond what a finger may have.
     #[error(transparent)]
     Finger(#[from] crate::finger::ImpossibleFinger),

@@ -3,11 +3,12 @@
 use crate::commands::prelude::*;
 use finray_files::image_names;
 use finray_files::observations::{self, RefusedImage};
-use finray_imaging::locate::{Observer, ObserverError};
+use finray_imaging::locate::{Observer, ObserverError, OtherRadius, SeenRadii};
 use finray_model::Finger;
 use finray_model::measurement::Marker;
-use finray_model::observation::{LargestClampedMotion, Observation};
+use finray_model::observation::{LargestClampedMotion, Observation, ObservedMarker};
 use finray_model::scene::{MarkerLook, Markers};
+use nalgebra::UnitComplex;
 use rayon::prelude::*;
 
 /// Residual of the pose at rest, px, beyond which more than the noise of an image and a lens that was found is in it.
@@ -50,20 +51,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let names = image_names(&arguments.image)?;
     let scene = load_scene(&arguments.scene)?;
     let observer = observer(arguments, &scene)?;
-    // Unless markers are tracked, each image is read by itself.
-    let found: Vec<Result<Observation, Failure>> = if observer.is_tracking() {
-        let mut observer = observer;
-        arguments.image.iter().map(|path| observed(&mut observer, path)).collect()
-    } else {
-        arguments.image.par_iter().map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect()
-    };
+    warn_of_rest(arguments, &observer);
+    let found = images_with_their_radii(arguments, &scene, observer);
     // Without any located image there is no table.
     if found.iter().all(Result::is_err) {
         return found.into_iter().find_map(Result::err).map_or(Ok(()), Err);
     }
-    let of_image = |((path, image), found): ((&PathBuf, String), Result<Observation, Failure>)| match found {
-        Ok(seen) => {
-            let seen = Observation { image, ..seen };
+    let of_image = |((path, image), found): ((&PathBuf, String), Result<SeenImage, Failure>)| match found {
+        Ok(SeenImage { observation, motion_blur_px, .. }) => {
+            let seen = Observation { image, ..observation };
+            warn_of_motion(path, motion_blur_px);
             warn_of_base(path, &scene.finger, &seen);
             warn_of_lost(path, &scene, &seen);
             Ok(seen)
@@ -75,7 +72,97 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let seen: Vec<_> = arguments.image.iter().zip(names).zip(found).map(of_image).collect();
+    warn_of_turned(&seen);
     Ok(write_text(&arguments.out, &observations::to_csv(&seen)?)?)
+}
+
+/// What one image shows.
+struct SeenImage {
+    observation: Observation,
+    radii: SeenRadii,
+    motion_blur_px: Option<f64>,
+}
+
+type SeenImages = Vec<Result<SeenImage, Failure>>;
+
+/// All images; where they show other radii than the scene's, a word on it, and what they show with those radii if that is something else.
+fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Observer) -> SeenImages {
+    let found = all_images(arguments, observer);
+    let others = OtherRadius::of(scene, &radii(&found));
+    let is_file = |image: &PathBuf| !is_standard_stream(image);
+    if others.is_empty() || !arguments.image.iter().chain(&arguments.rest).all(is_file) {
+        others.iter().for_each(|other| print_message(format_args!("warning: {other}")));
+        return found;
+    }
+    let mut corrected = scene.clone();
+    others.iter().for_each(|other| other.correct(&mut corrected));
+    let anew =
+        self::observer(arguments, &corrected).map(|observer| all_images(arguments, observer)).unwrap_or_default();
+    let count = |images: &SeenImages| images.iter().flatten().map(|seen| seen.observation.markers.len()).sum::<usize>();
+    if are_alike(&found, &anew) {
+        others
+            .iter()
+            .for_each(|other| print_message(format_args!("note: {other}; with it markers are where they are")));
+        return found;
+    }
+    let (found, sought) = match count(&anew) >= count(&found) {
+        true => (anew, ", with which they were sought again"),
+        false => (found, ""),
+    };
+    for other in others {
+        print_message(format_args!(
+            "warning: {other}{sought}: correct it; if it is right, lens, pose, height_mm or the size of the image are not"
+        ));
+    }
+    found
+}
+
+/// Markers that two searches have farther apart than so many standard deviations are not alike.
+const ALIKE_SIGMAS: f64 = 3.0;
+
+/// Whether two searches of the same images have the same markers in the same places.
+fn are_alike(one: &SeenImages, other: &SeenImages) -> bool {
+    let is_alike = |(a, b): (&ObservedMarker, &ObservedMarker)| {
+        let apart_mm = a.position.zip(b.position).map(|(a, b)| (a - b).norm());
+        a.node == b.node && apart_mm.zip(a.sd_mm).is_some_and(|(apart_mm, sd_mm)| apart_mm <= ALIKE_SIGMAS * sd_mm)
+    };
+    let are_alike = |pair: (&Result<SeenImage, Failure>, &Result<SeenImage, Failure>)| match pair {
+        (Ok(a), Ok(b)) => {
+            let [a, b] = [a, b].map(|seen| &seen.observation.markers);
+            a.len() == b.len() && a.iter().zip(b).all(is_alike)
+        }
+        (a, b) => a.is_err() == b.is_err(),
+    };
+    one.len() == other.len() && one.iter().zip(other).all(are_alike)
+}
+
+fn radii(images: &SeenImages) -> Vec<&SeenRadii> {
+    images.iter().flatten().map(|seen| &seen.radii).collect()
+}
+
+/// Each image by itself, unless markers are tracked.
+fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
+    if observer.is_tracking() {
+        return arguments.image.iter().map(|path| observed(&mut observer, path)).collect();
+    }
+    arguments.image.par_iter().map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect()
+}
+
+/// Turn of a base against those of half of the images, degrees, from which on its image may have been turned.
+const TURNED_DEG: f64 = 150.0;
+
+/// Warns of images in which the base is turned against half of all.
+fn warn_of_turned(images: &[Result<Observation, RefusedImage>]) {
+    let turn = |seen: &Observation| seen.base.filter(|base| base.is_known).map(|base| base.pose.rotation);
+    let turns: Vec<_> = images.iter().flatten().filter_map(|seen| Some((&seen.image, turn(seen)?))).collect();
+    for (image, own) in &turns {
+        let away_deg = |(_, other): &(&String, UnitComplex<f64>)| own.angle_to(other).to_degrees().abs();
+        if 2 * turns.iter().filter(|other| away_deg(other) > TURNED_DEG).count() >= turns.len() {
+            print_message(format_args!(
+                "warning: {image}: the base is turned by more than {TURNED_DEG} deg against that of other images: was the image turned (EXIF orientation)?"
+            ));
+        }
+    }
 }
 
 /// Markers with a shade of which no more than this share is found: hidden ones are few, ones of another size many.
@@ -122,10 +209,14 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
         camera_and_markers(path, scene)?;
     }
     let image = arguments.rest.as_deref().map(load_image).transpose()?;
-    let observer = Observer::new(scene, image.as_ref()).map_err(|error| match (&error, &arguments.rest) {
+    Observer::new(scene, image.as_ref()).map_err(|error| match (&error, &arguments.rest) {
         (ObserverError::Rest(_) | ObserverError::GreyRest(_), Some(path)) => refused(path, &error),
         _ => bad_input(error),
-    })?;
+    })
+}
+
+/// Warns of an image of the unloaded finger that is not quite the scene's.
+fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
     if let (Some(residual_px), Some(path)) = (observer.rest_residual_px(), &arguments.rest)
         && residual_px > SURE_REST_PX
     {
@@ -135,7 +226,6 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
             path.display()
         ));
     }
-    Ok(observer)
 }
 
 /// What the markers of clamped nodes say against the pose from which displacements count; `None` of a base that moves or has no markers.
@@ -163,16 +253,19 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
     ))
 }
 
-fn observed(observer: &mut Observer, path: &Path) -> Result<Observation, Failure> {
-    let seen = observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?;
-    if let Some(blur_px) = observer.motion_blur_px() {
+fn observed(observer: &mut Observer, path: &Path) -> Result<SeenImage, Failure> {
+    let observation = observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?;
+    Ok(SeenImage { observation, radii: observer.radii().clone(), motion_blur_px: observer.motion_blur_px() })
+}
+
+fn warn_of_motion(path: &Path, motion_blur_px: Option<f64>) {
+    if let Some(blur_px) = motion_blur_px {
         print_message(format_args!(
             "warning: {}: markers are blurred in one direction, by {blur_px:.1} px (standard deviation), as of a motion while the shutter was open; sigma_mm \
              holds what that leaves in steady motion",
             path.display()
         ));
     }
-    Ok(seen)
 }
 
 fn refused(path: &Path, error: &dyn std::fmt::Display) -> Failure {

@@ -9,6 +9,7 @@ mod arguments;
 mod calibrate;
 mod camera;
 mod contradictions;
+mod faults;
 mod garbage;
 mod grasp;
 mod gripper;

@@ -75,6 +75,18 @@ pub enum LocateError {
         /// Distance of the two places of the base, mm.
         away_mm: f64,
     },
+    /// Rims that look like markers are seen, but no marks are as far apart as the references on the base.
+    #[error(
+        "the references on the base were not found: {} marks look like them, in their order, none of which are as far apart; {like_markers} look like \
+         markers; are base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose right?",
+        counts(like_references)
+    )]
+    NoReferences {
+        /// Marks that look like each reference.
+        like_references: Vec<usize>,
+        /// Rims that look like markers.
+        like_markers: usize,
+    },
     /// Patches of the markers' colours have another size.
     #[error(
         "markers of this camera have a radius of {expected_px:.1} px, found patches of their colours with {found_px:.1} px: is the image resized, or the \
@@ -119,6 +131,10 @@ pub enum LocatorError {
 /// [`LocatorError::SharedJunctions`].
 pub(super) fn require_own_junctions(finger: &Finger) -> Result<(), LocatorError> {
     if finger.has_shared_junctions() { Err(LocatorError::SharedJunctions) } else { Ok(()) }
+}
+
+fn counts(counts: &[usize]) -> String {
+    counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" and ")
 }
 
 /// A word on an image of the other format.

@@ -13,6 +13,7 @@ mod motion;
 mod naming;
 mod observer;
 mod pattern;
+mod radii;
 mod rest;
 mod rim;
 mod rim_locator;
@@ -23,6 +24,7 @@ pub use error::{LocateError, LocatorError};
 pub use finger_placement::FingerPlacement;
 pub use naming::NamingError;
 pub use observer::{Observer, ObserverError};
+pub use radii::{OtherRadius, SeenRadii};
 pub use rest::{Rest, RestError};
 pub use rim_locator::{RimLocator, SeenBase, SeenFinger};
 
@@ -121,6 +123,11 @@ impl<'f> Locator<'f> {
     /// Standard deviation of the blur, px, by which the finger or the camera moved in the last image that was searched whole; `None` of a round blur.
     pub fn motion_blur_px(&self) -> Option<f64> {
         self.common.and_then(|common| common.motion_px)
+    }
+
+    /// Median radius of the markers in the last image that was searched whole, mm.
+    pub fn radius_mm(&self) -> Option<f64> {
+        self.common.map(|common| common.outline.radius_mm)
     }
 
     /// Markers in an image, in the order of the nodes; hidden ones are left out. Nothing is assumed of the shape.

@@ -1,6 +1,6 @@
 //! From images to observations: the locator that fits a scene's markers, and what its images have in common.
 
-use super::{LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase};
+use super::{LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase, SeenRadii};
 use finray_model::camera::Camera;
 use finray_model::measurement::BaseUncertainty;
 use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
@@ -17,6 +17,7 @@ pub struct Observer<'f> {
     at_rest: Vec<Located>,
     rest_residual_px: Option<f64>,
     base_moves: bool,
+    radii: SeenRadii,
 }
 
 #[derive(Debug, Clone)]
@@ -86,7 +87,8 @@ impl<'f> Observer<'f> {
             MarkerLook::Grey { .. } => AnyLocator::Grey(Box::new(RimLocator::new(finger, camera, markers, base)?)),
         };
         let base_moves = base.is_some() && matches!(locator, AnyLocator::Grey(_));
-        Ok(Observer { finger, locator, at_rest: Vec::new(), rest_residual_px: None, base_moves })
+        let radii = SeenRadii::default();
+        Ok(Observer { finger, locator, at_rest: Vec::new(), rest_residual_px: None, base_moves, radii })
     }
 
     /// Residual of the pose that coloured markers of the unloaded finger show, px: root mean square of a coordinate.
@@ -102,6 +104,11 @@ impl<'f> Observer<'f> {
         }
     }
 
+    /// Radii of markers and references in the last image that showed the finger.
+    pub fn radii(&self) -> &SeenRadii {
+        &self.radii
+    }
+
     /// Whether markers are sought near where they were in the image before, so that the order of images matters.
     pub fn is_tracking(&self) -> bool {
         matches!(self.locator, AnyLocator::Coloured(_))
@@ -112,13 +119,17 @@ impl<'f> Observer<'f> {
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or more than one way to name the markers fits.
     pub fn observe(&mut self, image: &RgbImage) -> Result<Observation, LocateError> {
-        let (located, base) = match &mut self.locator {
-            AnyLocator::Coloured(locator) => (locator.track(image)?, None),
+        let (located, base, radii) = match &mut self.locator {
+            AnyLocator::Coloured(locator) => {
+                let located = locator.track(image)?;
+                (located, None, SeenRadii { markers_mm: locator.radius_mm(), references_mm: Vec::new() })
+            }
             AnyLocator::Grey(locator) => {
                 let found = locator.locate(image)?;
-                (found.located, Some(found.base).filter(|_| self.base_moves))
+                (found.located, Some(found.base).filter(|_| self.base_moves), found.radii)
             }
         };
+        self.radii = radii;
         let markers = located.iter().map(|seen| self.marker(seen, base.as_ref())).collect();
         let base = base.map(|base| ObservedBase {
             pose: base.pose,

@@ -7,8 +7,8 @@ use super::elsewhere::Scenery;
 use super::error::require_own_junctions;
 use super::naming::{Candidate, Marked, Names, NamingError, name, name_at_cost};
 use super::rim::{GreyView, Rim, RimShape, rims};
-use super::together::wider;
-use super::{LocateError, Located, LocatorError, radius_at, radius_px, require_size};
+use super::together::{median, wider};
+use super::{LocateError, Located, LocatorError, SeenRadii, radius_at, radius_px, require_size};
 use finray_model::camera::Camera;
 use finray_model::scene::{Base, MarkerLook, Markers, Reference};
 use finray_model::{Finger, NodeId, Vector};
@@ -44,6 +44,8 @@ pub struct SeenFinger {
     pub base: SeenBase,
     /// Markers, in the order of the nodes, with positions in the finger frame; their standard deviations hold that of the base.
     pub located: Vec<Located>,
+    /// Radii of markers and references.
+    pub radii: SeenRadii,
 }
 
 /// Where an image has the base of a finger.
@@ -141,13 +143,18 @@ impl<'f> RimLocator<'f> {
             }
             let base = SeenBase::fixed();
             let named = named(&rims, &names?);
-            return Ok(SeenFinger { located: located(&named, &base, widening(&named)), base });
+            let radii = SeenRadii { markers_mm: middle_radius_mm(&named), references_mm: Vec::new() };
+            return Ok(SeenFinger { located: located(&named, &base, widening(&named)), base, radii });
         };
         let marks: Vec<Vec<Rim>> = self.marks(&view, base);
         let proposals = match base.references.len() {
             0 | 1 => self.by_ribs(&rims),
             _ => by_references(base, &marks),
         };
+        if proposals.is_empty() && base.references.len() > 1 && !rims.is_empty() {
+            let like_references = marks.iter().map(Vec::len).collect();
+            return Err(LocateError::NoReferences { like_references, like_markers: rims.len() });
+        }
         let (cost, best) = self.best(&rims, &proposals)?;
         if best.references.iter().flatten().count() > 1 {
             self.require_base_of_finger(&rims, best, cost)?;
@@ -156,8 +163,11 @@ impl<'f> RimLocator<'f> {
         let names = name(marked, &self.candidates(&rims, &best.base))?;
         let named = named(&rims, &names);
         let wider = widening(&named);
+        let radius_mm = |i: usize| Some(marks[i][best.references.get(i).copied().flatten()?].radius_mm);
+        let references_mm = (0..marks.len()).map(radius_mm).collect();
+        let radii = SeenRadii { markers_mm: middle_radius_mm(&named), references_mm };
         let base = seen_base(base, &marks, best, wider);
-        Ok(SeenFinger { located: located(&named, &base, wider), base })
+        Ok(SeenFinger { located: located(&named, &base, wider), base, radii })
     }
 
     /// Rims that may be each reference; those that look alike are sought once.
@@ -248,6 +258,10 @@ fn named(rims: &[Rim], names: &Names) -> Vec<(NodeId, Rim)> {
     let most_mm = sds.get(sds.len() / 2).map_or(0.0, |middle| LEAST_ROUND * middle);
     named.retain(|(_, rim)| rim.rays_sd_mm <= most_mm);
     named
+}
+
+fn middle_radius_mm(named: &[(NodeId, Rim)]) -> Option<f64> {
+    median(named.iter().map(|(_, rim)| rim.radius_mm))
 }
 
 /// Background that the model of an edge leaves out makes neighbouring pixels err alike: the markers of an image show by how much standard

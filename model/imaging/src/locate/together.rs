@@ -81,9 +81,10 @@ pub(super) fn measure_together(
 }
 
 fn outline_of(named: &[(NodeId, Disc)]) -> Outline {
+    let of_all = |of: &dyn Fn(&Disc) -> f64| median(named.iter().map(|(_, disc)| of(disc))).unwrap_or_default();
     Outline {
-        radius_mm: median(named.iter().map(|(_, disc)| disc.outline.radius_mm)),
-        blurs_px: [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.outline.blurs_px[part]))),
+        radius_mm: of_all(&|disc| disc.outline.radius_mm),
+        blurs_px: [0, 1].map(|part| of_all(&|disc| disc.outline.blurs_px[part])),
     }
 }
 
@@ -130,9 +131,9 @@ pub(super) fn wider(excess_variances: impl Iterator<Item = [f64; 2]>) -> f64 {
     of_one_period.max(1.0).sqrt()
 }
 
-/// The middle one of some numbers.
-fn median(numbers: impl Iterator<Item = f64>) -> f64 {
+/// The middle one of some numbers; `None` of none.
+pub(super) fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     let mut numbers: Vec<f64> = numbers.collect();
     let middle = numbers.len() / 2;
-    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
+    (middle < numbers.len()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

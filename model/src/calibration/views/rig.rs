@@ -21,6 +21,11 @@ const NO_CAMERA_MM: f64 = 1e12;
 pub const UNSTATED_BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: std::f64::consts::PI / 180.0, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 
+/// Relative standard deviation of measured forces about those of their images from which on they may lean to the wrong side, and how many times
+/// smaller it is then with forces that lean to the other.
+const LARGE_SCATTER: f64 = 0.03;
+const FAR_LESS: f64 = 3.0;
+
 /// What is sought of a finger and its rig.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RigQuestion {
@@ -100,7 +105,9 @@ pub fn calibrate_rig(
         false => seen.view.clone(),
     };
     let all: Vec<View> = seen.iter().map(view).collect();
-    let found = views(&scene.finger, &all, &question.sought, &ViewModel::of_scene(scene, lean))?;
+    let model = ViewModel::of_scene(scene, lean);
+    let found = views(&scene.finger, &all, &question.sought, &model)?;
+    check_side(scene, &all, &question.sought, &model, &found)?;
     let measured = || seen.iter().zip(&found.views).filter(|(seen, _)| seen.view.force.is_some());
     let leans: Vec<_> = measured()
         .map(|(seen, view)| {
@@ -117,6 +124,27 @@ pub fn calibrate_rig(
     let compliance = question.base_compliance.then(|| compliance_of(&turns())).transpose()?;
     let force_error = found.force_error.map(|error| error.of_new.hypot(question.force_error_between_objects));
     Ok(RigEstimate { views: found, friction, compliance, force_error, is_base_unstated })
+}
+
+/// Refuses measured forces that scatter far less if each leans to the other side: one of their components has the wrong sign.
+fn check_side(
+    scene: &Scene,
+    all: &[View],
+    sought: &[Sought],
+    model: &ViewModel,
+    found: &ViewEstimate,
+) -> Result<(), CalibrationError> {
+    let scatter = |estimate: &ViewEstimate| Some(estimate.force_error?.scatter);
+    let Some(of_measured) = scatter(found).filter(|scatter| *scatter > LARGE_SCATTER) else { return Ok(()) };
+    let finger = &scene.finger;
+    let mirrored = |force: Vector| finger.direction(-finger.angle_deg(force)) * force.norm();
+    let all: Vec<View> = all.iter().map(|view| View { force: view.force.map(mirrored), ..view.clone() }).collect();
+    match views(finger, &all, sought, model).ok().as_ref().and_then(scatter) {
+        Some(mirrored) if FAR_LESS * mirrored < of_measured => {
+            Err(CalibrationError::MirroredForces { scatter: of_measured, mirrored })
+        }
+        _ => Ok(()),
+    }
 }
 
 impl Lean {

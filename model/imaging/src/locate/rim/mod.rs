@@ -54,6 +54,8 @@ pub(super) struct Rim {
     pub centre: Vector,
     /// The pixel of the centre.
     pub pixel: Pixel,
+    /// Its radius, mm.
+    pub radius_mm: f64,
     /// Standard deviation of one coordinate of the centre, mm.
     pub sd_mm: f64,
     /// The same of the centre by rays: how round the rim is.
@@ -140,12 +142,13 @@ fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buff
         circle.share >= LEAST_SHARE && off <= RADIUS_TOLERANCE && circle.spread_mm <= LARGEST_SPREAD * shape.radius_mm;
     let pixel = camera.project(&centre.push(shape.height_mm)).ok()?;
     let sd_mm = circle.sd_mm.max(LEAST_SD_PX * mm_a_px);
-    let by_rays = Rim { centre, pixel, sd_mm, rays_sd_mm: sd_mm, excess_variances: None };
-    is_rim.then(|| by_edge(view, shape, &by_rays, circle.radius_mm, buffers).unwrap_or(by_rays))
+    let radius_mm = circle.radius_mm;
+    let by_rays = Rim { centre, pixel, radius_mm, sd_mm, rays_sd_mm: sd_mm, excess_variances: None };
+    is_rim.then(|| by_edge(view, shape, &by_rays, buffers).unwrap_or(by_rays))
 }
 
 /// The rim by the model of a blurred edge; `None` where it does not look like one.
-fn by_edge(view: &GreyView, shape: &RimShape, by_rays: &Rim, radius_mm: f64, buffers: &mut Buffers) -> Option<Rim> {
+fn by_edge(view: &GreyView, shape: &RimShape, by_rays: &Rim, buffers: &mut Buffers) -> Option<Rim> {
     let view = View {
         image: view.image,
         camera: view.camera,
@@ -154,8 +157,10 @@ fn by_edge(view: &GreyView, shape: &RimShape, by_rays: &Rim, radius_mm: f64, buf
         weights: BRIGHTNESS_ALONE,
         colour_shift_px: Vector::zeros(),
     };
-    let Disc { centre, pixel, sd_mm, excess_variances, .. } = view.measure(radius_mm, &by_rays.pixel, buffers)?;
-    Some(Rim { centre, pixel, sd_mm, excess_variances: Some(excess_variances), ..*by_rays })
+    let Disc { centre, pixel, sd_mm, outline, excess_variances, .. } =
+        view.measure(by_rays.radius_mm, &by_rays.pixel, buffers)?;
+    let radius_mm = outline.radius_mm;
+    Some(Rim { centre, pixel, radius_mm, sd_mm, excess_variances: Some(excess_variances), ..*by_rays })
 }
 
 /// Where the light changes most along each ray.

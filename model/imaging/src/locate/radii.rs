@@ -1,0 +1,68 @@
+//! Radii of the markers and of the references on the base, as images show them.
+
+use super::together::median;
+use finray_model::Scene;
+use std::fmt;
+
+/// Largest share by which a radius that images show may differ from the scene's: sharpened or slanting rims, and a nominal distance from the camera.
+const SAME_RADIUS: f64 = 0.05;
+
+/// Radii that an image shows, mm.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SeenRadii {
+    /// Median of the markers; `None` where none was measured.
+    pub markers_mm: Option<f64>,
+    /// That of each reference on the base; `None` where it was not found.
+    pub references_mm: Vec<Option<f64>>,
+}
+
+/// A radius of the scene that is not the one that images show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OtherRadius {
+    /// Index of the reference on the base; `None` of the markers.
+    pub reference: Option<usize>,
+    /// By the scene, mm.
+    pub stated_mm: f64,
+    /// Median over the images, mm.
+    pub shown_mm: f64,
+}
+
+impl OtherRadius {
+    /// Radii of a scene that differ from those of its images by more than 5 %.
+    pub fn of(scene: &Scene, images: &[&SeenRadii]) -> Vec<OtherRadius> {
+        let references = scene.base.iter().flat_map(|base| &base.references);
+        let stated = scene.markers.iter().map(|markers| (None, markers.radius_mm));
+        let stated = stated.chain(references.enumerate().map(|(i, mark)| (Some(i), mark.markers.radius_mm)));
+        let other = |(reference, stated_mm): (Option<usize>, f64)| {
+            let of_image = |seen: &&SeenRadii| match reference {
+                None => seen.markers_mm,
+                Some(i) => seen.references_mm.get(i).copied().flatten(),
+            };
+            let shown_mm = median(images.iter().filter_map(of_image))?;
+            let is_other = (shown_mm / stated_mm - 1.0).abs() > SAME_RADIUS;
+            is_other.then_some(OtherRadius { reference, stated_mm, shown_mm })
+        };
+        stated.filter_map(other).collect()
+    }
+
+    /// Puts the radius that images show into a scene.
+    pub fn correct(&self, scene: &mut Scene) {
+        let marks = match self.reference {
+            None => scene.markers.as_mut(),
+            Some(i) => scene.base.as_mut().and_then(|base| base.references.get_mut(i)).map(|mark| &mut mark.markers),
+        };
+        if let Some(marks) = marks {
+            marks.radius_mm = self.shown_mm;
+        }
+    }
+}
+
+impl fmt::Display for OtherRadius {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.reference {
+            None => write!(f, "markers.radius_mm = {}", self.stated_mm)?,
+            Some(i) => write!(f, "base.reference[{}].radius_mm = {}", i + 1, self.stated_mm)?,
+        }
+        write!(f, ": the images show a radius of {:.2} mm (median)", self.shown_mm)
+    }
+}
