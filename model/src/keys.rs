@@ -11,7 +11,7 @@ mod tables;
 pub(crate) use kinds::described;
 pub use kinds::{
     BracketLengths, Count, Kind, Number, Numbers, OfRibs, Pairs, Quantity, Range, Refused, RibLengths, RibNumbers,
-    SideLengths, Text, Word,
+    Rows, SideLengths, Text, Word,
 };
 pub use reference::reference;
 pub use tables::*;

@@ -24,7 +24,7 @@ use crate::keys::{
     TOUCHED, Table, ZONE,
 };
 use crate::measurement::MarkerErrors;
-use crate::sensing::AssemblyErrors;
+use crate::sensing::{AssemblyErrors, UnloadedError};
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
 
@@ -88,7 +88,8 @@ impl Scene {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
         })?;
-        let assembly = top.optional_table(&ASSEMBLY)?.as_ref().map(read_assembly).transpose()?;
+        let assembly = top.optional_table(&ASSEMBLY)?;
+        let assembly = assembly.as_ref().map(|table| read_assembly(table, finger.rib_count())).transpose()?;
         let camera = top.optional_table(&CAMERA)?.as_ref().map(camera::read_camera).transpose()?;
         let (noise_mm, camera) = camera.unwrap_or_default();
         let base = top.optional_table(&BASE)?.as_ref().map(camera::read_base).transpose()?;
@@ -202,12 +203,20 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     })
 }
 
-fn read_assembly(table: &TableReader) -> Result<AssemblyErrors, SceneError> {
+fn read_assembly(table: &TableReader, ribs: usize) -> Result<AssemblyErrors, SceneError> {
+    let rows = table.optional(&ASSEMBLY.errors)?.unwrap_or_default();
+    let error = |row: &Vec<f64>| {
+        UnloadedError::from_row(row, ribs).ok_or_else(|| {
+            let expected = format!("rows of {} numbers, as of {ribs} ribs", UnloadedError::row_length(ribs));
+            table.wrong(ASSEMBLY.errors.name, &expected, &format!("one of {}", row.len()))
+        })
+    };
     Ok(AssemblyErrors {
         joint_sd_mm: table.get(&ASSEMBLY.joint_sigma_mm)?,
         preload_nmm: table.get(&ASSEMBLY.preload_nmm)?,
         preload_sd_nmm: table.get(&ASSEMBLY.preload_sigma_nmm)?,
         height_sd_mm: table.get(&ASSEMBLY.height_sigma_mm)?,
+        further: rows.iter().map(error).collect::<Result<_, _>>()?,
     })
 }
 

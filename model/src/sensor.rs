@@ -12,11 +12,12 @@ use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    AssemblyErrors, Contact, ContactKnowledge, ContactQuestion, Direction, Lean, MeasuredContact,
+    AssemblyErrors, CameraAbove, Contact, ContactKnowledge, ContactQuestion, Direction, Lean, MeasuredContact,
     MeasuredContactForces, Normal, SensingError, UnloadedFinger, Warning, sense_measured_contacts,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Doubt, Validity};
+use nalgebra::{Isometry2, Point2};
 
 /// Standard deviations on each side of a force that 95 % of all normally distributed errors stay within.
 pub const TWO_SIDED_95: f64 = 1.96;
@@ -212,8 +213,8 @@ impl<'s> Sensor<'s> {
         let sensed = match &self.contacts {
             SensorContacts::Asked(questions) => {
                 let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&frame));
-                let unloaded = scene.assembly.map(|assembly| self.unloaded(assembly, seen));
-                let is_from_rest = unloaded.is_some_and(|unloaded| unloaded.measured_in_frame_sd_rad.is_some());
+                let unloaded = scene.assembly.clone().map(|assembly| self.unloaded(assembly, &frame, seen));
+                let is_from_rest = unloaded.as_ref().is_some_and(|it| it.measured_in_frame_sd_rad.is_some());
                 let measurement = match is_from_rest.then(|| seen.base.and_then(|base| base.uncertainty)) {
                     None => measurement,
                     Some(stated) => measurement.with_base(stated.map(BaseUncertainty::of_two_images)),
@@ -226,7 +227,7 @@ impl<'s> Sensor<'s> {
                     noise_mm,
                     mesh_nodes: self.options.mesh_nodes,
                     networks: self.options.networks,
-                    unloaded,
+                    unloaded: unloaded.as_ref(),
                 };
                 self.answered(&question)?
             }
@@ -240,18 +241,18 @@ impl<'s> Sensor<'s> {
         }
     }
 
-    /// The unloaded finger as an observation may have it.
-    fn unloaded(&self, assembly: AssemblyErrors, seen: &Observation) -> UnloadedFinger {
+    /// The unloaded finger as an observation may have it, whose frame is where the camera's pose has it.
+    fn unloaded(&self, assembly: AssemblyErrors, frame: &Isometry2<f64>, seen: &Observation) -> UnloadedFinger {
         let scene = self.scene;
         let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
         let camera = scene.camera.and_then(|camera| camera.pose).zip(scene.markers).map(|(pose, markers)| {
-            let eye = pose.eye();
+            let eye = (frame.inverse() * Point2::from(pose.eye().xy())).coords;
             // A base that is seen is seen from the same height.
             let middle = match references {
-                [] => eye.xy(),
+                [] => eye,
                 some => some.iter().map(|reference| reference.at).sum::<Vector>() / some.len() as f64,
             };
-            (middle, eye.z - markers.height_mm)
+            CameraAbove { eye, middle, distance_mm: pose.eye().z - markers.height_mm }
         });
         let base_sd_rad = scene.base.as_ref().and_then(|base| base.uncertainty).map_or(0.0, |base| base.sd_rad);
         let measured_in_frame_sd_rad = seen.counts_from_rest(&scene.finger).then_some(base_sd_rad);

@@ -141,7 +141,7 @@ pub struct Question<'q> {
     /// Networks to choose from.
     pub networks: &'q Networks,
     /// How the unloaded finger may differ from the scene's; estimators that do not search refuse it.
-    pub unloaded: Option<UnloadedFinger>,
+    pub unloaded: Option<&'q UnloadedFinger>,
 }
 
 /// Contacts whose position and direction are now known, and their forces.

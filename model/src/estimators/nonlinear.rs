@@ -1,7 +1,9 @@
 //! Gauss-Newton on the co-rotational finger.
 
 use super::{Answer, BeamEstimator, ELEMENTS, EstimatorError, EstimatorRow, Question};
-use crate::sensing::{Discretisation, Meeting, NonlinearEstimator, Pushed, SensingError, sense_refining};
+use crate::sensing::{
+    Discretisation, Meeting, NonlinearEstimate, NonlinearEstimator, Pushed, SensingError, sense_refining,
+};
 use crate::{Finger, Mesh};
 
 pub(super) const ROW: EstimatorRow = EstimatorRow {
@@ -26,48 +28,51 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 const SETTLED_SIGMAS: f64 = 0.05;
 const ROUNDS: usize = 8;
 
-/// In rounds, each with the ways found at the forces of the one before, where the unloaded finger may differ.
+/// In rounds, each with the ways found at the forces and errors of the one before, where the unloaded finger may differ.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
-    let Some(unloaded) = question.unloaded else { return answer_of_exact(finger, question) };
-    let mut found: Option<Answer> = None;
+    let Some(unloaded) = question.unloaded else {
+        let sensed = sensed(finger, question)?;
+        return Ok((sensed.contacts, sensed.forces));
+    };
+    let mut found: Option<NonlinearEstimate> = None;
     let mut change_n = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let (contacts, forces_n) =
-            found.as_ref().map_or((&[][..], &[][..]), |(contacts, estimate)| (contacts, &estimate.forces_n));
+        let (contacts, forces_n, errors) = found.as_ref().map_or((&[][..], &[][..], &[][..]), |found| {
+            (&found.contacts, &found.forces.forces_n, &found.shared_errors)
+        });
         let pushed = Pushed { questions: question.contacts, contacts, forces_n, pad: question.pad };
-        let measurement = unloaded.allowed_for(finger, question.measurement, pushed)?;
+        let measurement = unloaded.allowed_for(finger, question.measurement, pushed, errors)?;
         let noise_mm = question.noise_mm.map(|noise_mm| match found {
             Some(_) => noise_mm,
             None => noise_mm.hypot(unloaded.unknown_without_forces_mm()),
         });
-        let next = answer_of_exact(finger, &Question { measurement: &measurement, noise_mm, ..*question })?;
-        let pairs = next.1.forces_n.iter().zip(forces_n).zip(&next.1.sigmas_n);
+        let next = sensed(finger, &Question { measurement: &measurement, noise_mm, ..*question })?;
+        let pairs = next.forces.forces_n.iter().zip(forces_n).zip(&next.forces.sigmas_n);
         let changes = pairs.map(|((next_n, force_n), sigma_n)| [(next_n - force_n).abs(), *sigma_n]);
         let (largest_n, is_settled) = changes
             .fold((0.0_f64, !forces_n.is_empty()), |(largest_n, settled), [by_n, sd]| {
                 (largest_n.max(by_n), settled && by_n <= SETTLED_SIGMAS * sd)
             });
-        (change_n, found) = (largest_n, Some(next));
-        if let Some(answer) = found.take_if(|_| is_settled) {
-            return Ok(answer);
+        if is_settled {
+            return Ok((next.contacts, next.forces));
         }
+        (change_n, found) = (largest_n, Some(next));
     }
     Err(SensingError::NotConverged { iterations: ROUNDS, change_n }.into())
 }
 
 /// On a mesh of this many nodes, or refining until doubling the mesh changes little.
-fn answer_of_exact(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
+fn sensed(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, EstimatorError> {
     let &Question { contacts, pad, object, measurement, noise_mm, .. } = question;
-    let sensed = match question.mesh_nodes {
-        None => sense_refining(finger, contacts, Meeting { pad, object }, measurement, noise_mm)?,
+    match question.mesh_nodes {
+        None => Ok(sense_refining(finger, contacts, Meeting { pad, object }, measurement, noise_mm)?),
         Some(nodes) => {
             let mesh = Mesh::with_nodes(finger, nodes)?;
             let finer = Discretisation::finer(&mesh);
             let mut estimator = NonlinearEstimator::new(&mesh, contacts)?.with_pad(pad).with_object(object);
             let mut estimate = estimator.estimate(measurement, noise_mm)?;
             Discretisation::new(&mesh, &finer).widen(&mut estimator, measurement, &mut estimate)?;
-            estimate
+            Ok(estimate)
         }
-    };
-    Ok((sensed.contacts, sensed.forces))
+    }
 }

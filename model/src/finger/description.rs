@@ -133,10 +133,14 @@ pub struct FingerDescription {
 impl FingerDescription {
     /// Moves the end of a rib, counted from 0, along a plate away from the base; `finger` is the one that is described.
     pub(crate) fn move_rib(&mut self, finger: &Finger, plate: Plate, rib: usize, by_mm: f64) {
-        let [front_mm, back_mm] = [Plate::Front, Plate::Back].map(|plate| finger.plate_positions_mm(plate));
-        let mut positions: Vec<[f64; 2]> = (1..=finger.rib_count()).map(|rib| [front_mm[rib], back_mm[rib]]).collect();
-        positions[rib][plate.index()] += by_mm;
-        self.ribs.positions = RibPositions::Positions(positions);
+        if let RibPositions::Count(_) = self.ribs.positions {
+            let [front_mm, back_mm] = [Plate::Front, Plate::Back].map(|plate| finger.plate_positions_mm(plate));
+            let all = (1..=finger.rib_count()).map(|rib| [front_mm[rib], back_mm[rib]]);
+            self.ribs.positions = RibPositions::Positions(all.collect());
+        }
+        if let RibPositions::Positions(positions) = &mut self.ribs.positions {
+            positions[rib][plate.index()] += by_mm;
+        }
     }
 
     /// Lengthens the bracket of one of so many ribs, counted from 0, on a plate.

@@ -3,7 +3,7 @@
 mod numbers;
 
 pub use numbers::{
-    BracketLengths, Number, Numbers, OfRibs, Pairs, Quantity, Range, RibLengths, RibNumbers, SideLengths,
+    BracketLengths, Number, Numbers, OfRibs, Pairs, Quantity, Range, RibLengths, RibNumbers, Rows, SideLengths,
 };
 
 use std::fmt::Debug;

@@ -6,7 +6,7 @@ use super::Need::{Of, Optional, Or, Required, RequiredIf};
 use super::Range::{Above, AtMost, Between, ByOthers, Finite, Positive, Whole, Within};
 use super::{
     BracketLengths, Count, Entry, Key, KeyList, Number, Numbers, Occurs, Pairs, Quantity, Range, RibLengths,
-    RibNumbers, SceneTable, SideLengths, Table, Text, Word,
+    RibNumbers, Rows, SceneTable, SideLengths, Table, Text, Word,
 };
 
 /// Radius of the rods, mm: the paper's have a diameter of 3 mm (Xu et al. 2021, sec. II).
@@ -151,6 +151,10 @@ tables! {
     preload_sigma_nmm: Number(Quantity(SIGMA, "N mm"), NOT_NEGATIVE), Or(0.0), "Standard deviation of that moment. `finray calibrate` writes it.";
     height_sigma_mm: Number(Quantity(SIGMA, "mm"), NOT_NEGATIVE), Or(0.0),
         "Standard deviation of the markers' height before the camera: finger and markers then appear larger or smaller.";
+    errors: Rows("of one error each"), Optional,
+        "Errors that a calibration leaves, independent of each other, one row each, of one standard deviation: of each rib how far its joints are off on the \
+         front plate, along it and into the finger, and on the back plate (mm); then clips on front and back plate (mm), preload (N mm), height of the \
+         markers (mm), base x and y (mm) and turn (degrees). `finray calibrate` writes it where no modulus is sought.";
 }
 
 tables! {

@@ -25,6 +25,9 @@ pub enum SensingError {
         /// Position of the contact in the list, from 1.
         contact: usize,
     },
+    /// No finger has the errors that its scene states of its assembly.
+    #[error("the scene's finger has no room for errors of its joints as large as the table assembly states")]
+    NoSuchFinger,
     /// No contacts were asked for.
     #[error("no contact was given: nothing to estimate")]
     NoContact,

@@ -16,7 +16,7 @@ mod residual_test;
 mod response;
 
 pub(crate) use assembly::Pushed;
-pub use assembly::{AssemblyErrors, UnloadedFinger};
+pub use assembly::{AssemblyErrors, CameraAbove, UnloadedError, UnloadedFinger};
 pub use contact::{Contact, ContactPosition, ContactQuestion, Direction, check_contacts};
 pub use error::SensingError;
 pub use estimate::{Estimate, ModelError, Warning};

@@ -18,6 +18,7 @@ mod map;
 mod output;
 mod photographs;
 mod press;
+mod reassembled;
 mod rendered;
 mod report;
 mod scene_errors;

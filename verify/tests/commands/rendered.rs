@@ -42,14 +42,14 @@ const ENOUGH: usize = 30;
 const STANDARD_ERRORS: f64 = 3.0;
 
 /// An image and what it shows.
-struct Press {
-    name: String,
-    s_mm: f64,
-    force_n: f64,
+pub(super) struct Press {
+    pub name: String,
+    pub s_mm: f64,
+    pub force_n: f64,
     /// From the undeformed normal, as friction has it.
-    lean_deg: f64,
+    pub lean_deg: f64,
     /// Turn of the base in the image.
-    base_deg: f64,
+    pub base_deg: f64,
 }
 
 /// What is known when a force is sensed.
@@ -95,14 +95,14 @@ impl Known {
 
 /// Errors of the answers as shares of the true forces, how many intervals hold the truth, and how many images were asked.
 #[derive(Default)]
-struct Tally {
-    errors: Vec<f64>,
+pub(super) struct Tally {
+    pub errors: Vec<f64>,
     /// Of each finger, how many intervals hold the truth, and how many images were asked.
-    within: Vec<[usize; 2]>,
+    pub within: Vec<[usize; 2]>,
 }
 
 impl Tally {
-    fn add(&mut self, press: &Press, answer: &Answer) {
+    pub fn add(&mut self, press: &Press, answer: &Answer) {
         let Some([within, asked]) = self.within.last_mut() else { return };
         *asked += 1;
         if answer.code != Some(0) {
@@ -114,20 +114,20 @@ impl Tally {
         *within += usize::from((force_n - press.force_n).abs() <= TWO_SIDED_95 * sigma_n);
     }
 
-    fn mean(&self) -> f64 {
+    pub fn mean(&self) -> f64 {
         self.errors.iter().sum::<f64>() / self.errors.len() as f64
     }
 
-    fn asked(&self) -> usize {
+    pub fn asked(&self) -> usize {
         self.within.iter().map(|[_, asked]| asked).sum()
     }
 
-    fn coverage(&self) -> f64 {
+    pub fn coverage(&self) -> f64 {
         self.within.iter().map(|[within, _]| within).sum::<usize>() as f64 / self.asked() as f64
     }
 
     /// Standard error of the coverage: of images by themselves, or of fingers, all of which have as many, where these differ by more.
-    fn standard_error(&self) -> f64 {
+    pub fn standard_error(&self) -> f64 {
         let fingers = self.within.len() as f64;
         let off = |[within, asked]: &[usize; 2]| (*within as f64 / *asked as f64 - self.coverage()).powi(2);
         let of_fingers = (self.within.iter().map(off).sum::<f64>() / (fingers * (fingers - 1.0))).sqrt();
@@ -135,7 +135,7 @@ impl Tally {
     }
 
     /// Whether the coverage is 95 % but for chance.
-    fn holds(&self) -> bool {
+    pub fn holds(&self) -> bool {
         (self.coverage() - 0.95).abs() <= STANDARD_ERRORS * self.standard_error()
     }
 
@@ -177,12 +177,16 @@ impl Built {
 
 /// The scene of the images, the marks where the base was mounted this time.
 fn mounted(built: &Built, chance: &mut ChaCha8Rng) -> String {
-    let mut scene = drawn(Pad::default())
+    let scene = drawn(Pad::default())
         .replace("youngs_modulus_mpa = 213000.0", &format!("youngs_modulus_mpa = {:?}", built.modulus_mpa))
         .replace("bracket_mm = 3.0", &format!("bracket_mm = {:?}", built.brackets_mm))
         .replace("[[27.0, 45.67], [54.0, 78.69], [81.0, 107.5], [108.0, 132.27]]", &format!("{:?}", built.ribs_mm));
-    let (x, y, turn) =
-        (REMOUNTED[0] * normal(chance), REMOUNTED[0] * normal(chance), (REMOUNTED[1] * normal(chance)).to_radians());
+    with_marks_off(scene, REMOUNTED, chance)
+}
+
+/// A scene whose marks are off: standard deviations, mm and degrees.
+pub(super) fn with_marks_off(mut scene: String, [sd_mm, sd_deg]: [f64; 2], chance: &mut ChaCha8Rng) -> String {
+    let (x, y, turn) = (sd_mm * normal(chance), sd_mm * normal(chance), (sd_deg * normal(chance)).to_radians());
     let (sin, cos) = turn.sin_cos();
     for at in [[-16.0, 20.0], [-16.0, -10.0]] {
         let moved = [x + cos * at[0] - sin * at[1], y + sin * at[0] + cos * at[1]];
@@ -191,7 +195,7 @@ fn mounted(built: &Built, chance: &mut ChaCha8Rng) -> String {
     scene
 }
 
-fn normal(chance: &mut ChaCha8Rng) -> f64 {
+pub(super) fn normal(chance: &mut ChaCha8Rng) -> f64 {
     rand_distr::Distribution::sample(&rand_distr::StandardNormal, chance)
 }
 
@@ -199,24 +203,43 @@ fn normal(chance: &mut ChaCha8Rng) -> f64 {
 fn press(folder: &Folder, built: &Built, number: usize, pad: Pad) -> Press {
     let mut chance = ChaCha8Rng::seed_from_u64(19 + number as u64);
     let scene = mounted(built, &mut chance);
-    let built = &Mesh::with_nodes(&finger_of(&scene), MESH_NODES).expect("as many nodes");
-    let scene = folder.put(&format!("built{number}.toml"), scene);
     let (s_mm, force_n) = (chance.random_range(45.0..95.0), chance.random_range(1.0..8.0_f64));
     let lean_deg = chance.random_range(0.0..LARGEST_FRICTION).atan().to_degrees();
-    let loads =
-        under_pad(built, at_position(s_mm, lean_deg), force_n, pad, PARTS).into_iter().flat_map(|(at, force_n)| {
+    let base = [chance.random_range(-4.0..4.0), chance.random_range(-4.0..4.0), chance.random_range(-3.0..3.0_f64)];
+    let press = Press { name: format!("press{number}.png"), s_mm, force_n, lean_deg, base_deg: base[2] };
+    render(folder, &scene, &press, Rendering { pad, base, seed: number, preload_nmm: 0.0 });
+    press
+}
+
+/// How an image is rendered.
+pub(super) struct Rendering {
+    pub pad: Pad,
+    /// Where the base is in it, mm, mm and degrees.
+    pub base: [f64; 3],
+    pub seed: usize,
+    /// Moment at the tip.
+    pub preload_nmm: f64,
+}
+
+/// Renders a press of the finger of a scene; of no force, the unloaded finger.
+pub(super) fn render(folder: &Folder, scene: &str, press: &Press, rendering: Rendering) {
+    let Rendering { pad, base: [x, y, base_deg], seed, preload_nmm } = rendering;
+    let &Press { ref name, s_mm, force_n, lean_deg, .. } = press;
+    let built = &Mesh::with_nodes(&finger_of(scene), MESH_NODES).expect("as many nodes");
+    let scene = folder.put(&format!("built{seed}.toml"), scene);
+    let tip = built.finger().tip();
+    let mut arguments = vec!["--load".to_owned(), format!("{}:0,0,{preload_nmm}", tip.0)];
+    if force_n > 0.0 {
+        for (at, force_n) in under_pad(built, at_position(s_mm, lean_deg), force_n, pad, PARTS) {
             let at_mm = at.position_mm(built.finger()).expect("on the plate");
-            ["--load-at".to_owned(), format!("{at_mm}:{force_n},{}", at.angle_deg)]
-        });
-    let mut arguments: Vec<String> = loads.chain(["--mesh-nodes".to_owned(), MESH_NODES.to_string()]).collect();
-    let (x, y, base_deg) =
-        (chance.random_range(-4.0..4.0), chance.random_range(-4.0..4.0), chance.random_range(-3.0..3.0_f64));
-    let name = format!("press{number}.png");
-    arguments.extend(["--base".to_owned(), format!("{x},{y},{base_deg}"), "--out".to_owned(), folder.path(&name)]);
-    arguments.extend(["--seed".to_owned(), number.to_string()]);
+            arguments.extend(["--load-at".to_owned(), format!("{at_mm}:{force_n},{}", at.angle_deg)]);
+        }
+    }
+    arguments.extend(["--mesh-nodes".to_owned(), MESH_NODES.to_string()]);
+    arguments.extend(["--base".to_owned(), format!("{x},{y},{base_deg}"), "--out".to_owned(), folder.path(name)]);
+    arguments.extend(["--seed".to_owned(), seed.to_string()]);
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     finray(&[&["render", &scene, "--grey-noise", "2", "--blur-px", "0.8"], &arguments[..]].concat()).done();
-    Press { name, s_mm, force_n, lean_deg, base_deg }
 }
 
 /// How many images are sensed.

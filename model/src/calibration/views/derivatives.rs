@@ -1,7 +1,7 @@
 //! The problem of the views as the optimiser asks for it: derivatives by differences, priors, and bounds of the positions.
 
 use super::View;
-use super::problem::{Point, Problem, ViewUnknowns, free_part_mm};
+use super::problem::{Point, Pressed, Problem, ViewUnknowns, free_part_mm};
 use crate::calibration::CalibrationError;
 use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use nalgebra::{DMatrix, DVector};
@@ -21,7 +21,7 @@ impl LeastSquaresProblem for Problem<'_> {
 
     fn residual(&mut self, point: &Point) -> Result<DVector<f64>, Refusal<CalibrationError>> {
         let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
-        let of_views = self.views.iter().zip(&point.own).map(|(view, own)| self.weighted(&candidate, view, own));
+        let of_views = self.views.iter().zip(&point.own).map(|(view, own)| self.weighted(None, &candidate, view, own));
         let of_views = of_views.collect::<Option<Vec<_>>>().ok_or(NOWHERE)?;
         Ok(DVector::from_vec(of_views.concat()))
     }
@@ -30,21 +30,24 @@ impl LeastSquaresProblem for Problem<'_> {
         let (shared, residual) = (self.sought.len(), residual.as_slice());
         let unknowns = shared + self.views.iter().map(|view| self.own_count(view)).sum::<usize>();
         let mut jacobian = DMatrix::zeros(residual.len(), unknowns);
+        let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
+        let here = self.views.iter().zip(&point.own).map(|(view, own)| self.pressed(&candidate, view, own));
+        let here = here.collect::<Option<Vec<Pressed>>>().ok_or(NOWHERE)?;
         for (k, sought) in self.sought.iter().enumerate() {
             let step = if sought.quantity.is_modulus() { SHARE_STEP } else { LENGTH_STEP };
             let mut changed = point.shared.clone();
             changed[k] += step;
             let other = self.candidate(&changed).ok_or(NOWHERE)?;
-            for (view, own, rows, _) in self.parts(point) {
-                let by = Problem::differences(self.weighted(&other, view, own), &residual[rows.clone()], step)?;
+            for ((view, own, rows, _), here) in self.parts(point).zip(&here) {
+                let after = self.weighted(Some(here), &other, view, own);
+                let by = Problem::differences(after, &residual[rows.clone()], step)?;
                 jacobian.view_mut((rows.start, k), (rows.len(), 1)).copy_from(&by);
             }
         }
-        let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
-        for (view, own, rows, column) in self.parts(point) {
+        for ((view, own, rows, column), here) in self.parts(point).zip(&here) {
             for j in 0..self.own_count(view) {
                 let step = own.step(j);
-                let after = self.weighted(&candidate, view, &own.moved(self.finger, j, step));
+                let after = self.weighted(Some(here), &candidate, view, &own.moved(self.finger, j, step));
                 let by = Problem::differences(after, &residual[rows.clone()], step)?;
                 jacobian.view_mut((rows.start, column + j), (rows.len(), 1)).copy_from(&by);
             }

@@ -5,10 +5,11 @@ use super::problem::{BASE_ROWS, OWN, Point, Problem};
 use super::scatter::{NewImage, Scatter};
 use crate::optimise::{Fit, covariance};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 impl Problem<'_> {
-    /// The force that markers and base of a view show without what was measured of it. `by` are the derivatives of a fit, in which the view begins at a
-    /// row and a column. `None` where they do not show it.
+    /// The force of a view from markers and base alone, ignoring its measured value. `by` are the derivatives of a fit, in which the view begins at a
+    /// row and a column. `None` where it is not identifiable.
     pub(super) fn new_image(
         &self,
         by: &DMatrix<f64>,
@@ -18,14 +19,29 @@ impl Problem<'_> {
     ) -> Option<NewImage> {
         // The last row of a view, and the last of its unknowns: what was measured of its force, and the force, here as a share.
         let rows = self.row_count(view) - 1;
-        let mut alone = by.view((row, column), (rows, self.own_count(view))).clone_owned();
-        alone.column_mut(OWN).scale_mut(force_n);
-        let covariance = covariance(&alone)?;
-        // Without what was measured of it, the force follows the finger.
-        let by_shared = -alone.tr_mul(&by.view((row, 0), (rows, self.sought.len()))).tr_mul(&covariance.column(OWN));
+        let own: Vec<usize> = (column..column + self.own_count(view)).collect();
+        let (by_shared, covariance, alone) = self.force_alone(by, row..row + rows, &own, force_n)?;
         let by_base = alone.rows(rows - BASE_ROWS, BASE_ROWS) * covariance.column(OWN);
         let variance = covariance[(OWN, OWN)];
         Some(NewImage { by_shared, variance, of_markers: variance - by_base.norm_squared() })
+    }
+
+    /// A force, as a share, that is estimated from rows of one view with the view's own unknowns, of which it is the fifth: its change with each of the
+    /// unknowns that all views share, the covariance of the own ones, and the derivatives by these. `None` where it is not identifiable.
+    pub(super) fn force_alone(
+        &self,
+        by: &DMatrix<f64>,
+        rows: Range<usize>,
+        own: &[usize],
+        force_n: f64,
+    ) -> Option<(DVector<f64>, DMatrix<f64>, DMatrix<f64>)> {
+        let of_view = by.rows(rows.start, rows.len());
+        let mut alone = of_view.select_columns(own);
+        alone.column_mut(OWN).scale_mut(force_n);
+        let covariance = covariance(&alone)?;
+        // The force follows the finger.
+        let by_shared = -alone.tr_mul(&of_view.columns(0, self.sought.len())).tr_mul(&covariance.column(OWN));
+        Some((by_shared, covariance, alone))
     }
 
     /// How measured forces scatter about those that the images show, linearised at a fit; `None` where the images do not show all unknowns.

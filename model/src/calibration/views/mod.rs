@@ -17,6 +17,7 @@ mod rig;
 mod scatter;
 mod shape_motion;
 mod start;
+mod unloaded;
 mod view;
 
 pub use compliance::{BaseCompliance, compliance_of};
@@ -30,10 +31,10 @@ use super::CalibrationError;
 use crate::Vector;
 use crate::finger::Finger;
 use crate::measurement::MarkerErrors;
-use crate::optimise::{LevenbergMarquardt, Refusal};
-use crate::sensing::{Lean, Normal, Pad};
+use crate::optimise::{Convergence, LevenbergMarquardt, Refusal};
+use crate::sensing::{Lean, Normal, Pad, UnloadedError};
 use nalgebra::{DMatrix, Isometry2};
-use problem::{Candidate, Problem, ViewUnknowns};
+use problem::{Candidate, OWN, Problem, ViewUnknowns};
 use scatter::{AddedForceError, Scatter};
 
 /// What is held beside the views.
@@ -71,6 +72,8 @@ pub struct FoundView {
     pub s_mm: f64,
     /// The force in the finger frame, N.
     pub force: Vector,
+    /// Standard deviation of its magnitude as all views have it, N; zero for a measured force that is taken for exact.
+    pub force_sigma_n: f64,
     /// Where the base is in the frame that the view has of it.
     pub base: Isometry2<f64>,
     /// By how much the plate's normal is turned at the contact, rad; the mean over the length that leans count from.
@@ -118,6 +121,8 @@ pub struct ViewEstimate {
     pub new_marker_errors: MarkerErrors,
     /// By which share it misses forces. `None` where no modulus is sought, or no force was measured.
     pub force_error: Option<ForceError>,
+    /// What stays uncertain of the finger and its rig where `force_error` does not hold it: independent errors of one standard deviation.
+    pub unloaded_errors: Vec<UnloadedError>,
     /// Measured forces and markers that are further off than the others let expect.
     pub outliers: Vec<Outlier>,
 }
@@ -136,6 +141,8 @@ const FIRST_MODEL_ERROR_MM: f64 = 0.05;
 /// The same for the scatter of forces, as a share of them, which stays where nothing shows it; and the least that counts.
 const FIRST_SCATTER: f64 = 0.01;
 const LEAST_SCATTER: f64 = 1e-5;
+/// Unknowns are then within a thousandth of their standard deviations; derivatives by differences would not let a search end much closer.
+const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-8, step: 0.0 };
 /// Both have settled where a round changes them by no more than this share of what they are.
 const SETTLED: f64 = 1e-2;
 const ROUNDS: usize = 50;
@@ -186,7 +193,8 @@ pub fn views(
     let mut point = problem.start()?;
     let mut found = None;
     for _ in 0..ROUNDS {
-        let fitted = LevenbergMarquardt::default().minimise(&mut problem, point).map_err(Refusal::into_error)?;
+        let search = LevenbergMarquardt { convergence: CONVERGENCE, ..LevenbergMarquardt::default() };
+        let fitted = search.minimise(&mut problem, point).map_err(Refusal::into_error)?;
         point = fitted.point.clone();
         let covariance = fitted.covariance();
         let covariance = covariance.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
@@ -222,14 +230,22 @@ pub fn views(
     let candidate = problem.candidate(&point.shared).ok_or(CalibrationError::NoMinimum)?;
     let quantities = sought.iter().zip(&point.shared).enumerate();
     let quantities = quantities.map(|(k, (sought, change))| problem.found_quantity(sought, *change, sigma(k)));
-    let found_view = |(view, own)| problem.found_view(&candidate, view, own).ok_or(CalibrationError::NoMinimum);
-    let found_views = views.iter().zip(&point.own).map(found_view).collect::<Result<Vec<_>, _>>()?;
+    let found_view = |(view, own, _, column): (_, _, _, usize)| {
+        let is_sought = problem.own_count(view) > OWN;
+        let force_sigma_n = if is_sought { sigma(column + OWN) } else { 0.0 };
+        problem.found_view(&candidate, view, own, force_sigma_n).ok_or(CalibrationError::NoMinimum)
+    };
+    let found_views = problem.parts(point).map(found_view).collect::<Result<Vec<_>, _>>()?;
     Ok(ViewEstimate {
         quantities: quantities.collect(),
         correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
         views: found_views,
         marker_errors: problem.errors,
         new_marker_errors: problem.new_marker_errors(of_new.map_or(0.0, |of_new| of_new.of_markers)),
+        unloaded_errors: match force_error {
+            Some(_) => Vec::new(),
+            None => problem.unloaded_errors(&fitted, &covariance, &candidate.base),
+        },
         force_error,
         outliers: problem.outliers(&fitted, &covariance),
         marker_height_mm: candidate.marker_height_mm,
@@ -240,11 +256,18 @@ pub fn views(
 
 impl Problem<'_> {
     /// A view as a candidate has it; `None` where it has no equilibrium.
-    fn found_view(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<FoundView> {
+    fn found_view(
+        &self,
+        candidate: &Candidate,
+        view: &View,
+        own: &ViewUnknowns,
+        force_sigma_n: f64,
+    ) -> Option<FoundView> {
         let pressed = self.pressed(candidate, view, own)?;
         Some(FoundView {
             s_mm: own.s_mm,
             force: pressed.force * (view.force.map_or(own.force_n, |force| force.norm()) / own.force_n),
+            force_sigma_n,
             base: candidate.base * own.base,
             normal_turn_rad: pressed.normal_turn_rad,
             residuals_mm: self.residuals(candidate, view, own, &pressed).map(|(_, left)| left).collect(),

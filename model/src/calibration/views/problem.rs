@@ -67,6 +67,8 @@ pub(super) struct Pressed {
     pub force: Vector,
     pub motion: FrameMotion,
     pub normal_turn_rad: f64,
+    loads: Vec<FrameLoad>,
+    plate_rad: f64,
 }
 
 impl Problem<'_> {
@@ -126,6 +128,17 @@ impl Problem<'_> {
 
     /// The force of a view in the finger frame, and how the finger bends under it; `None` where there is no equilibrium.
     pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Pressed> {
+        self.pressed_from(None, candidate, view, own)
+    }
+
+    /// The same, sought from an equilibrium of almost the same finger under almost the same force.
+    fn pressed_from(
+        &self,
+        near: Option<&Pressed>,
+        candidate: &Candidate,
+        view: &View,
+        own: &ViewUnknowns,
+    ) -> Option<Pressed> {
         let finger = candidate.mesh.finger();
         let over_mm = match self.model.lean.from {
             Normal::Deformed { over_mm } => over_mm,
@@ -138,8 +151,10 @@ impl Problem<'_> {
             .map(|force| (candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
         let lean_deg = self.model.lean.mean_deg(own.force_n) + own.further_lean_deg;
         // A lean may count from a normal that turns with the force, and so does a pad: settled in a few steps.
-        let (mut normal_rad, mut plate_rad) = (0.0_f64, 0.0_f64);
-        let mut last: Option<(FrameMotion, Vec<FrameLoad>)> = None;
+        let turns_lean = matches!((view.force, self.model.lean.from), (None, Normal::Deformed { .. }));
+        let mut normal_rad = near.filter(|_| turns_lean).map_or(0.0, |near| near.normal_turn_rad);
+        let mut plate_rad = near.map_or(0.0, |near| near.plate_rad);
+        let mut last = near.map(|near| (near.motion.clone(), near.loads.clone()));
         for _ in 0..NORMAL_STEPS {
             let leaning = || finger.direction(lean_deg + normal_rad.to_degrees()) * own.force_n;
             let force = measured.unwrap_or_else(leaning);
@@ -156,12 +171,12 @@ impl Problem<'_> {
             let load = contact.unit_load(finger);
             let normal_turn_rad = candidate.mesh.normal_turn(&motion, &load, over_mm).ok()?;
             let before = [normal_rad, plate_rad];
-            if let (None, Normal::Deformed { .. }) = (view.force, self.model.lean.from) {
+            if turns_lean {
                 normal_rad = normal_turn_rad;
             }
             plate_rad = pad.plate_turn(&candidate.mesh, &contact, &motion).ok()?;
             if (normal_rad - before[0]).abs().max((plate_rad - before[1]).abs()) <= SETTLED_RAD {
-                return Some(Pressed { force, motion, normal_turn_rad });
+                return Some(Pressed { force, motion, normal_turn_rad, loads, plate_rad });
             }
             last = Some((motion, loads));
         }
@@ -189,9 +204,15 @@ impl Problem<'_> {
         })
     }
 
-    /// Residuals of one view in their standard deviations, its priors last; `None` where there is no equilibrium.
-    pub(super) fn weighted(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Vec<f64>> {
-        let pressed = self.pressed(candidate, view, own)?;
+    /// Residuals of one view in their standard deviations, its priors last; `None` where there is no equilibrium, which is sought from one that is `near`.
+    pub(super) fn weighted(
+        &self,
+        near: Option<&Pressed>,
+        candidate: &Candidate,
+        view: &View,
+        own: &ViewUnknowns,
+    ) -> Option<Vec<f64>> {
+        let pressed = self.pressed_from(near, candidate, view, own)?;
         let mut rows = Vec::with_capacity(view.measurement.coordinate_count() + OWN);
         for (marker, residual) in self.residuals(candidate, view, own, &pressed) {
             let sd_mm = self.errors.sd_mm(view.noise_mm / marker.weight);

@@ -9,7 +9,7 @@ use crate::estimators::ELEMENTS;
 use crate::finger::{BracketLengths, RibPositions};
 use crate::keys::{ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FRONT, MARKERS, REFERENCE, RIBS};
 use crate::measurement::BaseUncertainty;
-use crate::sensing::Lean;
+use crate::sensing::{Lean, UnloadedError};
 use crate::{Scene, Vector};
 use nalgebra::Point2;
 
@@ -57,7 +57,7 @@ pub struct RigEstimate {
     pub friction: Option<FrictionEstimate>,
     /// Turn of the base with the force, where it was sought.
     pub compliance: Option<BaseCompliance>,
-    /// Relative standard deviation of a force in a new image, of other objects too; `None` as in [`ViewEstimate::force_error`].
+    /// Relative standard deviation of a force in a new image, including other objects; `None` where nothing is known of it.
     pub force_error: Option<f64>,
     /// Whether the base was sought within [`UNSTATED_BASE`], as the scene does not say how far it may be off its references.
     pub is_base_unstated: bool,
@@ -70,8 +70,8 @@ pub enum SceneValue {
     Number(f64),
     /// A list of numbers.
     Numbers(Vec<f64>),
-    /// A list of pairs.
-    Pairs(Vec<[f64; 2]>),
+    /// A list of rows.
+    Rows(Vec<Vec<f64>>),
 }
 
 impl ViewModel {
@@ -83,7 +83,7 @@ impl ViewModel {
             marker_height_mm: scene.markers.map_or(0.0, |markers| markers.height_mm),
             lean,
             pad: scene.contact.pad,
-            preload_nmm: scene.assembly.map_or(0.0, |assembly| assembly.preload_nmm),
+            preload_nmm: scene.assembly.as_ref().map_or(0.0, |assembly| assembly.preload_nmm),
         }
     }
 }
@@ -122,7 +122,11 @@ pub fn calibrate_rig(
         measured().map(|(seen, view)| (view.force.norm(), turn_deg(seen, &view.base))).collect()
     };
     let compliance = question.base_compliance.then(|| compliance_of(&turns())).transpose()?;
-    let force_error = found.force_error.map(|error| error.of_new.hypot(question.force_error_between_objects));
+    let between_objects = question.force_error_between_objects;
+    let force_error = match found.force_error {
+        None => Some(between_objects).filter(|share| *share > 0.0),
+        Some(error) => Some(error.of_new.hypot(between_objects)),
+    };
     Ok(RigEstimate { views: found, friction, compliance, force_error, is_base_unstated })
 }
 
@@ -145,6 +149,10 @@ fn check_side(
         }
         _ => Ok(()),
     }
+}
+
+fn pairs(of: &[[f64; 2]]) -> SceneValue {
+    SceneValue::Rows(of.iter().map(|pair| pair.to_vec()).collect())
 }
 
 impl Lean {
@@ -189,7 +197,27 @@ impl RigEstimate {
             values.push((CONTACT.friction_range.path(), None));
         }
         values.extend(self.base_values(scene));
+        // What stays uncertain of calibrated values is stated for itself.
+        let known = [
+            (self.sought(|quantity| *quantity == Quantity::Preload), &ASSEMBLY.preload_sigma_nmm),
+            (self.sought(|quantity| *quantity == Quantity::MarkerHeight), &ASSEMBLY.height_sigma_mm),
+            (self.seeks_joints(), &ASSEMBLY.joint_sigma_mm),
+        ];
+        if scene.assembly.is_some() {
+            values.extend(known.into_iter().filter(|(is_known, _)| *is_known).map(|(_, key)| (key.path(), None)));
+        }
+        let errors: Vec<Vec<f64>> = self.views.unloaded_errors.iter().map(UnloadedError::to_row).collect();
+        if !errors.is_empty() || scene.assembly.as_ref().is_some_and(|assembly| !assembly.further.is_empty()) {
+            let rows = Some(errors).filter(|errors| !errors.is_empty()).map(SceneValue::Rows);
+            values.push((ASSEMBLY.errors.path(), rows));
+        }
         values
+    }
+
+    /// Whether the joints of all ribs were sought, along the plates and off them.
+    fn seeks_joints(&self) -> bool {
+        self.sought(|quantity| matches!(quantity, Quantity::RibPosition(..)))
+            && self.sought(|quantity| matches!(quantity, Quantity::OwnBracket(..)))
     }
 
     fn sought(&self, wanted: impl Fn(&Quantity) -> bool) -> bool {
@@ -211,7 +239,7 @@ impl RigEstimate {
         if self.sought(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..))) {
             let lengths = match &description.ribs.bracket_mm {
                 BracketLengths::Alike(lengths_mm) => SceneValue::Numbers(lengths_mm.to_vec()),
-                BracketLengths::Each(each) => SceneValue::Pairs(each.clone()),
+                BracketLengths::Each(each) => pairs(each),
             };
             put(RIBS.bracket_mm.path(), lengths);
         }
@@ -221,14 +249,13 @@ impl RigEstimate {
         if let RibPositions::Positions(positions) = &description.ribs.positions
             && self.sought(|quantity| matches!(quantity, Quantity::RibPosition(..)))
         {
-            put(RIBS.positions_mm.path(), SceneValue::Pairs(positions.clone()));
+            put(RIBS.positions_mm.path(), pairs(positions));
         }
         if self.sought(|quantity| *quantity == Quantity::MarkerHeight) {
             put(MARKERS.height_mm.path(), SceneValue::Number(self.views.marker_height_mm));
         }
         if let Some(found) = self.views.quantities.iter().find(|found| found.sought.quantity == Quantity::Preload) {
             put(ASSEMBLY.preload_nmm.path(), SceneValue::Number(found.value));
-            put(ASSEMBLY.preload_sigma_nmm.path(), SceneValue::Number(found.sigma));
         }
         values
     }

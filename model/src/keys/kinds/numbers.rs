@@ -319,16 +319,9 @@ impl Kind for Pairs {
     }
 
     fn parse(&self, value: &DeValue) -> Result<Vec<[f64; 2]>, Refused> {
-        let pair = |item: &DeValue| match item {
-            DeValue::Array(pair) => match pair.iter().map(|x| number(x.get_ref())).collect::<Option<Vec<_>>>()?[..] {
-                [first, second] => Some([first, second]),
-                _ => None,
-            },
-            _ => None,
-        };
-        let DeValue::Array(items) = value else { return Err(refused(self.noun(), value)) };
-        let pairs = items.iter().map(|item| pair(item.get_ref())).collect::<Option<Vec<_>>>();
-        pairs.ok_or_else(|| Refused { expected: self.noun(), found: "a list of something else".to_owned() })
+        let pair = |row: Vec<f64>| row.try_into().ok();
+        let pairs = rows(value, &self.noun())?.into_iter().map(pair).collect::<Option<Vec<[f64; 2]>>>();
+        pairs.ok_or_else(|| of_something_else(self.noun()))
     }
 
     fn outside(&self, value: &Vec<[f64; 2]>) -> Option<String> {
@@ -336,6 +329,41 @@ impl Kind for Pairs {
         let is_near = |pair: &&[f64; 2]| pair.iter().all(|x| x.abs() <= most);
         value.iter().find(|pair| !is_near(pair)).map(|pair| format!("{pair:?}"))
     }
+}
+
+/// A list of rows of finite numbers. The text says of what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rows(pub &'static str);
+
+impl Kind for Rows {
+    type Value = Vec<Vec<f64>>;
+
+    fn noun(&self) -> String {
+        format!("a list of rows {}", self.0)
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<Vec<Vec<f64>>, Refused> {
+        rows(value, &self.noun())
+    }
+
+    fn outside(&self, value: &Vec<Vec<f64>>) -> Option<String> {
+        value.iter().find(|row| !row.iter().all(|x| x.is_finite())).map(|row| format!("{row:?}"))
+    }
+}
+
+/// Lists of numbers in a list.
+fn rows(value: &DeValue, noun: &str) -> Result<Vec<Vec<f64>>, Refused> {
+    let row = |item: &DeValue| match item {
+        DeValue::Array(row) => row.iter().map(|x| number(x.get_ref())).collect::<Option<Vec<f64>>>(),
+        _ => None,
+    };
+    let DeValue::Array(items) = value else { return Err(refused(noun.to_owned(), value)) };
+    let rows = items.iter().map(|item| row(item.get_ref())).collect::<Option<Vec<_>>>();
+    rows.ok_or_else(|| of_something_else(noun.to_owned()))
+}
+
+fn of_something_else(expected: String) -> Refused {
+    Refused { expected, found: "a list of something else".to_owned() }
 }
 
 fn number(value: &DeValue) -> Option<f64> {

@@ -232,6 +232,7 @@ impl NonlinearEstimator<'_> {
                 .map(|(contact, question)| answered(contact, question))
                 .collect(),
             steps,
+            shared_errors: state.nuisances.shared.clone(),
         })
     }
 }

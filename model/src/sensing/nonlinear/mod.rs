@@ -63,6 +63,8 @@ pub struct NonlinearEstimate {
     pub contacts: Vec<Contact>,
     /// Gauss-Newton steps taken.
     pub steps: usize,
+    /// Errors that markers share, in their standard deviations.
+    pub shared_errors: Vec<f64>,
     /// Leans that were sought.
     leans: Vec<FoundLean>,
 }

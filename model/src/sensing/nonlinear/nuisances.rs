@@ -20,7 +20,7 @@ pub(super) struct Nuisances {
     /// By how much the object is off where it is thought to be: mm, mm and rad.
     pub object: [f64; 3],
     /// Errors that markers share, in their standard deviations, and by how much they displace each key node's marker together, mm.
-    shared: Vec<f64>,
+    pub shared: Vec<f64>,
     shared_mm: Vec<Vector>,
 }
 

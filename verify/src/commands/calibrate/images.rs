@@ -138,6 +138,7 @@ struct ImageRow {
     image: String,
     s_mm: f64,
     force_n: f64,
+    sigma_n: f64,
     angle_deg: f64,
     lean_deg: f64,
     base_x_mm: f64,
@@ -174,12 +175,6 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let found = calibration::calibrate_rig(&scene, &seen, &fit.0, lean).map_err(failure)?;
     let RigEstimate { views: estimate, compliance, .. } = &found;
     notes::print(&found);
-    if measured == 0 && arguments.calibrated.is_some() {
-        print_message(
-            "warning: no force was measured: what stays uncertain of the calibrated finger is not part of the sigma_n that `finray sense` states with it; one \
-             measured force (--forces) shows most of it",
-        );
-    }
     for outlier in &estimate.outliers {
         print_message(format_args!("warning: {outlier}"));
     }
@@ -234,6 +229,7 @@ fn image_rows(seen: &[LocatedView], estimate: &ViewEstimate, from: Normal) -> Ve
         image: seen.view.name.clone(),
         s_mm: found.s_mm,
         force_n: found.force.norm(),
+        sigma_n: found.force_sigma_n,
         angle_deg: found.lean_deg(&estimate.finger, Normal::Undeformed),
         lean_deg: found.lean_deg(&estimate.finger, from),
         base_x_mm: found.base.translation.x,
@@ -248,8 +244,8 @@ fn toml_value(value: SceneValue) -> Value {
     match value {
         SceneValue::Number(number) => number.into(),
         SceneValue::Numbers(numbers) => Array::from_iter(numbers).into(),
-        SceneValue::Pairs(pairs) => {
-            Array::from_iter(pairs.into_iter().map(|pair| Value::from(Array::from_iter(pair)))).into()
+        SceneValue::Rows(rows) => {
+            Array::from_iter(rows.into_iter().map(|row| Value::from(Array::from_iter(row)))).into()
         }
     }
 }

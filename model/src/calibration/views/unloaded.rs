@@ -1,0 +1,72 @@
+//! What a fit leaves uncertain of the unloaded finger and its rig, as far as it counts where forces are sensed.
+
+use super::problem::{OWN, Point, Problem};
+use super::{Quantity, Sought};
+use crate::Vector;
+use crate::finger::Plate;
+use crate::optimise::Fit;
+use crate::sensing::UnloadedError;
+use nalgebra::{DMatrix, Isometry2, RowDVector};
+
+/// An error that changes forces by less than this share counts for nothing: a tenth of what noise usually leaves.
+const LEAST_SHARE: f64 = 1e-3;
+
+impl Problem<'_> {
+    /// Independent errors of the quantities that are sought, each of one standard deviation, that change the force in one of the views without a measured force:
+    /// its direction sought or known, its position sought or known. Linearised at a fit.
+    pub(super) fn unloaded_errors(
+        &self,
+        fitted: &Fit<Point>,
+        covariance: &DMatrix<f64>,
+        base: &Isometry2<f64>,
+    ) -> Vec<UnloadedError> {
+        let shared = self.sought.len();
+        let mut changes: Vec<RowDVector<f64>> = Vec::new();
+        for (view, own, rows, column) in self.parts(&fitted.point).filter(|(view, ..)| view.force.is_none()) {
+            // In turn: all unknowns of the view, without the lean, without the position, too.
+            let all: Vec<usize> = (column..column + self.own_count(view)).collect();
+            let known_direction = &all[..=OWN];
+            for unknowns in [&all[..], known_direction] {
+                let found = self.force_alone(&fitted.jacobian, rows.clone(), unknowns, own.force_n);
+                changes.extend(found.map(|(by_shared, ..)| by_shared.transpose()));
+            }
+        }
+        let own = covariance.view((0, 0), (shared, shared)).clone_owned().symmetric_eigen();
+        let spread =
+            &own.eigenvectors * DMatrix::from_diagonal(&own.eigenvalues.map(|variance| variance.max(0.0).sqrt()));
+        if changes.is_empty() {
+            return Vec::new();
+        }
+        let found = (DMatrix::from_rows(&changes) * &spread).svd(false, true);
+        let Some(combinations) = found.v_t else { return Vec::new() };
+        let counts =
+            found.singular_values.iter().zip(combinations.row_iter()).filter(|(share, _)| **share > LEAST_SHARE);
+        counts
+            .map(|(_, combination)| self.unloaded_error((&spread * combination.transpose()).as_slice(), base))
+            .collect()
+    }
+
+    /// Changes of all quantities that are sought, as an error of the finger that was found; `base` is where its base was found.
+    fn unloaded_error(&self, changes: &[f64], base: &Isometry2<f64>) -> UnloadedError {
+        let ribs = self.finger.rib_count();
+        let mut error = UnloadedError::none(ribs);
+        for (Sought { quantity, .. }, &change) in self.sought.iter().zip(changes) {
+            match quantity {
+                Quantity::Bracket(plate) => {
+                    error.joints_mm.iter_mut().for_each(|joints_mm| joints_mm[plate.index()][1] += change);
+                }
+                Quantity::OwnBracket(plate, rib) => error.joints_mm[*rib][plate.index()][1] += change,
+                Quantity::RibPosition(plate, rib) => error.joints_mm[*rib][plate.index()][0] += change,
+                Quantity::Clip => error.clip_mm.iter_mut().for_each(|clip_mm| *clip_mm += change),
+                Quantity::PlateClip(plate) => error.clip_mm[plate.index()] += change,
+                Quantity::MarkerHeight => error.height_mm += change,
+                Quantity::BaseX => error.base += base.rotation.inverse() * Vector::new(change, 0.0),
+                Quantity::BaseY => error.base += base.rotation.inverse() * Vector::new(0.0, change),
+                Quantity::BaseTurn => error.base_turn_rad += change.to_radians(),
+                Quantity::Preload => error.preload_nmm += change,
+                Quantity::Modulus | Quantity::PlateModulus(Plate::Front | Plate::Back) => {}
+            }
+        }
+        error
+    }
+}
