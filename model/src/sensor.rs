@@ -4,6 +4,7 @@
 //! table or a simulation, becomes forces with standard deviations and warnings, or is refused with the reason.
 
 use crate::Vector;
+use crate::calibration::{ForceInView, SensedBefore, View, ViewModel, force_in_view};
 use crate::estimators::network::Networks;
 use crate::estimators::{EstimatorError, EstimatorId, Question};
 use crate::finger::Finger;
@@ -12,8 +13,9 @@ use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    AssemblyErrors, CameraAbove, Contact, ContactKnowledge, ContactQuestion, Direction, Lean, MeasuredContact,
-    MeasuredContactForces, Normal, SensingError, UnloadedFinger, Warning, sense_measured_contacts,
+    AssemblyErrors, CameraAbove, Contact, ContactKnowledge, ContactPosition, ContactQuestion, Direction, Estimate,
+    Lean, MeasuredContact, MeasuredContactForces, Normal, ResidualTest, SensingError, UnloadedFinger, Warning,
+    sense_measured_contacts,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Doubt, Validity};
@@ -24,6 +26,10 @@ pub const TWO_SIDED_95: f64 = 1.96;
 /// Elements a member of the finger that senses measured contacts: objects bend it farther than single forces of the same size, and with four,
 /// 0.1 % of the force would be left of the mesh.
 const ELEMENTS_UNDER_OBJECTS: usize = 8;
+/// Elements a member of the finger whose unloaded shape is sought with the force.
+const ELEMENTS_UNLOADED: usize = 8;
+/// Standard deviation, mm and rad, of a base that is known exactly: less than any camera shows.
+const EXACT: f64 = 1e-6;
 
 /// The contacts whose forces are sought.
 #[derive(Debug, Clone, PartialEq)]
@@ -213,7 +219,7 @@ impl<'s> Sensor<'s> {
         let sensed = match &self.contacts {
             SensorContacts::Asked(questions) => {
                 let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&frame));
-                let unloaded = scene.assembly.clone().map(|assembly| self.unloaded(assembly, &frame, seen));
+                let unloaded = scene.assembly.clone().map(|assembly| self.unloaded(assembly, &frame, seen, questions));
                 let is_from_rest = unloaded.as_ref().is_some_and(|it| it.measured_in_frame_sd_rad.is_some());
                 let measurement = match is_from_rest.then(|| seen.base.and_then(|base| base.uncertainty)) {
                     None => measurement,
@@ -242,7 +248,13 @@ impl<'s> Sensor<'s> {
     }
 
     /// The unloaded finger as an observation may have it, whose frame is where the camera's pose has it.
-    fn unloaded(&self, assembly: AssemblyErrors, frame: &Isometry2<f64>, seen: &Observation) -> UnloadedFinger {
+    fn unloaded(
+        &self,
+        assembly: AssemblyErrors,
+        frame: &Isometry2<f64>,
+        seen: &Observation,
+        questions: &[ContactQuestion],
+    ) -> UnloadedFinger {
         let scene = self.scene;
         let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
         let camera = scene.camera.and_then(|camera| camera.pose).zip(scene.markers).map(|(pose, markers)| {
@@ -256,12 +268,61 @@ impl<'s> Sensor<'s> {
         });
         let base_sd_rad = scene.base.as_ref().and_then(|base| base.uncertainty).map_or(0.0, |base| base.sd_rad);
         let measured_in_frame_sd_rad = seen.counts_from_rest(&scene.finger).then_some(base_sd_rad);
-        UnloadedFinger { assembly, camera, measured_in_frame_sd_rad }
+        let touches = |question: &ContactQuestion| {
+            matches!(question.direction, Direction::Leaning(Lean { from: Normal::Object, .. }))
+        };
+        let is_start = measured_in_frame_sd_rad.is_none() && questions.len() == 1 && !questions.iter().any(touches);
+        UnloadedFinger { assembly, camera, measured_in_frame_sd_rad, is_start }
+    }
+
+    /// One force with all that is unknown of the unloaded finger, from where it was sensed before.
+    fn all_at_once(
+        &self,
+        question: &Question,
+        unloaded: &UnloadedFinger,
+        contact: &Contact,
+        before: &Estimate,
+    ) -> Result<ForceInView, Refusal> {
+        let scene = self.scene;
+        let exact = BaseUncertainty { sd_mm: EXACT, sd_rad: EXACT, ..BaseUncertainty::default() };
+        let view = View {
+            name: String::new(),
+            measurement: question.measurement.clone(),
+            noise_mm: question.noise_mm.unwrap_or(before.noise_mm),
+            base: question.measurement.base().unwrap_or(exact),
+            eye: unloaded.camera.map_or(Vector::zeros(), |camera| camera.eye),
+            force: None,
+        };
+        let model = ViewModel { elements: ELEMENTS_UNLOADED, ..ViewModel::of_scene(scene, Lean::NONE) };
+        let errors = unloaded.independent_errors(scene.finger.rib_count());
+        let before = SensedBefore {
+            s_mm: contact.position_mm(&scene.finger).unwrap_or_default(),
+            angle_deg: contact.angle_deg,
+            force_n: before.forces_n[0],
+        };
+        let found = force_in_view(&scene.finger, &view, &question.contacts[0], &model, &errors, before);
+        found.ok_or_else(|| SensingError::NoSuchFinger.into())
     }
 
     fn answered(&self, question: &Question) -> Result<SensedForces, Refusal> {
         let estimator = self.options.estimator;
-        let (contacts, mut estimate) = estimator.answer(&self.scene.finger, question)?;
+        let (mut contacts, mut estimate) = estimator.answer(&self.scene.finger, question)?;
+        if let Some(unloaded) = question.unloaded.filter(|unloaded| unloaded.is_start) {
+            let found = self.all_at_once(question, unloaded, &contacts[0], &estimate)?;
+            contacts[0].angle_deg = found.angle_deg;
+            if question.contacts[0].position.is_none() {
+                contacts[0].position = ContactPosition::At(found.s_mm);
+            }
+            estimate.forces_n = vec![found.force_n];
+            estimate.sigmas_n = vec![found.sigma_n.hypot(estimate.model_error_n[0])];
+            estimate.residual_rms_mm = found.residual_rms_mm;
+            estimate.warning = match estimate.warning {
+                Some(Warning::Residual(_)) | None => {
+                    found.test.filter(ResidualTest::contradicts).map(Warning::Residual)
+                }
+                other => other,
+            };
+        }
         estimate.add_force_error(self.scene.contact.force_error);
         let is_linear = estimator.is_linear();
         let of_model = estimate.warning.map(|warning| SensorWarning::Model { warning, is_linear });

@@ -56,6 +56,8 @@ pub struct UnloadedFinger {
     /// For displacements that count from an image of the unloaded finger: standard deviation, rad, of the turn of the frame that they are measured in.
     /// Where the scene has the base does not matter otherwise.
     pub measured_in_frame_sd_rad: Option<f64>,
+    /// Whether a first approximation suffices, as a search for all unknowns at once follows.
+    pub is_start: bool,
 }
 
 /// A camera above the plane of the markers.
@@ -115,7 +117,7 @@ impl UnloadedError {
     }
 
     /// Itself and so many times another.
-    fn and(&self, times: f64, other: &UnloadedError) -> UnloadedError {
+    pub(crate) fn and(&self, times: f64, other: &UnloadedError) -> UnloadedError {
         let mut sum = self.clone();
         let joints_mm = sum.joints_mm.iter_mut().flatten().flatten().zip(other.joints_mm.iter().flatten().flatten());
         joints_mm.chain(sum.clip_mm.iter_mut().zip(&other.clip_mm)).for_each(|(sum, mm)| *sum += times * mm);
@@ -127,7 +129,7 @@ impl UnloadedError {
     }
 
     /// A finger with this error, if there can be one.
-    fn finger(&self, finger: &Finger) -> Option<Finger> {
+    pub(crate) fn finger(&self, finger: &Finger) -> Option<Finger> {
         let mut description = finger.description().clone();
         for (rib, joints_mm) in self.joints_mm.iter().enumerate() {
             for (plate, [along_mm, off_mm]) in [Plate::Front, Plate::Back].into_iter().zip(*joints_mm) {
@@ -229,7 +231,7 @@ impl UnloadedFinger {
     }
 
     /// All errors, each of one standard deviation.
-    fn independent_errors(&self, ribs: usize) -> Vec<UnloadedError> {
+    pub(crate) fn independent_errors(&self, ribs: usize) -> Vec<UnloadedError> {
         let AssemblyErrors { joint_sd_mm, preload_sd_nmm, height_sd_mm, further, .. } = &self.assembly;
         let mut errors = Vec::new();
         let mut add = |change: &dyn Fn(&mut UnloadedError)| {

@@ -25,8 +25,10 @@ pub enum SensingError {
         /// Position of the contact in the list, from 1.
         contact: usize,
     },
-    /// No finger has the errors that its scene states of its assembly.
-    #[error("the scene's finger has no room for errors of its joints as large as the table assembly states")]
+    /// No finger that differs from the scene as its table `assembly` states explains the measurement.
+    #[error(
+        "no finger that differs from the scene's by the errors of its table assembly explains the measurement: expected smaller errors, or another scene"
+    )]
     NoSuchFinger,
     /// No contacts were asked for.
     #[error("no contact was given: nothing to estimate")]

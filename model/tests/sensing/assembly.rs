@@ -15,7 +15,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 const NOISE_MM: f64 = 0.02;
 const ASSEMBLY: AssemblyErrors =
-    AssemblyErrors { joint_sd_mm: 0.2, preload_nmm: 0.0, preload_sd_nmm: 8.0, height_sd_mm: 1.5 };
+    AssemblyErrors { joint_sd_mm: 0.2, preload_nmm: 0.0, preload_sd_nmm: 8.0, height_sd_mm: 1.5, further: Vec::new() };
 const BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: 0.017, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 const FRICTION: [f64; 2] = [0.0, 0.6];

@@ -12,6 +12,8 @@ use std::ops::Range;
 const LENGTH_STEP: f64 = 1e-3;
 const SHARE_STEP: f64 = 1e-4;
 const ANGLE_STEP_DEG: f64 = 1e-2;
+/// The same of an error, in standard deviations.
+const SIGMA_STEP: f64 = 1e-2;
 /// There is no such finger, or no equilibrium.
 const NOWHERE: Refusal<CalibrationError> = Refusal::Here(CalibrationError::NoMinimum);
 
@@ -34,7 +36,7 @@ impl LeastSquaresProblem for Problem<'_> {
         let here = self.views.iter().zip(&point.own).map(|(view, own)| self.pressed(&candidate, view, own));
         let here = here.collect::<Option<Vec<Pressed>>>().ok_or(NOWHERE)?;
         for (k, sought) in self.sought.iter().enumerate() {
-            let step = if sought.quantity.is_modulus() { SHARE_STEP } else { LENGTH_STEP };
+            let step = sought.quantity.step([SHARE_STEP, LENGTH_STEP, SIGMA_STEP]);
             let mut changed = point.shared.clone();
             changed[k] += step;
             let other = self.candidate(&changed).ok_or(NOWHERE)?;
@@ -78,7 +80,8 @@ impl LeastSquaresProblem for Problem<'_> {
     /// Contacts stay on the plate.
     fn step_bounds(&self, point: &Point) -> StepBounds {
         self.parts(point).fold(StepBounds::default(), |bounds, (_, own, _, position)| {
-            bounds.and(position, own.s_mm, free_part_mm(self.finger))
+            let within_mm = if self.is_position_known { [own.s_mm; 2] } else { free_part_mm(self.finger) };
+            bounds.and(position, own.s_mm, within_mm)
         })
     }
 }

@@ -6,7 +6,7 @@ use crate::finger::{Finger, Plate, RibPositions};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Marker, MarkerErrors};
 use crate::mesh::Mesh;
-use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal};
+use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal, UnloadedError};
 use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{Isometry2, Point2, UnitComplex};
@@ -56,6 +56,10 @@ pub(super) struct Problem<'p> {
     pub finger: &'p Finger,
     pub views: &'p [View],
     pub sought: &'p [Sought],
+    /// Errors of which [`Quantity::Unloaded`] is how many standard deviations there are.
+    pub unloaded: &'p [UnloadedError],
+    /// Whether forces stay where they are on the plate.
+    pub is_position_known: bool,
     pub model: &'p ViewModel,
     pub errors: MarkerErrors,
     /// Standard deviation of the share by which measured forces are missed; `None` where they are exact.
@@ -94,6 +98,7 @@ impl Problem<'_> {
         let mut description = self.finger.description().clone();
         let (mut marker_height_mm, mut at, mut turn_deg) = (self.model.marker_height_mm, Vector::zeros(), 0.0);
         let mut preload_nmm = self.model.preload_nmm;
+        let mut error = UnloadedError::none(self.finger.rib_count());
         for (sought, &change) in self.sought.iter().zip(shared) {
             match sought.quantity {
                 Quantity::MarkerHeight => marker_height_mm += change,
@@ -101,11 +106,17 @@ impl Problem<'_> {
                 Quantity::BaseY => at.y += change,
                 Quantity::BaseTurn => turn_deg += change,
                 Quantity::Preload => preload_nmm += change,
+                Quantity::Unloaded(k) => error = error.and(change, &self.unloaded[k]),
                 of_finger => changed(&mut description, self.finger.rib_count(), of_finger, change),
             }
         }
-        let finger = Finger::new(description).ok()?;
-        let base = Isometry2::new(at, turn_deg.to_radians());
+        let mut finger = Finger::new(description).ok()?;
+        if !self.unloaded.is_empty() {
+            finger = error.finger(&finger)?;
+            marker_height_mm += error.height_mm;
+            preload_nmm += error.preload_nmm;
+        }
+        let base = Isometry2::new(at + error.base, turn_deg.to_radians() + error.base_turn_rad);
         let mesh = Mesh::with_elements_per_member(&finger, self.model.elements);
         Some(Candidate { mesh, marker_height_mm, base, preload_nmm })
     }

@@ -30,6 +30,8 @@ pub enum Quantity {
     BaseTurn,
     /// Moment at the tip that the plates exert on each other without load, N mm.
     Preload,
+    /// An error that the scene states of its unloaded finger, counted from 0, in standard deviations.
+    Unloaded(usize),
 }
 
 /// As in results: `modulus_factor`, `front_bracket_mm`, `back_rib_3_mm`.
@@ -49,6 +51,7 @@ impl fmt::Display for Quantity {
             Quantity::BaseY => f.write_str("base_y_mm"),
             Quantity::BaseTurn => f.write_str("base_deg"),
             Quantity::Preload => f.write_str("preload_nmm"),
+            Quantity::Unloaded(k) => write!(f, "unloaded_error_{}", k + 1),
         }
     }
 }
@@ -58,6 +61,15 @@ impl Quantity {
     /// sought.
     pub fn is_modulus(&self) -> bool {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
+    }
+
+    /// Its step for derivatives: that of a factor, a length or an angle, or an error.
+    pub(super) fn step(&self, [share, length, sigma]: [f64; 3]) -> f64 {
+        match self {
+            Quantity::Modulus | Quantity::PlateModulus(_) => share,
+            Quantity::Unloaded(_) => sigma,
+            _ => length,
+        }
     }
 
     /// Whether it belongs to the rig before the camera.
@@ -101,6 +113,11 @@ pub(super) fn changed(description: &mut FingerDescription, rib_count: usize, qua
                 position[plate.index()] += change;
             }
         }
-        Quantity::MarkerHeight | Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn | Quantity::Preload => {}
+        Quantity::MarkerHeight
+        | Quantity::BaseX
+        | Quantity::BaseY
+        | Quantity::BaseTurn
+        | Quantity::Preload
+        | Quantity::Unloaded(_) => {}
     }
 }

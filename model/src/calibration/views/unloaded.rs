@@ -3,7 +3,6 @@
 use super::problem::{OWN, Point, Problem};
 use super::{Quantity, Sought};
 use crate::Vector;
-use crate::finger::Plate;
 use crate::optimise::Fit;
 use crate::sensing::UnloadedError;
 use nalgebra::{DMatrix, Isometry2, RowDVector};
@@ -64,7 +63,7 @@ impl Problem<'_> {
                 Quantity::BaseY => error.base += base.rotation.inverse() * Vector::new(0.0, change),
                 Quantity::BaseTurn => error.base_turn_rad += change.to_radians(),
                 Quantity::Preload => error.preload_nmm += change,
-                Quantity::Modulus | Quantity::PlateModulus(Plate::Front | Plate::Back) => {}
+                Quantity::Modulus | Quantity::PlateModulus(_) | Quantity::Unloaded(_) => {}
             }
         }
         error
