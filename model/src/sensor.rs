@@ -4,10 +4,10 @@
 //! table or a simulation, becomes forces with standard deviations and warnings, or is refused with the reason.
 
 use crate::Vector;
-use crate::calibration::{ForceInView, SensedBefore, View, ViewModel, force_in_view};
+use crate::calibration::{SensedBefore, View, ViewModel, force_in_view};
 use crate::estimators::network::Networks;
-use crate::estimators::{EstimatorError, EstimatorId, Question};
-use crate::finger::Finger;
+use crate::estimators::{Answer, EstimatorError, EstimatorId, Question};
+use crate::finger::{Finger, Plate};
 use crate::measurement::{BaseUncertainty, Measurement};
 use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
@@ -28,6 +28,9 @@ pub const TWO_SIDED_95: f64 = 1.96;
 const ELEMENTS_UNDER_OBJECTS: usize = 8;
 /// Elements a member of the finger whose unloaded shape is sought with the force.
 const ELEMENTS_UNLOADED: usize = 8;
+/// Where a force is sought along the plate, as shares of its length, and how large, N, where nothing is known of it.
+const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
+const FIRST_FORCE_N: f64 = 1.0;
 /// Standard deviation, mm and rad, of a base that is known exactly: less than any camera shows.
 const EXACT: f64 = 1e-6;
 
@@ -275,54 +278,76 @@ impl<'s> Sensor<'s> {
         UnloadedFinger { assembly, camera, measured_in_frame_sd_rad, is_start }
     }
 
-    /// One force with all that is unknown of the unloaded finger, from where it was sensed before.
+    /// One force with all that is unknown of the unloaded finger, from where it was sensed before, or else from several positions along the plate.
     fn all_at_once(
         &self,
         question: &Question,
         unloaded: &UnloadedFinger,
-        contact: &Contact,
-        before: &Estimate,
-    ) -> Result<ForceInView, Refusal> {
-        let scene = self.scene;
+        before: Result<Answer, EstimatorError>,
+    ) -> Result<Answer, EstimatorError> {
+        let (scene, asked) = (self.scene, &question.contacts[0]);
+        let finger = &scene.finger;
+        let starts: Vec<SensedBefore> = match &before {
+            Ok((contacts, estimate)) => vec![SensedBefore {
+                s_mm: contacts[0].position_mm(finger).unwrap_or_default(),
+                angle_deg: contacts[0].angle_deg,
+                force_n: estimate.forces_n[0],
+            }],
+            Err(EstimatorError::Sensing(SensingError::NotConverged { .. } | SensingError::Unexplained { .. })) => {
+                let known = asked.position.and_then(|at| Contact { position: at, angle_deg: 0.0 }.position_mm(finger));
+                let length_mm = finger.plate_length_mm(Plate::Front);
+                let angle_deg = match asked.direction {
+                    Direction::Angle(angle_deg) => angle_deg,
+                    Direction::Leaning(lean) => lean.angle_deg,
+                    Direction::Auto => 0.0,
+                };
+                let from = |share: f64| SensedBefore {
+                    s_mm: known.unwrap_or(share * length_mm),
+                    angle_deg,
+                    force_n: FIRST_FORCE_N,
+                };
+                STARTS.map(from).to_vec()
+            }
+            Err(_) => return before,
+        };
         let exact = BaseUncertainty { sd_mm: EXACT, sd_rad: EXACT, ..BaseUncertainty::default() };
+        let Some(noise_mm) = question.noise_mm.or(before.as_ref().ok().map(|(_, estimate)| estimate.noise_mm)) else {
+            return before;
+        };
         let view = View {
             name: String::new(),
             measurement: question.measurement.clone(),
-            noise_mm: question.noise_mm.unwrap_or(before.noise_mm),
+            noise_mm,
             base: question.measurement.base().unwrap_or(exact),
             eye: unloaded.camera.map_or(Vector::zeros(), |camera| camera.eye),
             force: None,
         };
         let model = ViewModel { elements: ELEMENTS_UNLOADED, ..ViewModel::of_scene(scene, Lean::NONE) };
-        let errors = unloaded.independent_errors(scene.finger.rib_count());
-        let before = SensedBefore {
-            s_mm: contact.position_mm(&scene.finger).unwrap_or_default(),
-            angle_deg: contact.angle_deg,
-            force_n: before.forces_n[0],
+        let errors = unloaded.independent_errors(finger.rib_count());
+        let found = starts.iter().filter_map(|start| force_in_view(finger, &view, asked, &model, &errors, *start));
+        let found = found.min_by(|a, b| a.squares.total_cmp(&b.squares));
+        let Some(found) = found else { return before.and(Err(SensingError::NoSuchFinger.into())) };
+        let position = asked.position.unwrap_or(ContactPosition::At(found.s_mm));
+        let model_error_n = before.map_or(vec![0.0], |(_, estimate)| estimate.model_error_n);
+        let estimate = Estimate {
+            forces_n: vec![found.force_n],
+            sigmas_n: vec![found.sigma_n.hypot(model_error_n[0])],
+            model_error_n,
+            noise_mm: found.test.map_or(noise_mm, |test| test.trusted_noise_mm()),
+            warning: found.test.filter(ResidualTest::contradicts).map(Warning::Residual),
+            residual_rms_mm: found.residual_rms_mm,
+            singular_values: Vec::new(),
         };
-        let found = force_in_view(&scene.finger, &view, &question.contacts[0], &model, &errors, before);
-        found.ok_or_else(|| SensingError::NoSuchFinger.into())
+        Ok((vec![Contact { position, angle_deg: found.angle_deg }], estimate))
     }
 
     fn answered(&self, question: &Question) -> Result<SensedForces, Refusal> {
         let estimator = self.options.estimator;
-        let (mut contacts, mut estimate) = estimator.answer(&self.scene.finger, question)?;
-        if let Some(unloaded) = question.unloaded.filter(|unloaded| unloaded.is_start) {
-            let found = self.all_at_once(question, unloaded, &contacts[0], &estimate)?;
-            contacts[0].angle_deg = found.angle_deg;
-            if question.contacts[0].position.is_none() {
-                contacts[0].position = ContactPosition::At(found.s_mm);
-            }
-            estimate.forces_n = vec![found.force_n];
-            estimate.sigmas_n = vec![found.sigma_n.hypot(estimate.model_error_n[0])];
-            estimate.residual_rms_mm = found.residual_rms_mm;
-            estimate.warning = match estimate.warning {
-                Some(Warning::Residual(_)) | None => {
-                    found.test.filter(ResidualTest::contradicts).map(Warning::Residual)
-                }
-                other => other,
-            };
-        }
+        let answer = estimator.answer(&self.scene.finger, question);
+        let (contacts, mut estimate) = match question.unloaded.filter(|unloaded| unloaded.is_start) {
+            Some(unloaded) => self.all_at_once(question, unloaded, answer)?,
+            None => answer?,
+        };
         estimate.add_force_error(self.scene.contact.force_error);
         let is_linear = estimator.is_linear();
         let of_model = estimate.warning.map(|warning| SensorWarning::Model { warning, is_linear });

@@ -35,6 +35,8 @@ pub struct ForceInView {
     pub force_n: f64,
     /// Its standard deviation, N; it rests on the residual where that contradicts the noise of the view.
     pub sigma_n: f64,
+    /// Sum of squares of the fit in standard deviations, priors included.
+    pub squares: f64,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,
     /// The residual against the noise of the view.
@@ -113,6 +115,7 @@ pub fn force_in_view(
         },
         force_n: own.force_n,
         sigma_n: variance_n2.sqrt() * wider,
+        squares: fitted.squares,
         residual_rms_mm: of_markers.sqrt() * view.noise_mm,
         test,
     })
