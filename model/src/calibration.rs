@@ -9,9 +9,9 @@ pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
 pub use modulus::{CorotationalModulus, OutlyingMarker, corotational_modulus};
 pub use views::{
     BaseCompliance, ForceError, ForceInView, FoundQuantity, FoundView, FrictionEstimate, FrictionQuestion,
-    LeftOutObject, LocatedView, MeasuredLean, Outlier, OutlierKind, Quantity, RigEstimate, RigQuestion, SceneValue,
-    SensedBefore, Sought, UNSTATED_BASE, View, ViewError, ViewEstimate, ViewModel, calibrate_rig, compliance_of,
-    force_in_view, friction_of, views,
+    LeftOutObject, LocatedView, MeasuredLean, OneView, Outlier, OutlierKind, Quantity, RigEstimate, RigQuestion,
+    SceneValue, SensedBefore, Sought, UNSTATED_BASE, View, ViewError, ViewEstimate, ViewModel, calibrate_rig,
+    compliance_of, force_in_view, friction_of, views,
 };
 
 use crate::Kinematics;

@@ -3,36 +3,28 @@
 //! A [`Sensor`] is a scene with a question: which contacts, which estimator, which noise. Every [`Observation`] that it is given, from an image, a
 //! table or a simulation, becomes forces with standard deviations and warnings, or is refused with the reason.
 
+mod unloaded;
+
 use crate::Vector;
-use crate::calibration::{SensedBefore, View, ViewModel, force_in_view};
 use crate::estimators::network::Networks;
-use crate::estimators::{Answer, EstimatorError, EstimatorId, Question};
-use crate::finger::{Finger, Plate};
+use crate::estimators::{EstimatorError, EstimatorId, Question};
+use crate::finger::Finger;
 use crate::measurement::{BaseUncertainty, Measurement};
 use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    AssemblyErrors, CameraAbove, Contact, ContactKnowledge, ContactPosition, ContactQuestion, Direction, Estimate,
-    Lean, MeasuredContact, MeasuredContactForces, Normal, ResidualTest, SensingError, UnloadedFinger, Warning,
-    sense_measured_contacts,
+    Contact, ContactKnowledge, ContactQuestion, Direction, Lean, MeasuredContact, MeasuredContactForces, Normal,
+    SensingError, Warning, sense_measured_contacts,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Doubt, Validity};
-use nalgebra::{Isometry2, Point2};
 
 /// Standard deviations on each side of a force that 95 % of all normally distributed errors stay within.
 pub const TWO_SIDED_95: f64 = 1.96;
 /// Elements a member of the finger that senses measured contacts: objects bend it farther than single forces of the same size, and with four,
 /// 0.1 % of the force would be left of the mesh.
 const ELEMENTS_UNDER_OBJECTS: usize = 8;
-/// Elements a member of the finger whose unloaded shape is sought with the force.
-const ELEMENTS_UNLOADED: usize = 8;
-/// Where a force is sought along the plate, as shares of its length, and how large, N, where nothing is known of it.
-const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
-const FIRST_FORCE_N: f64 = 1.0;
-/// Standard deviation, mm and rad, of a base that is known exactly: less than any camera shows.
-const EXACT: f64 = 1e-6;
 
 /// The contacts whose forces are sought.
 #[derive(Debug, Clone, PartialEq)]
@@ -222,7 +214,7 @@ impl<'s> Sensor<'s> {
         let sensed = match &self.contacts {
             SensorContacts::Asked(questions) => {
                 let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&frame));
-                let unloaded = scene.assembly.clone().map(|assembly| self.unloaded(assembly, &frame, seen, questions));
+                let unloaded = scene.assembly.clone().map(|assembly| self.unloaded(assembly, &frame, seen));
                 let is_from_rest = unloaded.as_ref().is_some_and(|it| it.measured_in_frame_sd_rad.is_some());
                 let measurement = match is_from_rest.then(|| seen.base.and_then(|base| base.uncertainty)) {
                     None => measurement,
@@ -250,104 +242,10 @@ impl<'s> Sensor<'s> {
         }
     }
 
-    /// The unloaded finger as an observation may have it, whose frame is where the camera's pose has it.
-    fn unloaded(
-        &self,
-        assembly: AssemblyErrors,
-        frame: &Isometry2<f64>,
-        seen: &Observation,
-        questions: &[ContactQuestion],
-    ) -> UnloadedFinger {
-        let scene = self.scene;
-        let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
-        let camera = scene.camera.and_then(|camera| camera.pose).zip(scene.markers).map(|(pose, markers)| {
-            let eye = (frame.inverse() * Point2::from(pose.eye().xy())).coords;
-            // A base that is seen is seen from the same height.
-            let middle = match references {
-                [] => eye,
-                some => some.iter().map(|reference| reference.at).sum::<Vector>() / some.len() as f64,
-            };
-            CameraAbove { eye, middle, distance_mm: pose.eye().z - markers.height_mm }
-        });
-        let base_sd_rad = scene.base.as_ref().and_then(|base| base.uncertainty).map_or(0.0, |base| base.sd_rad);
-        let measured_in_frame_sd_rad = seen.counts_from_rest(&scene.finger).then_some(base_sd_rad);
-        let touches = |question: &ContactQuestion| {
-            matches!(question.direction, Direction::Leaning(Lean { from: Normal::Object, .. }))
-        };
-        let is_start = measured_in_frame_sd_rad.is_none() && questions.len() == 1 && !questions.iter().any(touches);
-        UnloadedFinger { assembly, camera, measured_in_frame_sd_rad, is_start }
-    }
-
-    /// One force with all that is unknown of the unloaded finger, from where it was sensed before, or else from several positions along the plate.
-    fn all_at_once(
-        &self,
-        question: &Question,
-        unloaded: &UnloadedFinger,
-        before: Result<Answer, EstimatorError>,
-    ) -> Result<Answer, EstimatorError> {
-        let (scene, asked) = (self.scene, &question.contacts[0]);
-        let finger = &scene.finger;
-        let starts: Vec<SensedBefore> = match &before {
-            Ok((contacts, estimate)) => vec![SensedBefore {
-                s_mm: contacts[0].position_mm(finger).unwrap_or_default(),
-                angle_deg: contacts[0].angle_deg,
-                force_n: estimate.forces_n[0],
-            }],
-            Err(EstimatorError::Sensing(SensingError::NotConverged { .. } | SensingError::Unexplained { .. })) => {
-                let known = asked.position.and_then(|at| Contact { position: at, angle_deg: 0.0 }.position_mm(finger));
-                let length_mm = finger.plate_length_mm(Plate::Front);
-                let angle_deg = match asked.direction {
-                    Direction::Angle(angle_deg) => angle_deg,
-                    Direction::Leaning(lean) => lean.angle_deg,
-                    Direction::Auto => 0.0,
-                };
-                let from = |share: f64| SensedBefore {
-                    s_mm: known.unwrap_or(share * length_mm),
-                    angle_deg,
-                    force_n: FIRST_FORCE_N,
-                };
-                STARTS.map(from).to_vec()
-            }
-            Err(_) => return before,
-        };
-        let exact = BaseUncertainty { sd_mm: EXACT, sd_rad: EXACT, ..BaseUncertainty::default() };
-        let Some(noise_mm) = question.noise_mm.or(before.as_ref().ok().map(|(_, estimate)| estimate.noise_mm)) else {
-            return before;
-        };
-        let view = View {
-            name: String::new(),
-            measurement: question.measurement.clone(),
-            noise_mm,
-            base: question.measurement.base().unwrap_or(exact),
-            eye: unloaded.camera.map_or(Vector::zeros(), |camera| camera.eye),
-            force: None,
-        };
-        let model = ViewModel { elements: ELEMENTS_UNLOADED, ..ViewModel::of_scene(scene, Lean::NONE) };
-        let errors = unloaded.independent_errors(finger.rib_count());
-        let found = starts.iter().filter_map(|start| force_in_view(finger, &view, asked, &model, &errors, *start));
-        let found = found.min_by(|a, b| a.squares.total_cmp(&b.squares));
-        let Some(found) = found else { return before.and(Err(SensingError::NoSuchFinger.into())) };
-        let position = asked.position.unwrap_or(ContactPosition::At(found.s_mm));
-        let model_error_n = before.map_or(vec![0.0], |(_, estimate)| estimate.model_error_n);
-        let estimate = Estimate {
-            forces_n: vec![found.force_n],
-            sigmas_n: vec![found.sigma_n.hypot(model_error_n[0])],
-            model_error_n,
-            noise_mm: found.test.map_or(noise_mm, |test| test.trusted_noise_mm()),
-            warning: found.test.filter(ResidualTest::contradicts).map(Warning::Residual),
-            residual_rms_mm: found.residual_rms_mm,
-            singular_values: Vec::new(),
-        };
-        Ok((vec![Contact { position, angle_deg: found.angle_deg }], estimate))
-    }
-
     fn answered(&self, question: &Question) -> Result<SensedForces, Refusal> {
         let estimator = self.options.estimator;
-        let answer = estimator.answer(&self.scene.finger, question);
-        let (contacts, mut estimate) = match question.unloaded.filter(|unloaded| unloaded.is_start) {
-            Some(unloaded) => self.all_at_once(question, unloaded, answer)?,
-            None => answer?,
-        };
+        let at_once = question.unloaded.and_then(|unloaded| self.all_at_once(question, unloaded));
+        let (contacts, mut estimate) = at_once.unwrap_or_else(|| estimator.answer(&self.scene.finger, question))?;
         estimate.add_force_error(self.scene.contact.force_error);
         let is_linear = estimator.is_linear();
         let of_model = estimate.warning.map(|warning| SensorWarning::Model { warning, is_linear });

@@ -27,8 +27,6 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 /// this share of their standard deviations.
 const SETTLED_SIGMAS: f64 = 0.05;
 const ROUNDS: usize = 8;
-/// Rounds of a first approximation: without forces, and with them.
-const START_ROUNDS: usize = 2;
 
 /// In rounds, each with the ways found at the forces and errors of the one before, where the unloaded finger may differ.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
@@ -38,7 +36,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     };
     let mut found: Option<NonlinearEstimate> = None;
     let mut change_n = f64::INFINITY;
-    for round in 1..=ROUNDS {
+    for _ in 0..ROUNDS {
         let (contacts, forces_n, errors) = found.as_ref().map_or((&[][..], &[][..], &[][..]), |found| {
             (&found.contacts, &found.forces.forces_n, &found.shared_errors)
         });
@@ -55,7 +53,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
             .fold((0.0_f64, !forces_n.is_empty()), |(largest_n, settled), [by_n, sd]| {
                 (largest_n.max(by_n), settled && by_n <= SETTLED_SIGMAS * sd)
             });
-        if is_settled || (unloaded.is_start && round == START_ROUNDS) {
+        if is_settled {
             return Ok((next.contacts, next.forces));
         }
         (change_n, found) = (largest_n, Some(next));

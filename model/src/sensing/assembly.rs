@@ -56,8 +56,6 @@ pub struct UnloadedFinger {
     /// For displacements that count from an image of the unloaded finger: standard deviation, rad, of the turn of the frame that they are measured in.
     /// Where the scene has the base does not matter otherwise.
     pub measured_in_frame_sd_rad: Option<f64>,
-    /// Whether a first approximation suffices, as a search for all unknowns at once follows.
-    pub is_start: bool,
 }
 
 /// A camera above the plane of the markers.

@@ -23,7 +23,7 @@ mod view;
 
 pub use compliance::{BaseCompliance, compliance_of};
 pub use friction::{FrictionEstimate, LeftOutObject, MeasuredLean, friction_of};
-pub use one_view::{ForceInView, SensedBefore, force_in_view};
+pub use one_view::{ForceInView, OneView, SensedBefore, force_in_view};
 pub use outliers::{Outlier, OutlierKind};
 pub use quantity::{Quantity, Sought};
 pub use rig::{FrictionQuestion, RigEstimate, RigQuestion, SceneValue, UNSTATED_BASE, calibrate_rig};
@@ -181,8 +181,17 @@ pub fn views(
     let is_scaled = sought.iter().any(|sought| sought.quantity.is_modulus()) && views.iter().any(|v| v.force.is_some());
     let scatter = is_scaled.then_some(FIRST_SCATTER);
     let errors = MarkerErrors { noise_factor: 1.0, model_mm: FIRST_MODEL_ERROR_MM };
-    let mut problem =
-        Problem { finger, views, sought, model, errors, scatter, unloaded: &[], is_position_known: false };
+    let mut problem = Problem {
+        finger,
+        views,
+        sought,
+        model,
+        errors,
+        scatter,
+        unloaded: &[],
+        is_position_known: false,
+        is_from_rest: false,
+    };
     let names = |quantities: &mut dyn Iterator<Item = usize>| {
         quantities.map(|k| sought[k].quantity.to_string()).collect::<Vec<_>>().join(", ")
     };

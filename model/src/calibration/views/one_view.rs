@@ -2,16 +2,37 @@
 
 use super::problem::{OWN, Point, Problem, ViewUnknowns};
 use super::{CONVERGENCE, Quantity, Sought, View, ViewModel};
-use crate::finger::Finger;
+use crate::finger::{Finger, Plate};
 use crate::measurement::MarkerErrors;
-use crate::optimise::{LevenbergMarquardt, covariance};
-use crate::sensing::{ContactQuestion, Direction, Lean, ResidualTest, UnloadedError};
+use crate::optimise::{Convergence, LevenbergMarquardt, covariance};
+use crate::sensing::{Contact, ContactQuestion, Direction, Lean, Normal, ResidualTest, UnloadedError};
 use nalgebra::Isometry2;
 
 /// Standard deviation of the magnitude of a force of which the direction alone is known, as a share: none that counts.
 const UNKNOWN_SHARE: f64 = 1e3;
+/// Further standard deviations of a coordinate, mm, with which a search begins.
+const FIRST_ERRORS_MM: [f64; 2] = [0.3, 0.02];
+const FIRST_CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-3, step: 0.0 };
+/// How far from the estimate a lean is tried, in its standard deviations: the outer points of Gauss-Hermite's quadrature of three.
+const REACH: f64 = 1.732_050_807_568_877_2;
+/// A lean that makes up less than this share of a standard deviation is not tried.
+const COUNTS: f64 = 0.3;
+/// Where a force is sought along the plate, as shares of its length, and how large, N, where nothing is known of it.
+const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
+const FIRST_FORCE_N: f64 = 1.0;
 /// Standard deviation, degrees, of a direction that is not known.
 const UNKNOWN_DEG: f64 = 1e3;
+
+/// What is asked of a view.
+#[derive(Debug, Clone, Copy)]
+pub struct OneView<'v> {
+    /// The view, without a force.
+    pub view: &'v View,
+    /// Whether its displacements count from an image of the unloaded finger, not from the scene's.
+    pub is_from_rest: bool,
+    /// The contact.
+    pub question: ContactQuestion,
+}
 
 /// Where a contact of a view was sensed before.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,19 +64,67 @@ pub struct ForceInView {
     pub test: Option<ResidualTest>,
 }
 
-/// Seeks a force, its position and direction as far as a question leaves them open, the base, and errors of the unloaded finger, from where the force was sensed
-/// before. `None` where the search finds no minimum, or not all is identifiable.
+/// Seeks a force, its position and direction as far as a question leaves them unknown, the base, and errors of the unloaded finger; from where the force was
+/// sensed before, else from several positions along the plate. `None` where the search finds no minimum, or not all is identifiable.
 ///
 /// # Reference
 /// As [`views`](super::views): nonlinear least squares with Gaussian priors; the standard deviation is that of the linearised posterior distribution.
 pub fn force_in_view(
     finger: &Finger,
-    view: &View,
-    question: &ContactQuestion,
+    asked: OneView,
+    model: &ViewModel,
+    errors: &[UnloadedError],
+    before: Option<SensedBefore>,
+) -> Option<ForceInView> {
+    let question = asked.question;
+    let angle_deg = match question.direction {
+        Direction::Angle(angle_deg) => angle_deg,
+        Direction::Leaning(lean) => lean.mean_deg(FIRST_FORCE_N),
+        Direction::Auto => 0.0,
+    };
+    let known_mm = question.position.and_then(|position| Contact { position, angle_deg }.position_mm(finger));
+    let at = |share: f64| share * finger.plate_length_mm(Plate::Front);
+    let first = |share: f64| SensedBefore { s_mm: known_mm.unwrap_or(at(share)), angle_deg, force_n: FIRST_FORCE_N };
+    let starts = before.map_or_else(|| STARTS.map(first).to_vec(), |before| vec![before]);
+    let from =
+        |question, start, shared| found_from(finger, OneView { question, ..asked }, model, errors, start, shared);
+    let found = starts.into_iter().filter_map(|start| from(question, start, None));
+    let (mut found, sought, shared) = found.min_by(|(a, ..), (b, ..)| a.squares.total_cmp(&b.squares))?;
+    if let (Some(sought), Direction::Leaning(lean)) = (sought, question.direction)
+        && (sought.by_lean_n * sought.sd_deg).abs() > COUNTS * found.sigma_n
+    {
+        // A force may change with its lean otherwise than linearised: as `NonlinearEstimator` widens by leans.
+        let off_n2 = |reach: f64| {
+            let angle_deg = sought.lean_deg + reach * sought.sd_deg;
+            let direction = Direction::Leaning(Lean { angle_deg, sd_deg: 0.0, build_up_n: 0.0, ..lean });
+            let start = SensedBefore { s_mm: found.s_mm, angle_deg, force_n: found.force_n };
+            let (end, ..) = from(ContactQuestion { direction, ..question }, start, Some(&shared))?;
+            Some(((end.force_n - found.force_n) / reach).powi(2))
+        };
+        let ends: Vec<f64> = [-REACH, REACH].into_iter().filter_map(off_n2).collect();
+        let mean_n2 = ends.iter().sum::<f64>() / ends.len().max(1) as f64;
+        let more_n2 = mean_n2 - (sought.by_lean_n * sought.sd_deg).powi(2);
+        found.sigma_n = found.sigma_n.hypot(more_n2.max(0.0).sqrt());
+    }
+    Some(found)
+}
+
+/// A lean that was sought: its value and standard deviation, degrees, and by how much the force changes with it, N per degree.
+struct SoughtLean {
+    lean_deg: f64,
+    sd_deg: f64,
+    by_lean_n: f64,
+}
+
+fn found_from(
+    finger: &Finger,
+    asked: OneView,
     model: &ViewModel,
     errors: &[UnloadedError],
     before: SensedBefore,
-) -> Option<ForceInView> {
+    shared: Option<&Vec<f64>>,
+) -> Option<(ForceInView, Option<SoughtLean>, Vec<f64>)> {
+    let OneView { view, is_from_rest, question } = asked;
     let lean = match question.direction {
         Direction::Leaning(lean) => lean,
         _ => Lean { angle_deg: before.angle_deg, sd_deg: UNKNOWN_DEG, ..Lean::NONE },
@@ -68,28 +137,38 @@ pub fn force_in_view(
     let views = [View { force: along, ..view.clone() }];
     let sought: Vec<Sought> =
         (0..errors.len()).map(|k| Sought { quantity: Quantity::Unloaded(k), prior_sd: Some(1.0) }).collect();
-    let mut problem = Problem {
-        finger,
-        views: &views,
-        sought: &sought,
-        unloaded: errors,
-        model: &ViewModel { lean, ..*model },
-        errors: MarkerErrors::default(),
-        scatter: along.map(|_| UNKNOWN_SHARE),
-        is_position_known: question.position.is_some(),
-    };
     let own = ViewUnknowns {
         s_mm: before.s_mm,
         base: Isometry2::identity(),
         force_n: before.force_n,
         further_lean_deg: match question.direction {
-            Direction::Leaning(_) => finger_lean_deg(&lean, &before),
+            Direction::Leaning(_) => further_lean_deg(&lean, &before),
             _ => 0.0,
         },
     };
-    let start = Point { shared: vec![0.0; errors.len()], own: vec![own] };
+    let at = shared.cloned().unwrap_or_else(|| vec![0.0; errors.len()]);
+    let mut point = Point { shared: at, own: vec![own] };
     let search = LevenbergMarquardt { convergence: CONVERGENCE, ..LevenbergMarquardt::default() };
-    let fitted = search.minimise(&mut problem, start).ok()?;
+    let model = ViewModel { lean, ..*model };
+    let mut problem = Problem {
+        finger,
+        views: &views,
+        sought: &sought,
+        unloaded: errors,
+        model: &model,
+        errors: MarkerErrors::default(),
+        scatter: along.map(|_| UNKNOWN_SHARE),
+        is_position_known: question.position.is_some(),
+        is_from_rest,
+    };
+    // Markers that are hardly believed at first lead past minima that are none of the priors'.
+    let first = LevenbergMarquardt { convergence: FIRST_CONVERGENCE, ..search };
+    for model_mm in FIRST_ERRORS_MM.into_iter().filter(|model_mm| shared.is_none() && *model_mm > view.noise_mm) {
+        problem.errors.model_mm = model_mm;
+        point = first.minimise(&mut problem, point).ok()?.point;
+    }
+    problem.errors = MarkerErrors::default();
+    let fitted = search.minimise(&mut problem, point).ok()?;
     let own = fitted.point.own[0];
     let known = usize::from(question.position.is_some());
     // Without the position, which is the first of the view's own unknowns, if it is known.
@@ -98,7 +177,17 @@ pub fn force_in_view(
         _ => fitted.jacobian.clone().remove_column(errors.len()),
     };
     let force = errors.len() + OWN - known;
-    let variance_n2 = covariance(&by)?[(force, force)];
+    let covariance = covariance(&by)?;
+    let variance_n2 = covariance[(force, force)];
+    // The lean is the last unknown of a view whose direction is sought.
+    let sought = match question.direction {
+        Direction::Leaning(lean) if lean.sd_deg > 0.0 => Some(SoughtLean {
+            lean_deg: lean.mean_deg(own.force_n) + own.further_lean_deg,
+            sd_deg: covariance[(force + 1, force + 1)].sqrt(),
+            by_lean_n: covariance[(force, force + 1)] / covariance[(force + 1, force + 1)],
+        }),
+        _ => None,
+    };
     let candidate = problem.candidate(&fitted.point.shared)?;
     let pressed = problem.pressed(&candidate, &views[0], &own)?;
     let coordinates = view.measurement.coordinate_count();
@@ -107,7 +196,7 @@ pub fn force_in_view(
     let wider = test.map_or(1.0, |test| test.trusted_noise_mm() / view.noise_mm);
     let of_markers = fitted.residual.rows(0, coordinates).norm_squared() / coordinates as f64;
     let force = (candidate.base * own.base).rotation * pressed.force;
-    Some(ForceInView {
+    let found = ForceInView {
         s_mm: own.s_mm,
         angle_deg: match question.direction {
             Direction::Angle(angle_deg) => angle_deg,
@@ -118,13 +207,14 @@ pub fn force_in_view(
         squares: fitted.squares,
         residual_rms_mm: of_markers.sqrt() * view.noise_mm,
         test,
-    })
+    };
+    Some((found, sought, fitted.point.shared))
 }
 
 /// How much further than its mean a force leant that was sensed before, about the undeformed normal; zero about another one.
-fn finger_lean_deg(lean: &Lean, before: &SensedBefore) -> f64 {
+fn further_lean_deg(lean: &Lean, before: &SensedBefore) -> f64 {
     match lean.from {
-        crate::sensing::Normal::Undeformed => before.angle_deg - lean.mean_deg(before.force_n),
+        Normal::Undeformed => before.angle_deg - lean.mean_deg(before.force_n),
         _ => 0.0,
     }
 }

@@ -60,6 +60,8 @@ pub(super) struct Problem<'p> {
     pub unloaded: &'p [UnloadedError],
     /// Whether forces stay where they are on the plate.
     pub is_position_known: bool,
+    /// Whether displacements count from an image of the unloaded finger, not from the scene's.
+    pub is_from_rest: bool,
     pub model: &'p ViewModel,
     pub errors: MarkerErrors,
     /// Standard deviation of the share by which measured forces are missed; `None` where they are exact.
@@ -71,6 +73,9 @@ pub(super) struct Pressed {
     pub force: Vector,
     pub motion: FrameMotion,
     pub normal_turn_rad: f64,
+    /// The finger without the force, where displacements count from it.
+    at_rest: Option<FrameMotion>,
+    preload: Option<FrameLoad>,
     loads: Vec<FrameLoad>,
     plate_rad: f64,
 }
@@ -162,6 +167,16 @@ impl Problem<'_> {
             .map(|force| (candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
         let lean_deg = self.model.lean.mean_deg(own.force_n) + own.further_lean_deg;
         // A lean may count from a normal that turns with the force, and so does a pad: settled in a few steps.
+        let preload = AssemblyErrors::load(finger, candidate.preload_nmm);
+        let preload = candidate.mesh.frame_load(&preload).ok().filter(|_| candidate.preload_nmm != 0.0);
+        let at_rest = match self.is_from_rest {
+            false => None,
+            true => {
+                let near = near.and_then(|near| Some((near.at_rest.as_ref()?, near.preload.as_slice())));
+                let near = near.and_then(|(rest, from)| statics.shifted(rest, from, preload.as_slice()).ok());
+                Some(near.map_or_else(|| statics.equilibrium(preload.as_slice()), Ok).ok()?.motion)
+            }
+        };
         let turns_lean = matches!((view.force, self.model.lean.from), (None, Normal::Deformed { .. }));
         let mut normal_rad = near.filter(|_| turns_lean).map_or(0.0, |near| near.normal_turn_rad);
         let mut plate_rad = near.map_or(0.0, |near| near.plate_rad);
@@ -173,9 +188,7 @@ impl Problem<'_> {
             let contact = Contact { position: ContactPosition::At(own.s_mm), angle_deg };
             let loads = pad.loads(&candidate.mesh, &contact, force.norm(), plate_rad).collect::<Result<Vec<_>, _>>();
             let mut loads = loads.ok()?;
-            if candidate.preload_nmm != 0.0 {
-                loads.push(candidate.mesh.frame_load(&AssemblyErrors::load(finger, candidate.preload_nmm)).ok()?);
-            }
+            loads.extend(preload);
             // The normal turns little from step to step: the equilibrium before is near.
             let near = last.take().and_then(|(motion, from)| statics.shifted(&motion, &from, &loads).ok());
             let motion = near.map_or_else(|| statics.equilibrium(&loads), Ok).ok()?.motion;
@@ -187,7 +200,7 @@ impl Problem<'_> {
             }
             plate_rad = pad.plate_turn(&candidate.mesh, &contact, &motion).ok()?;
             if (normal_rad - before[0]).abs().max((plate_rad - before[1]).abs()) <= SETTLED_RAD {
-                return Some(Pressed { force, motion, normal_turn_rad, loads, plate_rad });
+                return Some(Pressed { force, motion, normal_turn_rad, at_rest, preload, loads, plate_rad });
             }
             last = Some((motion, loads));
         }
@@ -203,15 +216,25 @@ impl Problem<'_> {
         pressed: &'v Pressed,
     ) -> impl Iterator<Item = (&'v Marker, Vector)> {
         let (finger, stated) = (candidate.mesh.finger(), self.finger);
-        let placed = candidate.base * own.base;
+        let (placed, own) = (candidate.base * own.base, *own);
         let height_mm = self.model.camera_height_mm;
         // Markers that are higher than they were thought to be are nearer to where the camera stands.
         let nearer = (height_mm - candidate.marker_height_mm) / (height_mm - self.model.marker_height_mm);
         view.measurement.markers().iter().map(move |marker| {
-            let seen = stated.marker_position(marker.node) + marker.displacement;
-            let displaced = pressed.motion.displacements[candidate.mesh.marker_node(marker.node)];
-            let computed = placed * Point2::from(finger.marker_position(marker.node) + displaced);
-            (marker, computed.coords - (view.eye + (seen - view.eye) * nearer))
+            let (at, node) = (finger.marker_position(marker.node), candidate.mesh.marker_node(marker.node));
+            let bent = at + pressed.motion.displacements[node];
+            let left = match &pressed.at_rest {
+                None => {
+                    let seen = stated.marker_position(marker.node) + marker.displacement;
+                    (placed * Point2::from(bent)).coords - (view.eye + (seen - view.eye) * nearer)
+                }
+                // What moves the finger in both images is not in the displacement.
+                Some(rest) => {
+                    let moved = (own.base * Point2::from(bent)).coords - (at + rest.displacements[node]);
+                    candidate.base.rotation * moved - marker.displacement * nearer
+                }
+            };
+            (marker, left)
         })
     }
 

@@ -3,10 +3,10 @@
 use super::contradiction::MarkerForce;
 use super::problem::{Candidate, Point, Problem, ViewUnknowns};
 use super::shape_motion::misfit_of_shape;
-use super::{FIRST_MODEL_ERROR_MM, View, ViewError};
+use super::{FIRST_MODEL_ERROR_MM, OneView, View, ViewError, force_in_view};
 use crate::calibration::CalibrationError;
 use crate::finger::Plate;
-use crate::sensing::{ContactQuestion, Direction, Lean, NonlinearEstimator};
+use crate::sensing::{ContactQuestion, Direction, Lean, NonlinearEstimator, UnloadedError};
 use nalgebra::Isometry2;
 
 /// Parts of the plate at whose ends a contact is sought at first.
@@ -80,18 +80,38 @@ impl Problem<'_> {
         tried.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, own)| own)
     }
 
-    /// Force and place as they are sensed.
+    /// Force and position as they are sensed by the scene's finger, or else by one that differs from it as the priors of what is sought allow.
     fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<ViewUnknowns, ViewError> {
         let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..self.model.lean });
-        let questions = [ContactQuestion { position: None, direction }];
+        let question = ContactQuestion { position: None, direction };
+        let own = |s_mm: f64, force_n: f64| ViewUnknowns {
+            s_mm,
+            base: Isometry2::identity(),
+            force_n,
+            further_lean_deg: 0.0,
+        };
+        let questions = [question];
         let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?.with_pad(self.model.pad);
         let measurement = view.measurement.clone().with_uncertain_base(view.base);
-        let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(FIRST_MODEL_ERROR_MM)))?;
-        Ok(ViewUnknowns {
-            s_mm: sensed.contacts[0].position_mm(self.finger).unwrap_or_default(),
-            base: Isometry2::identity(),
-            force_n: sensed.forces.forces_n[0],
-            further_lean_deg: 0.0,
-        })
+        let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(FIRST_MODEL_ERROR_MM)));
+        let refused = match sensed {
+            Ok(sensed) => {
+                let s_mm = sensed.contacts[0].position_mm(self.finger).unwrap_or_default();
+                return Ok(own(s_mm, sensed.forces.forces_n[0]));
+            }
+            Err(refused) => refused,
+        };
+        let errors: Vec<UnloadedError> = (0..self.sought.len())
+            .filter_map(|k| {
+                let mut changes = vec![0.0; self.sought.len()];
+                changes[k] = self.sought[k].prior_sd?;
+                Some(self.unloaded_error(&changes, &Isometry2::identity()))
+            })
+            .collect();
+        let noise_mm = view.noise_mm.hypot(FIRST_MODEL_ERROR_MM);
+        let view = View { noise_mm, ..view.clone() };
+        let asked = OneView { view: &view, is_from_rest: false, question };
+        let found = force_in_view(self.finger, asked, self.model, &errors, None);
+        found.map(|found| own(found.s_mm, found.force_n)).ok_or(refused.into())
     }
 }

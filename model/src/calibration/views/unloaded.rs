@@ -7,8 +7,8 @@ use crate::optimise::Fit;
 use crate::sensing::UnloadedError;
 use nalgebra::{DMatrix, Isometry2, RowDVector};
 
-/// An error that changes forces by less than this share counts for nothing: a tenth of what noise usually leaves.
-const LEAST_SHARE: f64 = 1e-3;
+/// An error that changes forces by less than this share counts for nothing, nor do all of them together.
+const LEAST_SHARE: f64 = 1e-4;
 
 impl Problem<'_> {
     /// Independent errors of the quantities that are sought, each of one standard deviation, that change the force in one of the views without a measured force:
@@ -46,7 +46,7 @@ impl Problem<'_> {
     }
 
     /// Changes of all quantities that are sought, as an error of the finger that was found; `base` is where its base was found.
-    fn unloaded_error(&self, changes: &[f64], base: &Isometry2<f64>) -> UnloadedError {
+    pub(super) fn unloaded_error(&self, changes: &[f64], base: &Isometry2<f64>) -> UnloadedError {
         let ribs = self.finger.rib_count();
         let mut error = UnloadedError::none(ribs);
         for (Sought { quantity, .. }, &change) in self.sought.iter().zip(changes) {

@@ -1,0 +1,57 @@
+//! Cross-sections of a finger's plates and ribs.
+
+use super::{Finger, Part, Plate, Strip};
+use crate::frame::Section;
+
+impl Finger {
+    /// Whether a plate is thinner at one end than at the other.
+    pub fn tapers(&self, part: Plate) -> bool {
+        let strip = self.strip(part);
+        strip.tip_thickness_mm.is_some_and(|tip_mm| tip_mm != strip.thickness_mm)
+    }
+
+    /// Thickness of a plate at a distance from its base, mm.
+    pub fn thickness_mm(&self, part: Plate, s_mm: f64) -> f64 {
+        let Strip { thickness_mm, tip_thickness_mm, .. } = *self.strip(part);
+        let more_mm = tip_thickness_mm.map_or(0.0, |tip_mm| tip_mm - thickness_mm);
+        thickness_mm + more_mm * (s_mm / self.plate_length_mm(part))
+    }
+
+    fn strip(&self, part: Plate) -> &Strip {
+        match part {
+            Plate::Front => &self.description.front,
+            Plate::Back => &self.description.back,
+        }
+    }
+
+    /// Section of a part without zones: plane-strain modulus E / (1 - nu^2); of a plate at its base; of the thickest rib; `None` for ribs that do
+    /// not deform.
+    pub fn section(&self, part: Part) -> Option<Section> {
+        match part {
+            Part::Front => Some(self.base_section(Plate::Front)),
+            Part::Back => Some(self.base_section(Plate::Back)),
+            Part::Ribs => self.description.ribs.strip.as_ref().map(|strip| self.section_of(strip)),
+        }
+    }
+
+    /// Section of a plate at its base, without zones.
+    pub(crate) fn base_section(&self, plate: Plate) -> Section {
+        self.section_of(self.strip(plate))
+    }
+
+    fn section_of(&self, strip: &Strip) -> Section {
+        let modulus =
+            strip.youngs_modulus_mpa / (1.0 - self.description.poissons_ratio * self.description.poissons_ratio);
+        Section::rectangle(strip.thickness_mm, self.description.depth_mm, modulus)
+    }
+
+    /// Section of a rib, counted from 0 at the base, in the zones that hold it; `None` for one that does not deform.
+    pub fn rib_section(&self, rib: usize) -> Option<Section> {
+        let d = &self.description;
+        let mut strip = d.ribs.strip?;
+        strip.thickness_mm = d.ribs.thicknesses_mm.as_ref().map_or(strip.thickness_mm, |each_mm| each_mm[rib]);
+        let zones = d.zones.iter().filter(|zone| zone.holds_rib(self.ribs[rib][0]));
+        let factor: f64 = zones.map(|zone| zone.modulus_factor).product();
+        Some(self.section_of(&strip).scaled(factor))
+    }
+}

@@ -1,0 +1,118 @@
+//! Forces on a finger whose unloaded shape may differ from the scene's.
+
+use super::Sensor;
+use crate::Vector;
+use crate::calibration::{OneView, SensedBefore, View, ViewModel, force_in_view};
+use crate::estimators::{Answer, EstimatorError, Question};
+use crate::measurement::BaseUncertainty;
+use crate::observation::Observation;
+use crate::sensing::{
+    AssemblyErrors, CameraAbove, Contact, ContactPosition, ContactQuestion, Direction, Estimate, Lean, Normal,
+    ResidualTest, SensingError, UnloadedFinger, Warning,
+};
+use nalgebra::{Isometry2, Point2};
+
+/// Elements a member of the finger whose unloaded shape is sought with the force.
+const ELEMENTS_UNLOADED: usize = 4;
+/// What markers may be off by where the unloaded finger differs, mm, before anything is known of it.
+const UNLOADED_ERROR_MM: f64 = 0.3;
+/// Standard deviation, mm and rad, of a base that is known exactly: less than any camera shows.
+const EXACT: f64 = 1e-6;
+
+impl Sensor<'_> {
+    /// The unloaded finger as an observation may have it, whose frame is where the camera's pose has it.
+    pub(super) fn unloaded(
+        &self,
+        assembly: AssemblyErrors,
+        frame: &Isometry2<f64>,
+        seen: &Observation,
+    ) -> UnloadedFinger {
+        let scene = self.scene;
+        let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
+        let camera = scene.camera.and_then(|camera| camera.pose).zip(scene.markers).map(|(pose, markers)| {
+            let eye = (frame.inverse() * Point2::from(pose.eye().xy())).coords;
+            // A base that is seen is seen from the same height.
+            let middle = match references {
+                [] => eye,
+                some => some.iter().map(|reference| reference.at).sum::<Vector>() / some.len() as f64,
+            };
+            CameraAbove { eye, middle, distance_mm: pose.eye().z - markers.height_mm }
+        });
+        let base_sd_rad = scene.base.as_ref().and_then(|base| base.uncertainty).map_or(0.0, |base| base.sd_rad);
+        let measured_in_frame_sd_rad = seen.counts_from_rest(&scene.finger).then_some(base_sd_rad);
+        UnloadedFinger { assembly, camera, measured_in_frame_sd_rad }
+    }
+
+    /// One force with all that is unknown of the unloaded finger, from where the scene's finger has it, if it does; `None` where a contact touches an
+    /// object or there are several.
+    pub(super) fn all_at_once(
+        &self,
+        question: &Question,
+        unloaded: &UnloadedFinger,
+    ) -> Option<Result<Answer, EstimatorError>> {
+        let [asked] = question.contacts else { return None };
+        let touches = matches!(asked.direction, Direction::Leaning(Lean { from: Normal::Object, .. }));
+        (!touches && self.options.estimator.searches()).then(|| self.sensed_at_once(question, asked, unloaded))
+    }
+
+    fn sensed_at_once(
+        &self,
+        question: &Question,
+        asked: &ContactQuestion,
+        unloaded: &UnloadedFinger,
+    ) -> Result<Answer, EstimatorError> {
+        let scene = self.scene;
+        let finger = &scene.finger;
+        let noise_mm = question.noise_mm.map(|noise_mm| noise_mm.hypot(UNLOADED_ERROR_MM));
+        let before = self.options.estimator.answer(finger, &Question { unloaded: None, noise_mm, ..*question });
+        let start = match &before {
+            Ok((contacts, estimate)) => Some(SensedBefore {
+                s_mm: contacts[0].position_mm(finger).unwrap_or_default(),
+                angle_deg: contacts[0].angle_deg,
+                force_n: estimate.forces_n[0],
+            }),
+            Err(EstimatorError::Sensing(
+                SensingError::NotConverged { .. }
+                | SensingError::Unexplained { .. }
+                | SensingError::Undetermined { .. }
+                | SensingError::Ambiguous { .. }
+                | SensingError::Unconfirmed,
+            )) if asked.direction != Direction::Auto => None,
+            Err(_) => return before,
+        };
+        let exact = BaseUncertainty { sd_mm: EXACT, sd_rad: EXACT, ..BaseUncertainty::default() };
+        let Some(noise_mm) = question.noise_mm.or(before.as_ref().ok().map(|(_, estimate)| estimate.noise_mm)) else {
+            return before;
+        };
+        let view = View {
+            name: String::new(),
+            measurement: question.measurement.clone(),
+            noise_mm,
+            base: question.measurement.base().unwrap_or(exact),
+            eye: unloaded.camera.map_or(Vector::zeros(), |camera| camera.eye),
+            force: None,
+        };
+        let model = ViewModel { elements: ELEMENTS_UNLOADED, ..ViewModel::of_scene(scene, Lean::NONE) };
+        let is_from_rest = unloaded.measured_in_frame_sd_rad.is_some();
+        let errors = unloaded.independent_errors(finger.rib_count());
+        let found =
+            force_in_view(finger, OneView { view: &view, is_from_rest, question: *asked }, &model, &errors, start);
+        let Some(found) = found else { return before.and(Err(SensingError::NoSuchFinger.into())) };
+        let contradicts = found.test.filter(ResidualTest::contradicts);
+        if before.is_err() && contradicts.is_some() {
+            return before;
+        }
+        let position = asked.position.unwrap_or(ContactPosition::At(found.s_mm));
+        let model_error_n = before.map_or(vec![0.0], |(_, estimate)| estimate.model_error_n);
+        let estimate = Estimate {
+            forces_n: vec![found.force_n],
+            sigmas_n: vec![found.sigma_n.hypot(model_error_n[0])],
+            model_error_n,
+            noise_mm: found.test.map_or(noise_mm, |test| test.trusted_noise_mm()),
+            warning: contradicts.map(Warning::Residual),
+            residual_rms_mm: found.residual_rms_mm,
+            singular_values: Vec::new(),
+        };
+        Ok((vec![Contact { position, angle_deg: found.angle_deg }], estimate))
+    }
+}
