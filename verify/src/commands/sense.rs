@@ -15,8 +15,6 @@ Examples:
   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19 --noise-mm 0.067
   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal
   finray sense calibrated.toml --displacements nodes.csv --all-images --contact-at auto@friction
-  finray sense calibrated.toml --displacements nodes.csv --all-images --contact-at auto@measured
-      --forces forces.csv
 
 Guide: finray guide sense";
 
