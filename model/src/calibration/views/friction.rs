@@ -1,10 +1,18 @@
 //! Friction, from forces that were measured.
 
-use super::rig::FrictionQuestion;
+use super::scatter::TWO_SIDED_95;
 use crate::calibration::CalibrationError;
 use crate::sensing::{Lean, Normal};
-use crate::sensor::TWO_SIDED_95;
 use statrs::function::erf::erfc;
+
+/// How friction is sought.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrictionQuestion {
+    /// Whether it builds up over a force, which is sought, too.
+    pub builds_up: bool,
+    /// Standard deviation of the coefficient from object to object: what is assumed of a single one; of several, the scale of its prior. Zero: none is stated.
+    pub between_objects: f64,
+}
 
 /// Build-up forces that are tried, over three powers of ten: 0.7 % from one to the next.
 const BUILD_UPS: usize = 1000;

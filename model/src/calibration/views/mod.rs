@@ -22,11 +22,11 @@ mod unloaded;
 mod view;
 
 pub use compliance::{BaseCompliance, compliance_of};
-pub use friction::{FrictionEstimate, LeftOutObject, MeasuredLean, friction_of};
+pub use friction::{FrictionEstimate, FrictionQuestion, LeftOutObject, MeasuredLean, friction_of};
 pub use one_view::{ForceInView, OneView, SensedBefore, force_in_view};
 pub use outliers::{Outlier, OutlierKind};
 pub use quantity::{Quantity, Sought};
-pub use rig::{FrictionQuestion, RigEstimate, RigQuestion, SceneValue, UNSTATED_BASE, calibrate_rig};
+pub use rig::{RigEstimate, RigQuestion, SceneValue, UNSTATED_BASE, calibrate_rig};
 pub use view::{LocatedView, View, ViewError};
 
 use super::CalibrationError;

@@ -1,8 +1,8 @@
 //! A calibration with what follows from it: friction, the compliance of the base, and the values of the calibrated scene.
 
 use super::{
-    BaseCompliance, FrictionEstimate, LocatedView, Quantity, Sought, View, ViewEstimate, ViewModel, compliance_of,
-    friction_of, views,
+    BaseCompliance, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, Sought, View, ViewEstimate, ViewModel,
+    compliance_of, friction_of, views,
 };
 use crate::calibration::CalibrationError;
 use crate::estimators::ELEMENTS;
@@ -37,15 +37,6 @@ pub struct RigQuestion {
     pub base_compliance: bool,
     /// Relative standard deviation by which forces err further from object to object, which images of one do not show.
     pub force_error_between_objects: f64,
-}
-
-/// How friction is sought.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FrictionQuestion {
-    /// Whether it builds up over a force, which is sought, too.
-    pub builds_up: bool,
-    /// Standard deviation of the coefficient from object to object: what is assumed of a single one; of several, the scale of its prior. Zero: none is stated.
-    pub between_objects: f64,
 }
 
 /// A calibrated finger with its rig.

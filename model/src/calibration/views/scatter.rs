@@ -10,7 +10,7 @@ const STEPS: usize = 400;
 /// Halvings of a step for the scatter that is most likely.
 const HALVINGS: usize = 50;
 /// Half of a 95 % interval, in standard deviations.
-const TWO_SIDED_95: f64 = 1.959_964;
+pub(super) const TWO_SIDED_95: f64 = 1.959_964;
 /// The chance outside it.
 const OUTSIDE: f64 = 0.05;
 /// A new force may be off by so many times [`LARGEST`].
