@@ -256,7 +256,7 @@ pub fn views(
         new_marker_errors: problem.new_marker_errors(of_new.map_or(0.0, |of_new| of_new.of_markers)),
         unloaded_errors: match force_error {
             Some(_) => Vec::new(),
-            None => problem.unloaded_errors(&fitted, &covariance, &candidate.base),
+            None => problem.unloaded_errors(&fitted, &candidate.base),
         },
         force_error,
         outliers: problem.outliers(&fitted, &covariance),

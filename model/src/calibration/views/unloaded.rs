@@ -3,7 +3,7 @@
 use super::problem::{OWN, Point, Problem};
 use super::{Quantity, Sought};
 use crate::Vector;
-use crate::optimise::Fit;
+use crate::optimise::{Fit, covariance};
 use crate::sensing::UnloadedError;
 use nalgebra::{DMatrix, Isometry2, RowDVector};
 
@@ -13,20 +13,17 @@ const LEAST_SHARE: f64 = 1e-4;
 impl Problem<'_> {
     /// Independent errors of the quantities that are sought, each of one standard deviation, that change the force in one of the views without a measured force:
     /// its direction sought or known, its position sought or known. Linearised at a fit.
-    pub(super) fn unloaded_errors(
-        &self,
-        fitted: &Fit<Point>,
-        covariance: &DMatrix<f64>,
-        base: &Isometry2<f64>,
-    ) -> Vec<UnloadedError> {
+    pub(super) fn unloaded_errors(&self, fitted: &Fit<Point>, base: &Isometry2<f64>) -> Vec<UnloadedError> {
         let shared = self.sought.len();
+        let jacobian = self.by_stated_noise(fitted);
+        let Some(covariance) = covariance(&jacobian) else { return Vec::new() };
         let mut changes: Vec<RowDVector<f64>> = Vec::new();
         for (view, own, rows, column) in self.parts(&fitted.point).filter(|(view, ..)| view.force.is_none()) {
             // In turn: all unknowns of the view, without the lean, without the position, too.
             let all: Vec<usize> = (column..column + self.own_count(view)).collect();
             let known_direction = &all[..=OWN];
             for unknowns in [&all[..], known_direction] {
-                let found = self.force_alone(&fitted.jacobian, rows.clone(), unknowns, own.force_n);
+                let found = self.force_alone(&jacobian, rows.clone(), unknowns, own.force_n);
                 changes.extend(found.map(|(by_shared, ..)| by_shared.transpose()));
             }
         }
@@ -43,6 +40,21 @@ impl Problem<'_> {
         counts
             .map(|(_, combination)| self.unloaded_error((&spread * combination.transpose()).as_slice(), base))
             .collect()
+    }
+
+    /// The derivatives of a fit as they are if markers err by no less than is stated: errors that are the same in all images are not in the residuals, and what was
+    /// fitted has them.
+    fn by_stated_noise(&self, fitted: &Fit<Point>) -> DMatrix<f64> {
+        let mut jacobian = fitted.jacobian.clone();
+        for (view, _, rows, _) in self.parts(&fitted.point) {
+            let markers = view.measurement.markers().iter().flat_map(|marker| [marker; 2]);
+            for (row, marker) in rows.zip(markers) {
+                let stated_mm = view.noise_mm / marker.weight;
+                let found_mm = self.errors.sd_mm(stated_mm);
+                jacobian.row_mut(row).scale_mut(found_mm / found_mm.max(stated_mm));
+            }
+        }
+        jacobian
     }
 
     /// Changes of all quantities that are sought, as an error of the finger that was found; `base` is where its base was found.
