@@ -15,11 +15,14 @@ impl Problem<'_> {
     /// its direction sought or known, its position sought or known. Linearised at a fit.
     pub(super) fn unloaded_errors(&self, fitted: &Fit<Point>, base: &Isometry2<f64>) -> Vec<UnloadedError> {
         let shared = self.sought.len();
+        if shared == 0 {
+            return Vec::new();
+        }
         let jacobian = self.by_stated_noise(fitted);
         let Some(covariance) = covariance(&jacobian) else { return Vec::new() };
         let mut changes: Vec<RowDVector<f64>> = Vec::new();
         for (view, own, rows, column) in self.parts(&fitted.point).filter(|(view, ..)| view.force.is_none()) {
-            // In turn: all unknowns of the view, without the lean, without the position, too.
+            // All unknowns of the view, then without the lean.
             let all: Vec<usize> = (column..column + self.own_count(view)).collect();
             let known_direction = &all[..=OWN];
             for unknowns in [&all[..], known_direction] {
@@ -27,12 +30,12 @@ impl Problem<'_> {
                 changes.extend(found.map(|(by_shared, ..)| by_shared.transpose()));
             }
         }
-        let own = covariance.view((0, 0), (shared, shared)).clone_owned().symmetric_eigen();
-        let spread =
-            &own.eigenvectors * DMatrix::from_diagonal(&own.eigenvalues.map(|variance| variance.max(0.0).sqrt()));
         if changes.is_empty() {
             return Vec::new();
         }
+        let own = covariance.view((0, 0), (shared, shared)).clone_owned().symmetric_eigen();
+        let spread =
+            &own.eigenvectors * DMatrix::from_diagonal(&own.eigenvalues.map(|variance| variance.max(0.0).sqrt()));
         let found = (DMatrix::from_rows(&changes) * &spread).svd(false, true);
         let Some(combinations) = found.v_t else { return Vec::new() };
         let counts =
