@@ -102,7 +102,7 @@ fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Obser
     if are_alike(&found, &anew) {
         others
             .iter()
-            .for_each(|other| print_message(format_args!("note: {other}; with it markers are where they are")));
+            .for_each(|other| print_message(format_args!("note: {other}; the markers found are the same with it")));
         return found;
     }
     let (found, sought) = match count(&anew) >= count(&found) {
