@@ -175,6 +175,11 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let found = calibration::calibrate_rig(&scene, &seen, &fit.0, lean).map_err(failure)?;
     let RigEstimate { views: estimate, compliance, .. } = &found;
     notes::print(&found);
+    if measured == 0 && arguments.calibrated.is_some() {
+        print_message(
+            "warning: no force was measured: intervals of forces that are sensed with the calibrated finger may be too narrow; measure one force (--forces)",
+        );
+    }
     for outlier in &estimate.outliers {
         print_message(format_args!("warning: {outlier}"));
     }
