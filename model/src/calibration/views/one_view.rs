@@ -5,18 +5,15 @@ use super::{CONVERGENCE, Quantity, Sought, View, ViewModel};
 use crate::finger::{Finger, Plate};
 use crate::measurement::MarkerErrors;
 use crate::optimise::{Convergence, LevenbergMarquardt, covariance};
-use crate::sensing::{Contact, ContactQuestion, Direction, Lean, Normal, ResidualTest, UnloadedError};
+use crate::sensing::{COUNTS, Contact, ContactQuestion, Direction, Lean, Normal, REACH, ResidualTest, UnloadedError};
 use nalgebra::Isometry2;
 
 /// Standard deviation of the magnitude of a force of which the direction alone is known, as a share: none that counts.
 const UNKNOWN_SHARE: f64 = 1e3;
 /// Further standard deviations of a coordinate, mm, with which a search begins.
 const FIRST_ERRORS_MM: [f64; 2] = [0.3, 0.02];
+/// And its convergence: a start is all that is sought.
 const FIRST_CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-3, step: 0.0 };
-/// How far from the estimate a lean is tried, in its standard deviations: the outer points of Gauss-Hermite's quadrature of three.
-const REACH: f64 = 1.732_050_807_568_877_2;
-/// A lean that makes up less than this share of a standard deviation is not tried.
-const COUNTS: f64 = 0.3;
 /// Where a force is sought along the plate, as shares of its length, and how large, N, where nothing is known of it.
 const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
 const FIRST_FORCE_N: f64 = 1.0;

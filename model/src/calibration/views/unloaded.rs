@@ -12,7 +12,7 @@ const LEAST_SHARE: f64 = 1e-4;
 
 impl Problem<'_> {
     /// Independent errors of the quantities that are sought, each of one standard deviation, that change the force in one of the views without a measured force:
-    /// its direction sought or known, its position sought or known. Linearised at a fit.
+    /// its direction sought or known. Linearised at a fit.
     pub(super) fn unloaded_errors(&self, fitted: &Fit<Point>, base: &Isometry2<f64>) -> Vec<UnloadedError> {
         let shared = self.sought.len();
         if shared == 0 {

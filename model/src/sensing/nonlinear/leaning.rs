@@ -10,9 +10,9 @@ use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
 
 /// How far from the estimate a lean is tried, in its standard deviations: the outer points of Gauss-Hermite's quadrature of three, and the ends of a
 /// range whose values are all alike.
-const REACH: f64 = 1.732_050_807_568_877_2;
+pub(crate) const REACH: f64 = 1.732_050_807_568_877_2;
 /// A lean that makes up less than this share of every standard deviation is not tried: curved or not, it hardly counts.
-const COUNTS: f64 = 0.3;
+pub(crate) const COUNTS: f64 = 0.3;
 
 /// How a lean was found.
 #[derive(Debug, Clone, PartialEq)]

@@ -23,6 +23,7 @@ mod touching;
 mod unknowns;
 
 pub use discretisation::Discretisation;
+pub(crate) use leaning::{COUNTS, REACH};
 pub use refine::sense_refining;
 
 use super::{
