@@ -77,7 +77,7 @@ fn own_beams(name: &str) -> Result<TruthId, String> {
     own().find(|id| id.name() == name).copied().ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     require_writable(&arguments.out)?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     bar.finish();
     write_bytes(&arguments.out, &network.to_bytes()?)?;
     print_message(tested(&network).trim_end());
-    Ok(())
+    Ok(Done::new("network trained").to(&arguments.out))
 }
 
 /// Recipe from the arguments.

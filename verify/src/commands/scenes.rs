@@ -1,12 +1,24 @@
-//! The camera and markers that a command needs of a scene, which is read from a path.
+//! What a command needs of a scene: the finger, the paper's where none is named, and camera and markers.
 
-use super::{Failure, bad_input};
-use finray_files::name_of;
+use super::{Failure, bad_input, hints, not_computed};
+use finray_files::{load_scene_and_text, name_of};
+use finray_fixtures::PAPER_SCENE;
 use finray_model::Scene;
 use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::keys::{CAMERA, MARKERS, SceneTable};
 use finray_model::scene::Markers;
 use std::path::Path;
+
+/// The scene of a file with its text, or the paper's finger where no file is named; a likely wrong unit of it is named.
+pub fn scene_or_papers(path: Option<&Path>) -> Result<(Scene, String), Failure> {
+    let Some(path) = path else {
+        let scene = Scene::from_toml(PAPER_SCENE).map_err(not_computed)?;
+        return Ok((scene, PAPER_SCENE.to_owned()));
+    };
+    let (scene, text) = load_scene_and_text(path)?;
+    hints::of_moduli(path, &scene.finger);
+    Ok((scene, text))
+}
 
 /// What a scene lacks: nothing in it is wrong, so its first line is named, as for a key that is missing.
 fn missing(path: &Path, what: &str) -> Failure {
