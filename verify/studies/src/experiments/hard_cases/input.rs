@@ -36,7 +36,7 @@ pub(super) const QUESTIONS: &[Question] = &[
 const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 /// Tolerance of proportionality, relative: nine digits under scaling by powers of ten.
 const PROPORTIONAL: f64 = 1e-9;
-/// Displacement below which a node counts as unmoved, mm.
+/// Tolerance of a displacement that must be zero, mm.
 const NOTHING_MM: f64 = 1e-300;
 /// Invalid values for any number, and for any size.
 const NO_NUMBERS: [&str; 4] = ["nan", "inf", "-inf", "1e999"];

@@ -53,7 +53,7 @@ const SCATTER: f64 = 0.25;
 /// Noise of a good camera, mm, for twelve forces at once; the paper's camera is too noisy for them.
 const GOOD_NOISE_MM: f64 = 0.0067;
 const NOISES_MM: [f64; 4] = [0.01, CAMERA_NOISE_MM, 0.3, 1.0];
-/// Displacement error of the outlier, mm; largest relative change of a force that it may cause; smallest ratio of its residual to the others.
+/// Displacement error of the outlier, mm; largest relative change of a force that it may cause; smallest ratio of its residual to the noise.
 const WILD_MM: Vector = Vector::new(12.0, 16.0);
 const WILD_CHANGE: f64 = 0.02;
 const CONSPICUOUS: f64 = 10.0;
