@@ -109,7 +109,7 @@ pub struct Tally {
     pub all: usize,
 }
 
-/// Checks counted by group of references; groups without checks are omitted. Internal checks are many but weigh less than independent ones.
+/// Checks counted by group of references; groups without checks are omitted. Internal checks are many, but less independent than the others.
 pub fn tallies<'c>(checks: impl Iterator<Item = &'c Check> + Clone) -> Vec<Tally> {
     let tally = |against| {
         let counted = checks.clone().filter(move |check| check.against() == against);
@@ -210,7 +210,7 @@ impl Subject {
 /// Tolerance of an exact count: any value between 0 and 1.
 pub const EXACT_COUNT: f64 = 0.5;
 
-/// The largest of some figures. NaN if one figure is NaN or there are none, so that an empty check cannot pass.
+/// The largest of some figures. NaN if a figure is NaN or `figures` is empty, so that an empty check cannot pass.
 pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
     let larger = |worst: f64, figure: f64| if worst.is_nan() || worst >= figure { worst } else { figure };
     figures.into_iter().reduce(larger).unwrap_or(f64::NAN)

@@ -125,7 +125,7 @@ struct ContactRow {
 }
 
 impl ExportedFinger {
-    /// The export of a finger equal to this one, whatever its name; `None` if there is none.
+    /// The export of a finger equal to this one, under any name; `None` if there is none.
     pub fn of(finger: &Finger) -> Option<&'static ExportedFinger> {
         FINGERS.iter().find(|exported| exported.finger().is_ok_and(|known| known == *finger))
     }

@@ -42,7 +42,7 @@ impl ReportForces {
         if is_paper { ReportForces::PAPER } else { self }
     }
 
-    /// Force at which maps are drawn, N; the largest of the report.
+    /// Force at which maps are drawn, N; the largest of [`of_maps_n`](ReportForces::of_maps_n).
     pub const fn drawn_n(self) -> f64 {
         self.drawn_n
     }

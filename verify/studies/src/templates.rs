@@ -5,7 +5,7 @@ use minijinja::{Environment, UndefinedBehavior};
 /// Templates by name, with two filters for numbers: `plain`, and `fixed`, which takes a number of decimals. A missing number is an error.
 ///
 /// # Errors
-/// [`minijinja::Error`] for a text that is not a valid template.
+/// [`minijinja::Error`] for an invalid template.
 pub fn templates(texts: impl IntoIterator<Item = (String, String)>) -> Result<Environment<'static>, minijinja::Error> {
     let mut templates = Environment::new();
     templates.set_undefined_behavior(UndefinedBehavior::Strict);

@@ -12,7 +12,7 @@ const LARGEST_MM: f64 = 0.2;
 /// Claim on the position error. The paper measured a real finger with a camera; here images are rendered with known light, lens and pose.
 ///
 /// # Errors
-/// [`ClaimError`] if the claim's text uses a number that is not given.
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn position_error(camera: Option<&CameraStudy>, words: &Words) -> Result<Claim, ClaimError> {
     let tested = camera.and_then(|camera| {
         let row = camera.as_it_is()?;

@@ -29,7 +29,7 @@ pub fn all_simulated(pairs: &[(f64, f64)]) -> ClaimVerdict {
     }
 }
 
-/// Verdict on a criterion that is evaluated on a simulated finger.
+/// Verdict on a criterion evaluated on a simulated finger.
 pub fn in_simulation(holds: bool) -> ClaimVerdict {
     if holds { InSimulation } else { NotReproduced }
 }
@@ -43,7 +43,7 @@ pub fn over_assumptions(verdicts: &[ClaimVerdict]) -> ClaimVerdict {
     }
 }
 
-/// Evaluates a qualitative statement about nodes: the number of nodes at which it holds, and whether that is more than half of them.
+/// Evaluates a qualitative statement about nodes: the number of nodes at which it holds, and whether they are more than half.
 pub fn at_most_nodes(figures: &[f64], holds: impl Fn(f64) -> bool) -> (usize, bool) {
     let count = figures.iter().filter(|figure| holds(**figure)).count();
     (count, 2 * count > figures.len())

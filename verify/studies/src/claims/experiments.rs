@@ -34,7 +34,7 @@ pub fn sensed_n(finger: &Finger, node: NodeId, load: Load) -> Result<f64, Sensin
     Ok(estimator.estimate(&seen, Some(0.0), Prior::None).forces_n[0])
 }
 
-/// Relative error of a force that is sensed along the normal but acts `off_deg` (degrees) towards the tip, by node; linear finger.
+/// Relative error of a force sensed along the normal but acting `off_deg` (degrees) towards the tip, by node; linear finger.
 ///
 /// # Errors
 /// [`SensingError`] if the force at a node cannot be sensed.
@@ -150,7 +150,7 @@ pub fn zero_force(finger: &Finger, force_n: f64, noise_mm: f64) -> Result<f64, S
     Ok(worst(errors))
 }
 
-/// Smallest and largest ratio over the nodes of stiffness against a normal force, with and without two changes; linear finger. The changes are
+/// Ratio of stiffnesses against a normal force with and without two changes, smallest and largest over the nodes; linear finger. The changes are
 /// plane-strain bending with `poissons_ratio`, and members that are shorter by rigid arms of `rod_arm_mm` (mm) at the rods.
 ///
 /// # Errors

@@ -57,7 +57,7 @@ pub fn order(test: &ModuleTest) -> [Option<f64>; 2] {
 /// Claim that one force begins alone and the other later exceeds it.
 ///
 /// # Errors
-/// [`ClaimError`] if the claim's text uses a number that is not given.
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn crossing(test: Option<&ModuleTest>, words: &Words) -> Result<Claim, ClaimError> {
     let found = test.map(order);
     let verdict =

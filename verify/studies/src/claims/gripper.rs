@@ -54,7 +54,7 @@ fn quoted(group: &ContactGroup, quantity: &str) -> &'static str {
 /// Claim on the paper's own method: its error on the simulated finger against the paper's measured error.
 ///
 /// # Errors
-/// [`ClaimError`] if the claim's text uses a number that is not given.
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn of_the_papers_network(
     ours: &Figure,
     by_spread: Option<&Figure>,

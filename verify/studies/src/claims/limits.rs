@@ -35,7 +35,7 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
 /// Claim that forces at all nodes together are not identifiable.
 ///
 /// # Errors
-/// [`ClaimError`] if the finger cannot be sensed, or the claim's text uses a number that is not given.
+/// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.
 pub fn all_at_once(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let AllForces { span, sigmas_n } = experiments::all_forces(finger, CAMERA_NOISE_MM)?;
     let poor = NOISE_OF_IMAGES.map(|images| at_most_nodes(&sigmas_n, |sigma_n| images * sigma_n > WELL_N));
@@ -81,7 +81,7 @@ pub fn unknown_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimE
     words.claim("direction-unknown", verdict, numbers)
 }
 
-/// Claim on the loss of accuracy with a direction that is wrong by 12.5 degrees to either side.
+/// Claim on the loss of accuracy with a direction 12.5 degrees wrong to either side.
 ///
 /// # Errors
 /// [`ClaimError`] as in [`all_at_once`].

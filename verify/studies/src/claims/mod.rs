@@ -90,7 +90,7 @@ pub enum ClaimError {
     /// The shipped texts are not valid TOML.
     #[error("words of the claims: {0}")]
     File(#[from] toml::de::Error),
-    /// A text uses a number that is not given.
+    /// A number in a text has no value.
     #[error("words of a claim: {0}")]
     Words(#[from] minijinja::Error),
 }

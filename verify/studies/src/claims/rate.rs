@@ -13,7 +13,7 @@ const FRAME_S: f64 = 0.04;
 /// this computer, so the comparison is limited to whether force estimation leaves that time for vision.
 ///
 /// # Errors
-/// [`ClaimError`] if the claim's text uses a number that is not given.
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn sensing_rate(
     points: &[SpeedErrorPoint],
     images: Option<FrameTimes>,

@@ -46,11 +46,11 @@ pub struct CoverageRow {
     pub warned: usize,
     /// Number of answers without a warning.
     pub without_warning: usize,
-    /// Share of answers without a warning whose interval contains the true force; `None` if there are none.
+    /// Share of answers without a warning whose interval contains the true force; `None` without such answers.
     pub covered_without_warning: Option<f64>,
-    /// Share of answers with a warning whose interval contains the true force; `None` if there are none.
+    /// Share of answers with a warning whose interval contains the true force; `None` without such answers.
     pub covered_with_warning: Option<f64>,
-    /// Rms error over rms stated sigma of the answers with a warning, dimensionless; `None` if there are none, or for a counted map.
+    /// Rms error over rms stated sigma of the answers with a warning, dimensionless; `None` without such answers, or for a counted map.
     pub error_over_sigma_with_warning: Option<f64>,
 }
 
@@ -144,7 +144,7 @@ impl Add for Counts {
     }
 }
 
-/// Senses every contact and force of a grid by each estimator, with independent noise samples as many as the grid requests. Returns one row for
+/// Senses every contact and force of a grid by each estimator, with as many independent noise samples as the grid requests. Returns one row for
 /// each estimator. `progress` is called after each contact. The result does not depend on the number of threads.
 pub fn coverage(
     finger: &Finger,
@@ -233,7 +233,7 @@ impl Counts {
 }
 
 impl CoverageRow {
-    /// Share of all samples that is answered without a warning.
+    /// Share of all samples answered without a warning.
     pub fn share_without_warning(&self) -> f64 {
         self.without_warning as f64 / self.samples.max(1) as f64
     }

@@ -133,7 +133,7 @@ impl Answers {
 
 impl Evidence for DirectionStudy {}
 
-/// Direction study of a report; `None` without noise, with which every direction is identifiable, and in a quick report.
+/// Direction study of a report; `None` in a quick report, and without noise, because every direction is then identifiable.
 pub(crate) fn run(context: &Context) -> Result<Option<DirectionStudy>, SensingError> {
     if context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);

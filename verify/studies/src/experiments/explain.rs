@@ -1,8 +1,8 @@
 //! Explanation of an accuracy map: noise floors of forces, and errors caused by wrong directions and positions.
 //!
-//! Everything follows, to first order, from the motion of the markers of the loaded finger under a small additional force along or across the load,
-//! or under a shift of the load along the plate. These are the columns j, c and m of the co-rotational finger's tangent compliance in its
-//! loaded shape. The stiffness of the deformed finger differs from that at rest.
+//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j, one
+//! across the load gives c, and a shift of the load along the plate gives m. They are columns of the co-rotational finger's tangent compliance in
+//! its loaded shape. The stiffness of the deformed finger differs from that at rest.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -29,7 +29,7 @@ pub struct Explanation {
     pub condition: Option<f64>,
     /// |d (sensed / true) / d angle|, per degree of error in the assumed direction.
     pub error_per_deg: Option<f64>,
-    /// |d (sensed / true) / d position|, per mm of error in the assumed position. At a rib, where the plate's strain jumps, the value is one-sided.
+    /// |d (sensed / true) / d position|, per mm of error in the assumed position. At a rib the plate's strain jumps, and the value is one-sided.
     pub error_per_mm: Option<f64>,
 }
 
@@ -53,7 +53,7 @@ impl Evidence for ExplanationMap {}
 /// Explains sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
 ///
 /// # Errors
-/// [`LoadError`] for a position that is not on the front plate.
+/// [`LoadError`] for a position off the front plate.
 pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
@@ -73,7 +73,7 @@ impl ExplanationMap {
     /// Explains sensing of `force_n` (N) at every position (mm) and direction (degrees), in parallel; all free key nodes are markers.
     ///
     /// # Errors
-    /// [`LoadError`] for a position that is not on the front plate.
+    /// [`LoadError`] for a position off the front plate.
     pub fn new(
         mesh: &Mesh,
         positions_mm: &[f64],

@@ -17,7 +17,7 @@ use std::ops::RangeInclusive;
 
 /// Forces under which axial springs are compared, N; rotations are negligible under the first.
 const AXIAL_FORCES_N: [f64; 3] = [0.1, 2.0, 5.0];
-/// Largest fineness that is settled; finer lattices need many seconds.
+/// Largest fineness with settling; finer lattices need many seconds.
 const SETTLED_FINENESS: usize = 4;
 /// Largest difference of sensed / true between lattice and beams. The maps' lattice (four segments a member) is within 1.2e-4 of the displacements
 /// under 3 N. Linear sensing turns it into a force error of at most twice that for one force.
@@ -44,7 +44,7 @@ pub struct LatticeStudy {
     pub out_of_balance: f64,
     /// Checks of [`problems::lattice`]; empty in a quick study.
     pub problem_checks: Vec<Check>,
-    /// Figures from which a difference is expected; empty in a quick study.
+    /// Figures that are expected to differ from their references; empty in a quick study.
     pub comparisons: Vec<Comparison>,
     /// Forces (N), each with the largest difference of linear beams from the lattice, relative to the largest displacement.
     pub linear: Vec<(f64, f64)>,

@@ -141,7 +141,7 @@ pub trait Evidence {
         Vec::new()
     }
 
-    /// Figures beside references from which a difference is expected.
+    /// Figures that are expected to differ from their references.
     fn comparisons(&self) -> Vec<Comparison> {
         Vec::new()
     }

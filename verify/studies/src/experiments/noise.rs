@@ -8,7 +8,7 @@ use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
 
 /// Largest mean relative error of one force at nodes 14 to 24. The Cramer-Rao bound is largest at node 24, 1.2 %.
 const ONE_FORCE_TOLERANCE: f64 = 0.013;
-/// Number of drawn cases from which checks at nodes apply. The mean of so many relative errors over its bound is known to 3 %, a third of its
+/// Number of drawn cases from which checks at nodes apply. With it, mean relative errors over their bound are known to 3 %, a third of their
 /// tolerance. Drawn cases count, not answered ones, so that refusals cannot remove a check.
 const ENOUGH_CASES: usize = 1000;
 /// Number of drawn cases from which a pair's tolerance has no allowance for chance. With fewer, two standard errors are allowed, because the bound
@@ -23,7 +23,7 @@ pub const CHECKED_PAIRS: [([usize; 2], f64); 4] =
     [([19, 20], 0.03), ([16, 17], 0.03), ([18, 20], 0.012), ([16, 20], 0.012)];
 /// Largest relative difference from the Cramer-Rao bound: of mean errors at nodes and of sums, and of root mean squares of every pair.
 pub const BOUND_TOLERANCE: f64 = 0.10;
-/// Largest standard error of a figure that is checked with [`BOUND_TOLERANCE`]. Chance then does not hide an error of twice the tolerance (four
+/// Largest standard error of a figure checked with [`BOUND_TOLERANCE`]. Chance then does not hide an error of twice the tolerance (four
 /// standard errors). Neighbours have 2 %, distant nodes a few tenths of a per cent.
 pub const BOUND_STANDARD_ERROR: f64 = BOUND_TOLERANCE / 4.0;
 

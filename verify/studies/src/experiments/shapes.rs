@@ -60,7 +60,7 @@ pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallibl
     Ok(contacts.par_iter().filter_map(shape).collect())
 }
 
-/// The finger under the drawn force at up to three nodes, linear and co-rotational, where there is an equilibrium.
+/// The finger under the drawn force at up to three nodes, linear and co-rotational; shapes without equilibrium are left out.
 pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
     let (finger, mesh, force_n) = (context.finger, context.fine, context.forces.drawn_n());
     let nodes: Vec<_> = finger.contact_nodes().collect();

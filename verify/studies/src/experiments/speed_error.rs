@@ -110,7 +110,7 @@ pub struct SpeedErrorPoint {
     pub task: Task,
     /// Name of the model or estimator.
     pub model: String,
-    /// The estimator, if it is one of finray's.
+    /// The estimator; `None` for other programs and for models.
     #[serde(skip)]
     pub estimator: Option<EstimatorId>,
     /// Setting in words, including the start.

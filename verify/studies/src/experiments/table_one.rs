@@ -63,7 +63,7 @@ pub struct TableOne {
     pub truth: TruthId,
     /// Direction of the weights, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
-    /// Calibrated over true Young's modulus: eq. (11), from the shapes under weights at nodes 17, 19 and 21.
+    /// Ratio of calibrated to true Young's modulus: eq. (11), from the shapes under weights at nodes 17, 19 and 21.
     pub modulus_factor: f64,
     /// One row for each loaded node, from tip to base.
     pub rows: Vec<TableOneRow>,
@@ -113,7 +113,7 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
     Ok(TableOne { truth: truth.id(), angle_deg, modulus_factor, rows })
 }
 
-/// Calibrated over assumed Young's modulus: eq. (11), from the truth's shapes under the weights at some nodes.
+/// Ratio of calibrated to assumed Young's modulus: eq. (11), from the truth's shapes under the weights at some nodes.
 pub(crate) fn modulus_factor(
     finger: &Finger,
     truth: &dyn Truth,
@@ -131,7 +131,7 @@ pub(crate) fn modulus_factor(
     Ok(calibration::youngs_modulus(finger, &cases)?.factor)
 }
 
-/// Shapes under ascending weights (N) along the normal at some nodes, as far as the truth has an equilibrium.
+/// Shapes under ascending weights (N) along the normal at some nodes. At each node they end before the first weight without equilibrium.
 pub fn weighed(finger: &Finger, truth: &dyn Truth, nodes: &[NodeId], weights_n: &[f64]) -> Vec<CalibrationCase> {
     let under = |&node: &NodeId| {
         let contact = Contact::at_node(node);

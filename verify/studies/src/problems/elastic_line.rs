@@ -9,7 +9,7 @@ const STEPS: usize = 200;
 /// Step of central differences, relative to the scale of each unknown. Truncation and rounding errors both stay below 1e-9.
 const DIFFERENCE_STEP: f64 = 1e-5;
 /// Correction, relative to the scale of each unknown, below which the search has converged; second differences allow no smaller one. To first
-/// order, the limit load does not depend on the position along the path.
+/// order, an error of the position on the path does not change the limit load.
 const CORRECTION_TOLERANCE: f64 = 1e-7;
 /// Largest number of corrections; a search that needs more started too far away.
 const MAX_CORRECTIONS: usize = 40;
@@ -39,8 +39,8 @@ pub struct Section {
 impl Section {
     /// The section at the end of a straight segment of the given undeformed length, by the classical Runge-Kutta method.
     ///
-    /// The stretch is 1 + N / EA along the axis t, the curvature M / EI, both per undeformed length s:
-    /// r' = (1 + N / EA) t, direction' = M / EI, M' = -r' x F; the force F is constant.
+    /// Elongation N / EA and curvature M / EI are per undeformed length s, along the axis t with constant force F:
+    /// r' = (1 + N / EA) t, direction' = M / EI, M' = -r' x F.
     ///
     /// Source: Antman, Nonlinear Problems of Elasticity, ch. 4 (planar elastica without shear).
     pub fn beyond(self, length: f64, rigidity: Rigidity) -> Section {

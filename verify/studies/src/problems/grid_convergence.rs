@@ -2,10 +2,10 @@
 //!
 //! Source: P. J. Roache, J. Fluids Eng. 116 (1994) 405-413; I. B. Celik et al., J. Fluids Eng. 130 (2008) 078001.
 //!
-//! Expected orders: an element bends by an angle phi proportional to its length h. The relative error of its chord is of order phi^2 with the
-//! strain of the chord, and of order phi^4 with the shallow-arch strain: orders 2 and 4. The shallow-arch strain also ignores that a stretched
-//! beam has more length to bend, an error of phi^2 times the strain. On very fine meshes of stretched beams the order therefore falls to 2. That
-//! error is smaller by the factor of the strain (here 1e-4 to 1e-3).
+//! Expected orders: an element bends by an angle phi proportional to its length h. The relative error of its chord is of order phi^2 with chord
+//! strain and phi^4 with shallow-arch strain, which gives orders 2 and 4. The shallow-arch strain also ignores that an elongated beam has more
+//! length to bend, an error of phi^2 times the strain. On very fine meshes of elongated beams the order therefore falls to 2. That error is
+//! smaller by the factor of the strain (here 1e-4 to 1e-3).
 
 use super::{ProblemError, elastica};
 use crate::prelude::*;

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Number of intervals between motor angles over the reach.
 const ANGLES: usize = 200;
-/// Share of the reach that is omitted at both ends, where the derivative is infinite.
+/// Share of the reach omitted at both ends, where the derivative is infinite.
 const END: f64 = 0.01;
 /// Rounding error of lengths, relative to the sum of both links.
 pub const TOLERANCE: f64 = 1e-12;

@@ -102,7 +102,7 @@ pub struct Problem {
 pub struct ProblemResults {
     /// Figures against references, with tolerances.
     pub checks: Vec<Check>,
-    /// Figures beside references from which a difference is expected.
+    /// Figures that are expected to differ from their references.
     pub comparisons: Vec<Comparison>,
 }
 

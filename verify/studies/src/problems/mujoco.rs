@@ -1,6 +1,6 @@
 //! Fingers solved by MuJoCo 4.0.0 (discrete elastic rods between rigid rods), and a cylinder pushed into the paper's finger.
 //!
-//! MuJoCo shares neither discretisation (its rods bend only at vertices) nor code with the beams, but uses the same EA and EI, so both converge
+//! MuJoCo shares neither discretisation (its rods bend only at vertices) nor code with the beams. It uses the same EA and EI, so both converge
 //! to the same limit. It verifies solver and kinematics, not the beam theory behind EA and EI.
 
 use super::{ProblemError, ProblemResults};

@@ -164,13 +164,13 @@ pub struct MapSummary {
     pub refused: usize,
     /// Number of cells in which a force has no equilibrium. The errors and shares of cells below exclude them.
     pub without_equilibrium: usize,
-    /// Mean of |sensed / true - 1| over the answered cells; `None` if there are none.
+    /// Mean of |sensed / true - 1| over the answered cells; `None` without answered cells.
     pub mean_error: Option<f64>,
-    /// Largest error of an answered cell, relative; `None` if there are none.
+    /// Largest error of an answered cell, relative; `None` without answered cells.
     pub largest_error: Option<f64>,
-    /// Share of cells with an error above 10 % or refused, among cells with equilibrium; `None` if there are none.
+    /// Share of cells with an error above 10 % or refused, among cells with equilibrium; `None` without such cells.
     pub share_above_10: Option<f64>,
-    /// Share of cells with an error above 25 % or refused, among cells with equilibrium; `None` if there are none.
+    /// Share of cells with an error above 25 % or refused, among cells with equilibrium; `None` without such cells.
     pub share_above_25: Option<f64>,
     /// Share of all noise samples that the estimator refused, including samples of answered cells.
     pub share_of_samples_refused: Option<f64>,

@@ -39,7 +39,7 @@ pub struct Scatter {
     pub mean_error: f64,
     /// Mean of |sensed - true|, N.
     pub mean_error_n: f64,
-    /// Errors against the Cramer-Rao bound; `None` without noise, where the bound is 0.
+    /// Errors against the Cramer-Rao bound; `None` without noise, because the bound is then 0.
     #[serde(flatten)]
     pub bound: Option<AgainstBound>,
     /// Coverage of the stated standard deviations; `None` without noise, and for an estimator that states none.
@@ -175,7 +175,7 @@ impl ScatterRow {
 /// after each set. Results do not depend on threads or other estimators.
 ///
 /// # Errors
-/// [`EstimatorError`] for a node that is not a contact node, or contacts that an estimator does not support.
+/// [`EstimatorError`] if a node is no contact node, or an estimator does not support the contacts.
 pub fn scatter(
     request: &ScatterRequest,
     estimators: &[&dyn Estimator],

@@ -69,7 +69,7 @@ impl TrustCounts {
         self.cells - self.without_equilibrium
     }
 
-    /// Share of trusted cells among those with equilibrium; `None` if there are none.
+    /// Share of trusted cells among those with equilibrium; `None` without such cells.
     pub fn share(&self) -> Option<f64> {
         let carried = self.carried();
         (carried > 0).then(|| self.trusted as f64 / carried as f64)

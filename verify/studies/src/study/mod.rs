@@ -70,7 +70,7 @@ macro_rules! study {
             pub forces: ReportForces,
             /// Figures against references, without those of the hard cases.
             pub checks: Vec<Check>,
-            /// Figures beside references from which a difference is expected.
+            /// Figures that are expected to differ from their references.
             pub comparisons: Vec<Comparison>,
             /// Sentences on times that were measured outside this study.
             pub timing_notes: Vec<String>,

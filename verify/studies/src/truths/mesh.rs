@@ -11,7 +11,7 @@ pub const FINE_MESH_NODES: usize = 684;
 /// Mesh of the true finger: the paper's 684 nodes, or four elements a member if that gives more nodes.
 ///
 /// # Errors
-/// [`MeshSizeError`] if the finger cannot have 684 nodes. A finger with more key nodes takes four elements a member instead.
+/// [`MeshSizeError`] if the finger has no mesh of 684 nodes. It does not occur: a finger with too many key nodes has four elements a member.
 pub fn fine_mesh(finger: &Finger) -> Result<Mesh, MeshSizeError> {
     let four_a_member = Mesh::with_elements_per_member(finger, 4);
     if four_a_member.node_count() > FINE_MESH_NODES {

@@ -1,6 +1,6 @@
 //! From image to force: effects of noise, blur, resolution, markers, compression, lens, pose and height on displacement and force.
 //!
-//! A known force at a node deforms the finger. The scene's camera sees it in a rendered image, its markers are located, and the force is sensed with
+//! A known force at a node deforms the finger. The scene's camera sees it in a rendered image, and its markers are located. The force is sensed with
 //! the same beams, so that all errors come from the camera. Errors in the assumed camera (lens, pose, height) need no image: points are projected by
 //! the true camera and read with another one.
 

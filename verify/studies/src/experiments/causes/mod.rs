@@ -1,7 +1,7 @@
 //! Causes of sensing errors: the error removed by eliminating one cause, and the remaining error after several.
 //!
-//! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing follows a user's practice. It treats the finger as
-//! uniform where it is softer, and calibrates its modulus by shapes under weights. It assumes a direction and a position with errors, and has a noisy
+//! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing follows a user's practice. It treats softer parts of
+//! the finger as uniform, and calibrates the modulus by shapes under weights. It assumes a direction and a position with errors, and has a noisy
 //! camera. Each [`Cause`] can be eliminated separately. The share of a cause is the part of the mean square error that disappears without it.
 //! Shares need not add up to one: errors of equal sign reinforce each other when squared, and a cause that compensates another has a negative share.
 

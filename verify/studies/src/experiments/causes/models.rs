@@ -46,8 +46,8 @@ pub(super) struct Models {
 }
 
 impl Models {
-    /// All models of a true finger. Their moduli are calibrated on its shapes under weights (N) at nodes a third, half and two thirds of the way from the tip
-    /// to the base: nodes 17, 19 and 21 of the paper's finger (sec. V-A).
+    /// All models of a true finger. Their moduli are calibrated on its shapes under weights (N) at three nodes, a third, half and two thirds of the way
+    /// from tip to base. They are nodes 17, 19 and 21 of the paper's finger (sec. V-A).
     pub fn of(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Result<Models, ExperimentError> {
         let cases = weighed(finger, truth, weights_n);
         let mesh = |number: usize| {
@@ -95,7 +95,7 @@ impl Bending {
     }
 }
 
-/// The end that is nearer to the middle of a zone.
+/// The end nearer to the middle of a zone.
 fn end_of(finger: &Finger, zone: &Zone) -> End {
     let plate = if zone.part == Part::Back { Plate::Back } else { Plate::Front };
     // Both sides are doubled: twice the middle against the full length.
@@ -117,7 +117,7 @@ pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finge
     Ok(Finger::new(description)?)
 }
 
-/// Shapes under weights (N) along the normal, as far as the finger has an equilibrium.
+/// Shapes under ascending weights (N) along the normal. At each node they end before the first weight without equilibrium.
 pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Vec<CalibrationCase> {
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();
@@ -125,7 +125,7 @@ pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> 
     table_one::weighed(finger, truth, &loaded, weights_n)
 }
 
-/// The finger with the modulus that best fits the shapes whose loads its model carries; unchanged if there are none.
+/// The finger with the modulus that best fits the shapes whose loads its model carries; unchanged without such shapes.
 pub(super) fn calibrated(
     finger: &Finger,
     cases: &[CalibrationCase],

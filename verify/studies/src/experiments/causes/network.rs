@@ -1,7 +1,7 @@
 //! Errors that a network adds to those of the model that it was trained on.
 //!
-//! A network senses only at its contact nodes and along the normal. So the true contact has the errors here, of the same size as those of assumed
-//! contacts elsewhere, and the true finger is made uniform instead of the model. The measurements are noisy.
+//! A network senses only at its contact nodes and along the normal. Elsewhere the assumed contact and model have errors; here the true contact has
+//! equal errors, and the true finger is made uniform. The measurements are noisy.
 
 use super::cell::{Squared, beside};
 use super::models::{Bending, calibrated, weighed, with_zones};

@@ -12,7 +12,7 @@ use finray_model::estimators::network::NetworkSensing;
 
 impl Evidence for CauseMap {}
 
-/// Maps of causes for the finger and, if there is one, for its twin; also of the shipped networks for this finger.
+/// Maps of causes for the finger, for its digital twin if given, and for the networks shipped for this finger.
 ///
 /// # Errors
 /// [`ExperimentError`] if a finger at rest cannot be solved or its modulus cannot be calibrated.

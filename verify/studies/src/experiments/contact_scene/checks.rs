@@ -32,8 +32,8 @@ const CONE_TOLERANCE_N: f64 = 1e-6;
 /// Nominal coverage, and its shift by the lattice's difference from beams, which is less than half a standard deviation.
 const MEANT: f64 = 0.95;
 const SHIFT: f64 = 0.01;
-/// Allowance for chance in standard errors of a binomial share. A share of all samples of a scene exceeds it once in 370; the smallest of some hundred
-/// shares of a contact and step has its own allowance, exceeded once in 2000 each.
+/// Allowance for chance in standard errors of a binomial share. A share of all samples of a scene exceeds the first once in 370. The smallest of some
+/// hundred shares of a contact and step has the second, exceeded once in 2000 each.
 const STANDARD_ERRORS: f64 = 3.0;
 const WORST_STANDARD_ERRORS: f64 = 3.5;
 

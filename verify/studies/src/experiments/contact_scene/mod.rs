@@ -32,7 +32,8 @@ use finray_model::scene::ContactDescription;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::Refusal;
 
-/// Segments of plate between two rods in the verification by rapier. The paper's finger under 5 N is then within 0.1 % of converged beams.
+/// Segments of plate between two rods in the verification by rapier and in the shipped disc scene. The paper's finger under 5 N is then within
+/// 0.1 % of converged beams.
 pub const FINENESS: usize = 3;
 
 /// A scene as a simulation requires it: forces act on the bare plate, and displacements are relative to a known base, without stated errors.
@@ -50,7 +51,7 @@ pub fn simulated(scene: &Scene) -> Scene {
 /// A prepared scene: finger, object and assumed friction.
 #[derive(Debug, Clone)]
 pub struct ContactScene {
-    /// The scene as it is [`simulated`].
+    /// The scene, [`simulated`].
     scene: Scene,
     object: PreparedObject,
     /// Segments in a plate member of mean length; `None` for automatic refinement.

@@ -40,7 +40,7 @@ const DRAWN_CORNERS: usize = 90;
 /// Largest difference between the areas of an outline and of its triangles, as a share; only rounding unless the outline crosses itself.
 const AREA_TOLERANCE: f64 = 1e-9;
 
-/// Outline of a pressed object, rotated as the scene states, about the point that is moved.
+/// Outline of a pressed object about its moved point, rotated as the scene states.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TurnedOutline {
     /// Radius, mm.
@@ -111,7 +111,7 @@ impl TurnedOutline {
         corners.into_iter().chain(first).collect()
     }
 
-    /// Extent of the outline along a unit vector from the point that is moved, mm.
+    /// Extent of the outline along a unit vector from the moved point, mm.
     pub fn reach_mm(&self, along: Vector) -> f64 {
         match self {
             TurnedOutline::Disc(radius_mm) => *radius_mm,

@@ -165,7 +165,7 @@ impl<'s, 'l> Course<'s, 'l> {
         self.task == Task::Close
     }
 
-    /// Takes over the next step from a course with the same closing motion that is already at rest.
+    /// Takes over the next step of another course with the same closing motion, already at rest.
     pub(super) fn follow(&mut self, other: &Course<'_, 'l>) {
         (self.world, self.motor_deg, self.phase) = (other.world.clone(), other.motor_deg, other.phase);
         self.step += 1;

@@ -34,8 +34,8 @@ use rapier2d::parry::query::intersection_test;
 use rapier2d::parry::shape::Triangle;
 use rapier2d::prelude::{Pose, Vector as EngineVector};
 
-/// Segments of plate between two rods. Sensing uses converged beams. With three segments, a wedge that presses 5 N between two rods causes an error
-/// of 0.5 %, twice that of 0.067 mm noise; six segments cause a quarter of it.
+/// Segments of plate between two rods. Sensing uses converged beams. With three segments, a wedge pressing 5 N between two rods causes an error
+/// of 0.5 %, twice that of 0.067 mm noise. Six segments cause a quarter of it.
 pub const FINENESS: usize = 6;
 /// One newton in g m/s^2.
 const GRAMS_M_S2_A_NEWTON: f64 = 1000.0;
@@ -90,7 +90,7 @@ pub enum GraspError {
 /// A scene with a gripper and a free object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspScene {
-    /// The scene as it is [`simulated`].
+    /// The scene, [`simulated`].
     scene: Scene,
     gripper: Gripper,
     grasp: GraspDescription,
@@ -217,7 +217,7 @@ impl GraspScene {
         closing * if self.grasp.opens { 2 } else { 1 } + way
     }
 
-    /// Index of a finger that the object overlaps at the start. The test uses the triangle of middle lines; what touches the front is outside.
+    /// Index of a finger that the object overlaps at the start, by the triangle of middle lines. Objects in front of the front plate do not overlap.
     fn finger_across(&self, placements: &[Placement]) -> Option<usize> {
         let object = self.outline.engine_shape().ok()?;
         let engine = |point: Vector| EngineVector::new(point.x, point.y);

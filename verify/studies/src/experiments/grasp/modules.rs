@@ -70,7 +70,7 @@ pub struct Untouched {
 }
 
 impl Untouched {
-    /// Adds a force (N) that is sensed at a node without contact, with its bound (N).
+    /// Adds a force (N) sensed at a node without contact, with its bound (N).
     pub fn add(&mut self, sensed_n: f64, bound_n: f64) {
         self.count += 1;
         self.within += usize::from(sensed_n.abs() <= bound_n);

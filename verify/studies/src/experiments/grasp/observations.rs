@@ -96,7 +96,7 @@ pub fn totals(finger: &Finger, steps: &[GraspStep]) -> Option<Totals> {
     })
 }
 
-/// True normal forces, N, by the node of the front plate that is nearest to the contact.
+/// True normal forces, N, by the front-plate node nearest to the contact.
 fn node_forces(finger: &Finger, step: &FingerStep) -> BTreeMap<NodeId, f64> {
     let nodes: Vec<(NodeId, f64)> =
         finger.plate_nodes(Plate::Front).into_iter().zip(finger.plate_positions_mm(Plate::Front)).collect();

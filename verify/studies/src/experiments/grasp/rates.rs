@@ -89,7 +89,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<LoopStudy>, ExperimentErro
         return Ok(None);
     }
     context.progress.part("closed loop", 1);
-    // At the smallest noise all realisations have the same overshoot up to 25 frames a second; above that they differ by less than 0.2 % of the target.
+    // At the smallest noise all realisations have the same overshoot up to 25 frames a second. Above that they differ by less than 0.2 % of the target.
     let levels = [(LEAST_STATED_MM, 1), (context.noise_mm, REALISATIONS)];
     let all = levels.iter().flat_map(|level| DELAYS.iter().map(move |delay_frames| (*level, *delay_frames)));
     let all = all.flat_map(|((noise_mm, realisations), delay_frames)| {

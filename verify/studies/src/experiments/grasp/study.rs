@@ -42,7 +42,7 @@ struct ReportedScene {
     toml: &'static str,
     /// Segments of the lattice in a plate member.
     fineness: usize,
-    /// Coarser step of the motor (degrees) and number of steps on the path, if they differ from the scene's: a box that both fingers rotate is slowest.
+    /// Coarser step of the motor (degrees) and number of steps on the path, to replace the scene's: a box that both fingers rotate is slowest.
     coarser: Option<(f64, usize)>,
     /// Whether the grasp also runs without noise.
     clean: bool,

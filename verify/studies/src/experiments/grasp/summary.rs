@@ -50,11 +50,11 @@ pub struct SensedSummary {
     pub contacts_within_95: usize,
     /// Number of answered totals whose stated 95 % interval contains the true total.
     pub totals_within_95: usize,
-    /// Mean relative error of totals above a tenth of the largest total; `None` if there are none.
+    /// Mean relative error of totals above a tenth of the largest total; `None` without such totals.
     pub mean_total_error: Option<f64>,
-    /// Largest relative error of totals above a tenth of the largest total; `None` if there are none.
+    /// Largest relative error of totals above a tenth of the largest total; `None` without such totals.
     pub worst_total_error: Option<f64>,
-    /// Largest relative error of contact forces above a tenth of the largest total; `None` if there are none.
+    /// Largest relative error of contact forces above a tenth of the largest total; `None` without such forces.
     pub worst_contact_error: Option<f64>,
 }
 

@@ -125,7 +125,7 @@ impl NetworkStudy {
     }
 
     /// Checks of one set of contacts: each force, and the sum of several. They apply to the camera's noise, for which the networks are trained; at
-    /// another noise there are none.
+    /// another noise the list is empty.
     pub fn checks_of(&self, row: &ScatterRow) -> Vec<Check> {
         let set = CHECKED_SETS.iter().find(|set| set.nodes == row.nodes);
         let Some(set) = set.filter(|_| self.noise_mm == CAMERA_NOISE_MM) else { return Vec::new() };

@@ -3,8 +3,8 @@
 use super::{SpeedErrorPoint, Start, Task, TimedBy};
 use finray_model::estimators::EstimatorId;
 
-/// Largest model error of a recommended setting, in standard deviations of the noise. At 0.4 the interval of 1.96 standard deviations still
-/// covers 93 % instead of 95 %, the lower limit of coverage: Phi(1.96 - 0.4) - Phi(-1.96 - 0.4).
+/// Largest model error of a recommended setting, in standard deviations of the noise. At 0.4 the interval of 1.96 standard deviations covers
+/// 93 % instead of 95 %, the lower limit of coverage: Phi(1.96 - 0.4) - Phi(-1.96 - 0.4).
 pub const LARGEST_BIAS_SIGMAS: f64 = 0.4;
 /// Largest ratio of a recommended setting's error to the best error. The mean over some hundred noisy frames has a standard error of 10 %.
 const NEAR_BEST: f64 = 1.25;
@@ -12,7 +12,7 @@ const NEAR_BEST: f64 = 1.25;
 /// A sensing method with all its timed points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recommendation<'p> {
-    /// Point for one force, from the warm start if there is one.
+    /// Point for one force, from the warm start if the method has starts.
     pub one: &'p SpeedErrorPoint,
     /// Point for one force from a cold start; `None` if the method has no starts.
     pub cold: Option<&'p SpeedErrorPoint>,

@@ -1,6 +1,6 @@
 //! Sensing of a moving force, frame by frame: time, error, and the error of the mesh.
 //!
-//! A force at a node oscillates over [`TWO_FORCES_N`] once a second, at the paper's 25 frames a second, so it changes by up to 0.34 N between
+//! A force at a node oscillates over [`TWO_FORCES_N`] once a second, at the paper's 25 frames a second. It changes by up to 0.34 N between
 //! frames. Frames show the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a cold start (least squares,
 //! as for an unrelated measurement) and from a warm start (the previous frame). Other estimators have no start. Preparation for a contact is timed
 //! separately. Stated standard deviations cover only noise, so that errors of linearisation and mesh show against them. `finray sense` also
@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 pub const FRAMES_A_PERIOD: usize = 25;
 /// Seed of the noise.
 const SEED: u64 = 11;
-/// Number of preparations for each set of contacts, from which the median time is taken.
+/// Number of preparations for each set of contacts; their median time counts.
 const PREPARATIONS: usize = 5;
 
 /// One frame: true forces and measurement.

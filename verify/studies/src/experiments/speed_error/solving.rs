@@ -36,7 +36,7 @@ impl ReferenceSolutions {
     }
 }
 
-/// Point of a solution method, from its times (s) for the loads with equilibrium among `asked` loads. The error is NaN if there are none.
+/// Point of a solution method, from its times (s) for the loads with equilibrium among `asked` loads. The error is NaN without such loads.
 pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: f64, asked: usize) -> SpeedErrorPoint {
     SpeedErrorPoint {
         task: Task::Solve,

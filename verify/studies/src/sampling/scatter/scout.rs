@@ -4,10 +4,10 @@ use crate::prelude::*;
 use finray_model::statics::Ladder;
 use std::sync::OnceLock;
 
-/// Carried fraction below which forces on this mesh are clearly too large. Over 432 limit loads of random pairs of forces on two fingers, the true
-/// finger's mesh has 0.990 to 1.001 times the limit of the estimator's mesh.
+/// Carried fraction below which forces on this mesh are clearly too large. The true finger's mesh has 0.990 to 1.001 times the limit load of the
+/// estimator's mesh, over 432 random pairs of forces on two fingers.
 const CLEARLY_TOO_LARGE: f64 = 0.98;
-/// Largest angle, rad, to a neighbouring ratio of forces whose limit serves in place of a solve.
+/// Largest angle, rad, to a neighbouring ratio of forces whose limit replaces a solve.
 const NEIGHBOURS: f64 = 0.1;
 /// Margin of the neighbours' limits: forces are too large if the larger limit is below this share of them. They are carried if they are below this
 /// share of the smaller limit.

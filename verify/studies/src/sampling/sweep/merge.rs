@@ -94,7 +94,7 @@ fn whole_shard(path: &Path) -> Result<(Request, Shard, u64), FileError> {
     let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
     let no_shard = || FileError::content(path, "is no shard: expected a file that was written with --shard I/N");
     let mut reader = BufReader::new(File::open(path).map_err(unreadable)?);
-    // A file that is not text has no head.
+    // A binary file has no head.
     let lines = lines_of_head(&mut reader).or_else(|error| match error.kind() {
         std::io::ErrorKind::InvalidData => Ok(String::new()),
         _ => Err(unreadable(error)),

@@ -25,7 +25,7 @@ impl Partial {
     /// Creates the file, or resumes a run of the same request.
     ///
     /// # Errors
-    /// [`FileError::Content`] for a file of another request or a run that is still writing; [`FileError::Unwritable`] if the file cannot be written.
+    /// [`FileError::Content`] for a file of another request or of a running process; [`FileError::Unwritable`] if the file cannot be written.
     pub fn open(out: &Path, head: Head) -> Result<Partial, FileError> {
         let mut path = out.as_os_str().to_owned();
         path.push(".partial");
