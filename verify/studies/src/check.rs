@@ -207,10 +207,10 @@ impl Subject {
     }
 }
 
-/// Tolerance of an exact count: any value between 0 and 1.
+/// Tolerance of an exact count, dimensionless: any value between 0 and 1 admits only the exact number.
 pub const EXACT_COUNT: f64 = 0.5;
 
-/// The largest of some figures. NaN if a figure is NaN or `figures` is empty, so that an empty check cannot pass.
+/// The largest of some figures, in their unit. NaN if a figure is NaN or `figures` is empty, so that an empty check cannot pass.
 pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
     let larger = |worst: f64, figure: f64| if worst.is_nan() || worst >= figure { worst } else { figure };
     figures.into_iter().reduce(larger).unwrap_or(f64::NAN)

@@ -1,17 +1,17 @@
 //! Summary statistics: means, medians, percentiles and spans.
 
-/// Arithmetic mean; `None` without figures.
+/// Arithmetic mean, in the unit of the figures; `None` without figures.
 pub fn mean(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     let figures: Vec<f64> = figures.into_iter().collect();
     (!figures.is_empty()).then(|| figures.iter().sum::<f64>() / figures.len() as f64)
 }
 
-/// Root mean square; `None` without figures.
+/// Root mean square, in the unit of the figures; `None` without figures.
 pub fn rms(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     mean(figures.into_iter().map(|x| x * x)).map(f64::sqrt)
 }
 
-/// Median; the mean of the two middle figures if their number is even; `None` without figures.
+/// Median, in the unit of the figures; the mean of the two middle figures if their number is even; `None` without figures.
 pub fn median(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = figures.into_iter().collect();
     sorted.sort_by(f64::total_cmp);
@@ -20,7 +20,7 @@ pub fn median(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(if sorted.len() % 2 == 1 { upper } else { (sorted[middle - 1] + upper) / 2.0 })
 }
 
-/// Percentile (`percent` from 0 to 100) by nearest rank; NaN without figures. Sorts `figures`.
+/// Percentile (`percent` from 0 to 100) by nearest rank, in the unit of the figures; NaN without figures. Sorts `figures`.
 pub fn percentile(figures: &mut [f64], percent: f64) -> f64 {
     figures.sort_by(f64::total_cmp);
     let rank = (percent / 100.0 * figures.len() as f64).ceil() as usize;
@@ -30,11 +30,11 @@ pub fn percentile(figures: &mut [f64], percent: f64) -> f64 {
 /// Mean, least and greatest of some figures, in their unit.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Span {
-    /// Mean.
+    /// Arithmetic mean, in the unit of the figures.
     pub mean: f64,
-    /// Least.
+    /// Least figure, in the unit of the figures.
     pub least: f64,
-    /// Greatest.
+    /// Greatest figure, in the unit of the figures.
     pub greatest: f64,
 }
 

@@ -42,7 +42,8 @@ pub fn wrong_direction(finger: &Finger, off_deg: f64) -> Result<Vec<f64>, Sensin
     by_node(finger, |node| Ok(sensed_n(finger, node, Load::at_node(node, finger.direction(off_deg)))? - 1.0))
 }
 
-/// Relative error of a normal force caused by the friction moment on its rod, by node. The friction force itself is omitted.
+/// Relative error of a normal force caused by the friction moment on its rod, by node. `friction` is the coefficient, dimensionless. The friction
+/// force itself is omitted.
 ///
 /// # Errors
 /// [`SensingError`] if the force at a node cannot be sensed.
@@ -108,7 +109,7 @@ pub(crate) fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f6
 pub struct Exchanged {
     /// Largest difference of a displacement, relative to the largest displacement.
     pub share: f64,
-    /// Euclidean norm of the difference over all markers, divided by the noise of one coordinate: the Mahalanobis distance.
+    /// Euclidean norm of the difference over all markers, divided by the noise of one coordinate: the Mahalanobis distance, dimensionless.
     pub distance: f64,
 }
 

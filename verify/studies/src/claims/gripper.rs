@@ -127,6 +127,7 @@ fn with_the_model(
 /// Errors of the nonlinear estimator and of other estimators at a group of contacts.
 pub(super) struct OfGroup<'g> {
     pub group: &'g ContactGroup,
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
     pub nonlinear: GroupErrors,
     pub others: [(&'static str, Option<GroupErrors>); 2],

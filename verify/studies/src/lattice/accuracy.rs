@@ -85,7 +85,7 @@ pub fn difference(reference: &FingerShape, other: &FingerShape) -> f64 {
     worst(pairs.map(|(a, b)| (a.displacement - b.displacement).norm())) / reference.largest_displacement_mm()
 }
 
-/// Largest [`difference`] over all nodes and directions, for each of the `forces` forces.
+/// Largest [`difference`] over all nodes and directions, dimensionless, for each of the `forces` forces.
 pub fn worst_by_force(reference: &[Vec<FingerShape>], other: &[Vec<FingerShape>], forces: usize) -> Vec<f64> {
     let at = |force: usize| worst(reference.iter().zip(other).map(|(a, b)| difference(&a[force], &b[force])));
     (0..forces).map(at).collect()

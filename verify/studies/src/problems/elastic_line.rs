@@ -17,22 +17,22 @@ const MAX_CORRECTIONS: usize = 40;
 /// Rigidities of a beam, in the consistent units of its problem.
 #[derive(Debug, Clone, Copy)]
 pub struct Rigidity {
-    /// Axial rigidity EA (force).
+    /// Axial rigidity EA, in units of force.
     pub axial: f64,
-    /// Bending rigidity EI (force x length^2).
+    /// Bending rigidity EI, in units of force times length squared.
     pub bending: f64,
 }
 
 /// A cross-section of the deformed beam: position, direction of the axis, and stress resultants, in the consistent units of its problem.
 #[derive(Debug, Clone, Copy)]
 pub struct Section {
-    /// Position (x, y).
+    /// Position (x, y), in units of length.
     pub at: [f64; 2],
     /// Direction of the axis, rad, from x towards y.
     pub direction: f64,
-    /// Force (x, y) that the rest of the beam exerts on this section.
+    /// Force (x, y) that the rest of the beam exerts on this section, in units of force.
     pub force: [f64; 2],
-    /// Moment that the rest of the beam exerts on this section.
+    /// Moment that the rest of the beam exerts on this section, in units of force times length.
     pub moment: f64,
 }
 

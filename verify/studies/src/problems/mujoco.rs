@@ -46,7 +46,7 @@ pub struct CaseDeviation {
     pub displacement: f64,
     /// Largest difference of a key node's rotation, rad.
     pub rotation_rad: f64,
-    /// Largest difference of a displacement or rotation, as a multiple of the sum of both solvers' stated uncertainties.
+    /// Largest difference of a displacement or rotation, divided by the sum of both solvers' stated uncertainties; dimensionless.
     pub uncertainties: f64,
 }
 

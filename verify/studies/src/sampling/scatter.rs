@@ -72,7 +72,7 @@ pub struct AgainstBound {
 pub struct Controlled {
     /// sqrt(1 + mean(z^2 - z1^2)), dimensionless.
     pub over_bound_controlled: f64,
-    /// Standard error of `over_bound_controlled`, from the scatter of z^2 - z1^2 over the cases.
+    /// Standard error of `over_bound_controlled`, dimensionless, from the scatter of z^2 - z1^2 over the cases.
     pub standard_error: f64,
 }
 

@@ -10,6 +10,7 @@ pub(super) struct Sensor<'m> {
     pub practice: Practice,
     pub contact: ContactKnowledge,
     pub models: &'m Models,
+    /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
     pub zones_known: bool,
     /// Causes of errors that apply.
@@ -60,7 +61,7 @@ pub(super) fn cells(
     sensors.iter().map(of_sensor).collect()
 }
 
-/// Contacts with errors to both sides in position and direction, as requested. Positions off the plate are left out.
+/// Contacts with errors to both sides of position (mm) and direction (degrees), as requested. Positions off the plate are left out.
 pub(super) fn beside(finger: &Finger, s_mm: f64, angle_deg: f64, [position, direction]: [bool; 2]) -> Vec<Contact> {
     let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
     let length_mm = finger.plate_length_mm(Plate::Front);
@@ -91,7 +92,7 @@ impl Squared {
         Squared { bias: (sensed_n / force_n - 1.0).powi(2), noise: (sigma_n / force_n).powi(2) }
     }
 
-    /// Error of the nonlinear estimator for a noise-free shape, and its variance by noise; `None` if it refuses.
+    /// Error of the nonlinear estimator for a noise-free shape under `force_n` (N), and its variance by noise of `noise_mm` (mm); `None` if it refuses.
     pub(super) fn of_nonlinear(
         estimator: &mut NonlinearEstimator,
         seen: &Measurement,

@@ -12,7 +12,7 @@ pub struct SeenContact {
     /// Position, and direction from the object into the finger, without noise. They come from the surfaces alone, not from the forces. For several touches
     /// they are the middle of their interval and of their directions.
     pub contact: Contact,
-    /// Half the interval of its touches and of their directions, within which the distribution of the force is unknown.
+    /// Half the interval of its touches (mm) and of their directions (rad), within which the distribution of the force is unknown.
     pub half_span: HalfSpan,
     /// Distance of the two outline points from which the camera reads the direction, mm.
     pub baseline_mm: f64,

@@ -153,7 +153,7 @@ pub struct PreparedObject {
     pub friction: f64,
     /// Starting position, mm, finger frame.
     pub start: Vector,
-    /// Unit vector of the motion, finger frame; for a path, of its first segment.
+    /// Unit vector of the motion, dimensionless, finger frame; for a path, of its first segment.
     pub along: Vector,
     /// Motion of the hand, step by step.
     pub steps: Vec<HandStep>,
@@ -166,7 +166,7 @@ pub struct HandStep {
     pub corners: Vec<Vector>,
     /// Position or force at the end of the step.
     pub end: Push,
-    /// Unit vector of the motion at the end of the step, finger frame.
+    /// Unit vector of the motion at the end of the step, dimensionless, finger frame.
     pub along: Vector,
 }
 

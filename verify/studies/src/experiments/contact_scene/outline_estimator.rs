@@ -24,7 +24,8 @@ pub struct OutlineEstimator<'s> {
 }
 
 impl OutlineEstimator<'_> {
-    /// Senses the forces of contacts (none clamped) from markers and from contacts as the camera reads them, and their sum along a vector.
+    /// Senses the forces (N) of contacts, none clamped, from markers and from contacts as the camera reads them. Also gives their sum along the unit
+    /// vector `along`.
     ///
     /// # Errors
     /// [`Refusal`] if the forces are not identifiable.

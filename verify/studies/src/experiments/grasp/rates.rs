@@ -51,11 +51,11 @@ pub struct LoopRun {
 /// Mean and range of a figure over the noise realisations of a loop, in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// Mean value.
+    /// Mean value, in the unit of the figure.
     pub mean: f64,
-    /// Smallest value.
+    /// Smallest value, in the unit of the figure.
     pub least: f64,
-    /// Largest value.
+    /// Largest value, in the unit of the figure.
     pub most: f64,
 }
 

@@ -22,7 +22,7 @@ pub fn reproduces(paper: f64, ours: f64) -> bool {
 /// A recorded mean relative error over the sets of a group, by seed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OverSeeds {
-    /// Mean, least and greatest error over the seeds.
+    /// Mean, least and greatest relative error over the seeds.
     #[serde(flatten)]
     pub errors: Span,
     /// Number of seeds.
@@ -72,8 +72,8 @@ pub fn recorded_sets(records: &[RecipeRow], recipe: &str, group: &ContactGroup) 
     group.sets.iter().filter(recorded).copied().collect()
 }
 
-/// Recorded error of a recipe on a finger, for one quantity of a group. Each seed contributes the mean over the [recorded](recorded_sets) sets.
-/// `None` if no set is recorded, or a seed is missing or unanswered at one of them.
+/// Recorded relative error of a recipe on a finger, for one quantity of a group, at one noise level (mm). Each seed contributes the mean over the
+/// [recorded](recorded_sets) sets. `None` if no set is recorded, or a seed is missing or unanswered at one of them.
 pub fn recorded(
     records: &[RecipeRow],
     recipe: &str,
@@ -105,7 +105,7 @@ pub fn recorded(
     })
 }
 
-/// The paper's five figures with those recorded of a recipe on the co-rotational finger; `None` unless all are recorded.
+/// The paper's five figures with those recorded of a recipe on the co-rotational finger, at one noise level (mm); `None` unless all are recorded.
 pub fn figures(records: &[RecipeRow], recipe: &str, noise_mm: f64) -> Option<Vec<Figure>> {
     let mut all = Vec::new();
     for group in CONTACT_GROUPS {

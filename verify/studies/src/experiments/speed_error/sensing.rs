@@ -174,8 +174,8 @@ pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
     loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect()
 }
 
-/// Times sensing of one oscillating force at [`ASKED_NODES`] nodes and of two at neighbours, over `periods` periods of each on `truth`. `further`
-/// estimators are added to those on beams.
+/// Times sensing of one oscillating force at [`ASKED_NODES`] nodes and of two at neighbours, over `periods` periods of each on `truth`, with noise
+/// `noise_mm` (mm). `further` estimators are added to those on beams.
 pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,
@@ -215,7 +215,7 @@ pub(crate) fn sensing(
     Ok(points)
 }
 
-/// Time and error of an estimator on streams of frames, without its model error.
+/// Time and error of an estimator on streams of frames with noise `noise_mm` (mm), without its model error.
 ///
 /// # Errors
 /// [`ExperimentError`] if the estimator does not support the contacts.

@@ -41,7 +41,7 @@ pub struct TwinFit {
     pub modulus_factor: f64,
     /// Mean of sensed / true - 1 at each node of Table I.
     pub errors: Vec<f64>,
-    /// Root mean square of the differences from [`TARGETS`], each divided by its tolerance; below 1 the fit is within tolerance.
+    /// Root mean square of the differences from [`TARGETS`], each divided by its tolerance, dimensionless; below 1 the fit is within tolerance.
     pub misfit: f64,
 }
 
