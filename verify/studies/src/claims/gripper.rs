@@ -76,7 +76,7 @@ pub fn of_the_papers_network(
     words.claim("papers-network", over_assumptions(&verdicts), numbers)
 }
 
-/// Claims of the paper's conclusion, for network inputs scaled by the largest displacement and by their spread.
+/// Claims of the paper's conclusion, for network inputs scaled by the largest displacement and by their spread, with noise `noise_mm` (mm).
 ///
 /// # Errors
 /// [`ClaimError`] as in [`of_the_papers_network`].

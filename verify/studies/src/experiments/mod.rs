@@ -136,7 +136,7 @@ pub enum ExperimentError {
 
 /// Evidence from results: checks, and comparisons without tolerance.
 pub trait Evidence {
-    /// Figures against references, with tolerances.
+    /// Checks of figures against references, with tolerances.
     fn checks(&self, _context: &Context) -> Vec<Check> {
         Vec::new()
     }

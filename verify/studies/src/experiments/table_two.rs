@@ -78,7 +78,7 @@ pub struct TableTwo {
     /// Number of random cases for each set of contacts. The nonlinear estimator senses the first [`MOST_FITS`] of them; on the linear finger it senses
     /// a quarter, at most [`CASES_WITHOUT_FIT`].
     pub cases: usize,
-    /// Condition number of the linear compliance (largest over smallest singular value), by [`contact_sets`]: amplification of errors in the shape.
+    /// Condition number of the linear compliance (largest over smallest singular value), for each of [`contact_sets`]: amplification of shape errors.
     pub condition_numbers: Vec<f64>,
     /// Results by true finger.
     pub fingers: Vec<TableTwoFinger>,
@@ -89,12 +89,12 @@ pub struct TableTwo {
 pub struct TableTwoFinger {
     /// The true finger.
     pub truth: TruthId,
-    /// Rows by [`contact_sets`], noise level, and estimator.
+    /// Rows by contact set (in the order of [`contact_sets`]), noise level, and estimator.
     pub rows: Vec<ScatterRow>,
 }
 
 impl TableTwo {
-    /// Errors of one estimator on one finger at one noise level (mm), by [`contact_sets`].
+    /// Errors of one estimator on one finger at one noise level (mm), one row for each of [`contact_sets`].
     pub fn of(&self, truth: TruthId, noise_mm: f64, estimator: EstimatorId) -> impl Iterator<Item = &ScatterRow> {
         let finger = self.fingers.iter().find(|finger| finger.truth == truth);
         let rows = finger.map_or(&[][..], |finger| &finger.rows);

@@ -9,8 +9,8 @@ use finray_model::camera::{Camera, Distortion, Lens, Pixel, Pose};
 use finray_model::gripper::{Gripper, LinkagePose};
 use nalgebra::{Matrix2, Matrix3, Matrix3x4, Matrix4, Point2, Vector3, Vector4};
 
-/// w_cam, h_cam and l_cam of eq. (10), mm: distances of the camera across, along the screw, and from the plane of the nodes. Across and along
-/// are relative to the left rocker's fixed joint.
+/// w_cam, h_cam and l_cam of eq. (10), mm: distances of the camera across, along the screw, and from the plane of the nodes. The first two are
+/// relative to the left rocker's fixed joint.
 const CAMERA_MM: [f64; 3] = [30.0, 95.0, 200.0];
 /// Orientation of a camera that views the gripper obliquely: Rodrigues vector of R, rad.
 const ASKEW_RAD: [f64; 3] = [2.9, 0.2, -0.1];

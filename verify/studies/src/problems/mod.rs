@@ -100,7 +100,7 @@ pub struct Problem {
 /// Results of problems.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ProblemResults {
-    /// Figures against references, with tolerances.
+    /// Checks of figures against references, with tolerances.
     pub checks: Vec<Check>,
     /// Figures that are expected to differ from their references.
     pub comparisons: Vec<Comparison>,

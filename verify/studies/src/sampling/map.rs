@@ -108,7 +108,7 @@ impl AccuracyMap {
         self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
     }
 
-    /// Summary of one force (N), or of the mean over all. A position and direction has no equilibrium, or is refused, if that holds for any force.
+    /// Summary of one force (N), or of the mean over all. A cell counts as without equilibrium, or as refused, if one of its forces does.
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
         let known: Vec<f64> = errors.iter().flatten().flatten().copied().collect();

@@ -68,7 +68,7 @@ macro_rules! study {
             pub noise_mm: f64,
             /// Forces of maps, drawings and their explanations.
             pub forces: ReportForces,
-            /// Figures against references, without those of the hard cases.
+            /// Checks of figures against references, without those of the hard cases.
             pub checks: Vec<Check>,
             /// Figures that are expected to differ from their references.
             pub comparisons: Vec<Comparison>,
@@ -177,7 +177,7 @@ study! { |context|
         /// Objects grasped by two fingers; only for the paper's finger in a full study.
         grasps: Vec<grasp_study::GraspStudy> = grasp_study::run(context);
     "closed loop":
-        /// Closed-loop control against the camera's rate; only for the paper's finger in a full study.
+        /// Closed-loop force control by frame rate of the camera; only for the paper's finger in a full study.
         closed_loop: Option<rates::LoopStudy> = rates::run(context);
     "sensor modules":
         /// Table II on the moving gripper; only for the paper's finger in a full study.

@@ -25,7 +25,7 @@ const SEED: u64 = 1;
 pub struct ModuleStudy {
     /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Tests by [`contact_sets`].
+    /// One test for each of [`contact_sets`].
     pub tests: Vec<ModuleTest>,
 }
 

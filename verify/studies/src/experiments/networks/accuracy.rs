@@ -62,7 +62,7 @@ pub const CHECKED_SETS: [CheckedSet; 15] = {
 pub struct NetworkStudy {
     /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Rows by [`CHECKED_SETS`], for forces of [`FORCES_N`].
+    /// One row for each of [`CHECKED_SETS`], with forces in the range [`FORCES_N`].
     pub rows: Vec<ScatterRow>,
 }
 

@@ -7,16 +7,16 @@ use std::sync::OnceLock;
 /// Carried fraction below which forces on this mesh are clearly too large. The true finger's mesh has 0.990 to 1.001 times the limit load of the
 /// estimator's mesh, over 432 random pairs of forces on two fingers.
 const CLEARLY_TOO_LARGE: f64 = 0.98;
-/// Largest angle, rad, to a neighbouring ratio of forces whose limit replaces a solve.
+/// Largest angle, rad, between a ratio of forces and a known one, whose limit load then replaces a solve.
 const NEIGHBOURS: f64 = 0.1;
 /// Margin of the neighbours' limits: forces are too large if the larger limit is below this share of them. They are carried if they are below this
 /// share of the smaller limit.
 const BETWEEN_NEIGHBOURS: f64 = 0.9;
 
-/// Largest angle, rad, between ratios of forces whose limits all blocks of cases share.
+/// Largest angle, rad, between the ratios of forces whose limit loads are computed once for all blocks of cases.
 const SPREAD: f64 = 0.05;
 
-/// Limits of the drawn ratios of forces on the estimator's mesh, computed at the first request.
+/// Limit loads of the drawn ratios of forces on the estimator's mesh, computed at the first request.
 pub(super) struct RatioLimits<'m> {
     mesh: &'m Mesh,
     kinematics: Kinematics,
@@ -79,7 +79,7 @@ pub(super) struct Scout<'m> {
     limits: Vec<Limit>,
 }
 
-/// Class of some forces by the scout's finger.
+/// Load class of some forces, determined on the scout's finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LoadClass {
     /// The scout's finger carries the forces.
@@ -113,7 +113,7 @@ impl Ray {
 }
 
 impl Scout<'_> {
-    /// Class of some forces (N), from neighbouring limits or from a solve, whose limit is stored.
+    /// Load class of some forces (N), by the limit loads of neighbouring ratios or by a solve. A solve without equilibrium stores its limit load.
     pub(super) fn sees(&mut self, forces_n: &[f64]) -> LoadClass {
         let size_n = forces_n.iter().map(|force| force * force).sum::<f64>().sqrt();
         let ray = Ray::of(forces_n);
@@ -136,7 +136,7 @@ impl Scout<'_> {
         }
     }
 
-    /// Limits (N) of the nearest known ratios on both sides, the lower limit first; `None` if one of them is too far.
+    /// Limit loads (N) of the nearest known ratios on both sides, the lower one first; `None` if one of them is too far.
     fn known_limits_n(&self, Ray(angle): Ray) -> Option<[f64; 2]> {
         let nearest = |side: f64| {
             let away = |limit: &Limit| side * (limit.ray.0 - angle);
