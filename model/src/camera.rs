@@ -1,8 +1,9 @@
 //! The camera: from points of the finger frame to pixels and back.
 //!
 //! A point X (mm, finger frame, z = x cross y) has the camera coordinates X_camera = R X + t ([`Pose`]). The lens ([`Lens`]) projects it
-//! to x = X/Z, y = Y/Z, applies its distortion and scales the result to pixels: u to the right, v down, the centre of the first pixel at
-//! (0, 0). One image does not determine the distance of a point. A point on a known plane z = height and its pixel determine each other.
+//! to x = X/Z, y = Y/Z, applies its distortion and scales the result to pixels. Pixel coordinates are u to the right and v down, with the
+//! centre of the first pixel at (0, 0). One image does not determine the distance of a point. A point on a known plane z = height and its
+//! pixel determine each other.
 
 mod leave_one_out;
 mod lens;

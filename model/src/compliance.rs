@@ -56,7 +56,7 @@ pub struct NodalCompliance {
     nodes: Vec<OnceLock<Result<Blocks, StaticsError>>>,
 }
 
-/// For each key node, a 3 x 3 matrix: rows are displacement (mm) and rotation (rad), columns 1 N along x, 1 N along y and 1 N mm on the loaded node.
+/// A 3 x 3 matrix for each key node. Rows are displacement (mm) and rotation (rad); columns are 1 N along x, 1 N along y and 1 N mm on the loaded node.
 type Blocks = Vec<Matrix3<f64>>;
 
 /// Index of a key node from 0, and the force (x, y, N) and moment (N mm) on it.

@@ -46,8 +46,8 @@ impl Finger {
     /// Checks a description and computes the key nodes.
     ///
     /// # Errors
-    /// [`ImpossibleFinger`] with the offending key: sizes that are not positive and finite, plates that form no triangle, ribs that cross, touch or
-    /// leave the plates, brackets without room for ribs, rigid arms longer than the members, zones off the plates.
+    /// [`ImpossibleFinger`] with the offending key. Causes are sizes that are not positive and finite, plates that form no triangle, brackets without
+    /// room for ribs, rigid arms longer than the members, zones off the plates, and ribs that cross, touch or leave the plates.
     pub fn new(description: FingerDescription) -> Result<Finger, ImpossibleFinger> {
         let d = &description;
         check_sizes(d)?;
@@ -89,8 +89,8 @@ impl Finger {
         self.clamped_nodes().contains(&self.junction(node))
     }
 
-    /// The key node that represents all key nodes at one point of a plate, which move and rotate together: the base node, or the node of the rib nearest to
-    /// the base. Returns `node` itself if it shares its point with no other.
+    /// The key node that represents all key nodes at one point of a plate, which move and rotate together. It is the base node, or the node of the rib
+    /// nearest to the base. Returns `node` itself if it shares its point with no other.
     pub fn junction(&self, node: NodeId) -> NodeId {
         let last = self.key_node_count();
         if !(1..=last).contains(&node.0) {

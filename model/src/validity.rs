@@ -39,16 +39,16 @@ pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
 /// Largest strain at which the material of each part is linear, dimensionless; `None` if the scene states none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StrainLimits {
-    /// Limit of the front plate.
+    /// Limit of the front plate, dimensionless.
     pub front: Option<f64>,
-    /// Limit of the back plate.
+    /// Limit of the back plate, dimensionless.
     pub back: Option<f64>,
-    /// Limit of the ribs.
+    /// Limit of the ribs, dimensionless.
     pub ribs: Option<f64>,
 }
 
 impl StrainLimits {
-    /// Stated limit of a part, if any.
+    /// Stated limit of a part, dimensionless, if any.
     pub fn stated(&self, part: Part) -> Option<f64> {
         match part {
             Part::Front => self.front,
@@ -57,7 +57,7 @@ impl StrainLimits {
         }
     }
 
-    /// Limit of a part: the stated one, else [`LARGEST_STRAIN`].
+    /// Limit of a part, dimensionless: the stated one, else [`LARGEST_STRAIN`].
     pub fn of(&self, part: Part) -> f64 {
         self.stated(part).unwrap_or(LARGEST_STRAIN)
     }
@@ -70,16 +70,16 @@ pub struct FingerMember {
     pub part: Part,
     /// Key nodes at its ends.
     pub nodes: [NodeId; 2],
-    /// Free length (without rigid arms) over thickness; for a tapered plate, over that of its thickest element.
+    /// Free length (without rigid arms) over thickness, dimensionless; for a tapered plate, over that of its thickest element.
     pub slenderness: f64,
 }
 
 /// Largest fibre strain in one part of the finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FibreStrain {
-    /// Fibre strain, |axial strain| + |curvature| thickness / 2; in one of the two outer fibres both have the same sign.
+    /// Fibre strain |axial strain| + |curvature| thickness / 2, dimensionless; in one of the two outer fibres both have the same sign.
     pub strain: f64,
-    /// Axial strain at that position, signed.
+    /// Axial strain at that position, dimensionless, signed.
     pub axial_strain: f64,
     /// Member with that position.
     pub member: FingerMember,
@@ -100,7 +100,7 @@ pub struct Validity {
     pub shear_share: f64,
     /// Member with the most shear energy; `None` without shear.
     pub shear_at: Option<FingerMember>,
-    /// Depth over the thickness of the thickest element.
+    /// Depth over the thickness of the thickest element, dimensionless.
     pub depth_ratio: f64,
 }
 

@@ -42,7 +42,7 @@ pub enum PlanePoseError {
     NotFound,
 }
 
-/// Fits the pose to pixels of points (mm) on the plane z = `height_mm` of the finger frame: homography of the undistorted pixels, then
+/// Fits the pose to pixels of points (mm) on the plane z = `height_mm` of the finger frame. The homography of the undistorted pixels starts
 /// least squares of the pixels. A distant plane fits nearly as well with the opposite tilt, so both are tried.
 ///
 /// # Errors

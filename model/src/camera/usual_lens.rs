@@ -4,8 +4,8 @@ use crate::optimise::Prior;
 
 /// Number of parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
 pub(super) const PARAMETERS: usize = 9;
-/// Standard deviations of the logarithm of the focal lengths' ratio, of the principal point's offset from the middle as a share of the
-/// image's width, and of the coefficients.
+/// Prior standard deviations: logarithm of the focal lengths' ratio, offset of the principal point from the middle as a share of the image's
+/// width, and distortion coefficients.
 const ASPECT_SD: f64 = 0.005;
 const CENTRE_SD: f64 = 0.03;
 const RADIAL_SD: [f64; 3] = [0.5, 0.5, 0.2];

@@ -28,9 +28,11 @@ impl Beam {
     /// linear within a segment, so the stations include the largest values.
     ///
     /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force between the ends
-    /// adds the solution of a beam clamped at both ends. For a force P across the chord at xi = p, with q = 1 - p, EI w'' is P L p q^2 at the
-    /// first end, -2 P L p^2 q^2 at the force and P L p^2 q at the second end. A force F along the chord adds the axial force F q before it and
-    /// -F p after it (Young and Budynas, Roark's Formulas, table 8.1, case 1d). For small displacements the sum is exact.
+    /// adds the solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p adds the bending moments EI w''
+    /// P L p q^2 at the first end, -2 P L p^2 q^2 at the force and P L p^2 q at the second end. A force F along the chord adds the axial force F q
+    /// before it and -F p after it. For small displacements the sum is exact.
+    ///
+    /// Source: Young and Budynas, Roark's Formulas, table 8.1, case 1d.
     pub(crate) fn stations(
         &self,
         kinematics: Kinematics,

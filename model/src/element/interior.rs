@@ -28,7 +28,7 @@ impl Shape {
 impl Beam {
     /// Work of a dead force at the fraction `xi` of the undeformed length, N mm. Its derivatives are the consistent nodal loads.
     ///
-    /// The loaded point is p = (1 - xi) p_a + xi p_b + w n, with n across the chord and the cubic deflection
+    /// The loaded point is p = (1 - xi) p_a + xi p_b + w n, with n the unit vector across the chord. The deflection w is cubic,
     /// w = L (phi_a xi (1 - xi)^2 - phi_b xi^2 (1 - xi)). With linear kinematics the derivatives are the classical equivalent nodal loads
     /// of the cubic beam, so displacements at the ends are exact.
     pub fn interior_work(&self, kinematics: Kinematics, xi: f64, force: Vector, motion: &[EndMotion; 2]) -> Response {

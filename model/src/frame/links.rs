@@ -10,7 +10,9 @@ use nalgebra::Vector2;
 /// A rigid bar as a vector from its first node, undeformed, mm; it rotates with a rotation slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Lever {
+    /// Slot of the rotation.
     pub rotation: RotationSlot,
+    /// The vector, mm.
     pub along: Vector,
 }
 

@@ -44,7 +44,7 @@ impl Finger {
         }
     }
 
-    /// Mean of t_0 / t over a plate segment, with t_0 the thickness at the base: t_0 ln(b / a) / (b - a) for linear t from a to b. Dimensionless.
+    /// Mean of t_0 / t over a plate segment: t_0 ln(b / a) / (b - a) for a thickness t linear from a to b, with t_0 at the base. Dimensionless.
     fn stretching(&self, plate: Plate, from_mm: f64, to_mm: f64) -> f64 {
         let [base_mm, a, b] = self.thicknesses_mm(plate, from_mm, to_mm);
         let growth = (b - a) / a;

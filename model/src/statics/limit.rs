@@ -1,16 +1,16 @@
 //! Prediction of the end of a branch of stable equilibria from the determinant of the tangent stiffness.
 //!
 //! At the end of the branch one pivot of the tangent reaches zero, and so does its determinant D. Along the share s of the path, D falls as
-//! (1 - s / s*)^p, with p = 1/2 at a fold (limit load, snap-through) and p = 1 at a bifurcation (a straight rib that buckles). A path that only
-//! passes close to a fold shows p = 2/3 for a while. Three equilibria determine s* and p.
+//! (1 - s / s*)^p. The exponent p is 1/2 at a fold (limit load, snap-through) and 1 at a bifurcation (a straight rib that buckles). A path that
+//! only passes close to a fold shows p = 2/3 for a while. Three equilibria determine s* and p.
 
 /// Exponents p of the determinant at the end of a branch.
 const FOLD: f64 = 0.5;
 const BIFURCATION: f64 = 1.0;
 /// Bisections of the interval of exponents, to 1e-3, which is finer than the predictions.
 const HALVINGS: usize = 9;
-/// Share of the remaining distance to a fold that a step covers. Displacements follow the square root of that distance: over 8/9 of it
-/// the tangent's prediction is off by half, which is the limit for a load step.
+/// Share of the remaining distance to a fold that a step covers. Displacements follow the square root of that distance. Over 8/9 of it the
+/// tangent's prediction is off by half, the limit for a load step.
 const REACH_AT_FOLD: f64 = 0.8;
 /// Share of the remaining distance to a bifurcation that a step covers; the path is smooth there.
 const REACH_AT_BIFURCATION: f64 = 0.95;

@@ -40,7 +40,9 @@ pub(super) trait LoadPath {
 #[derive(Clone, Copy)]
 pub(super) struct ProportionalLoading<'l> {
     pub loads: &'l [FrameLoad],
+    /// Factor on the loads at share 0 of the path.
     pub from: f64,
+    /// Factor on the loads at share 1 of the path.
     pub to: f64,
 }
 

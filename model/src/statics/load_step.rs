@@ -30,6 +30,7 @@ const HOPELESS: f64 = 1.25;
 /// Result of an accepted load step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Taken {
+    /// Number of Newton corrections.
     pub iterations: usize,
     /// Largest of rotation and prediction error, each divided by its limit; 0..1.
     pub used: f64,

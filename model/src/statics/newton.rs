@@ -1,7 +1,7 @@
 //! Newton's method for the equilibrium under one load, from a nearby equilibrium.
 //!
-//! Every load step keeps the rotations small and ends in a stable equilibrium (positive definite tangent), so the solution stays on the branch that
-//! starts at rest. [`LoadStep`] accepts or rejects steps; [`continuation`](super::continuation) sets their length.
+//! Every load step keeps the rotations small and ends in a stable equilibrium (positive definite tangent). The solution therefore stays on the branch
+//! that starts at rest. [`LoadStep`] accepts or rejects steps; [`continuation`](super::continuation) sets their length.
 
 use super::load_step::{LoadStep, Rejected, Taken};
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};

@@ -15,6 +15,7 @@ const LEAST_RATE_SHARE: f64 = 1e-4;
 /// Inputs and targets, row-major, one row per case.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Table {
+    /// Numbers of inputs and of targets per case.
     pub(super) widths: [usize; 2],
     pub(super) inputs: Vec<f32>,
     pub(super) targets: Vec<f32>,
@@ -80,7 +81,9 @@ pub(super) struct Weights {
 /// Weights of one dense layer, row-major inputs x outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LayerWeights {
+    /// Number of inputs.
     pub(super) inputs: usize,
+    /// Number of outputs.
     pub(super) outputs: usize,
     pub(super) weights: Vec<f32>,
     pub(super) bias: Vec<f32>,

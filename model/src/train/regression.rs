@@ -12,9 +12,11 @@ const LEAST_SHARE_OF_LARGEST: f64 = 1e-14;
 /// Normalisation of displacements to inputs, computed from training shapes.
 #[derive(Debug, Clone)]
 pub(super) struct Normalisation {
+    /// Mean displacement coordinates, mm.
     pub(super) mean: DVector<f64>,
     /// Projection of n displacement coordinates onto p inputs, p x n, 1/mm.
     pub(super) projection: DMatrix<f64>,
+    /// Squared scale of the displacements along the direction of each input, mm^2.
     pub(super) variances: Vec<f64>,
     /// Standard deviation of the camera noise in each input, dimensionless; independent between inputs.
     pub(super) noise: Vec<f64>,

@@ -115,8 +115,8 @@ fn grown(dots: &[Dot], seed: usize, steps: [Pixel; 2]) -> Lattice {
     at
 }
 
-/// Counts the dots on the outline of a lattice whose missing neighbours would lie in the image: those that lack one neighbour, as along a row, and those
-/// that lack two adjacent ones, as along a diagonal.
+/// Counts the dots on the outline of a lattice whose missing neighbours would lie in the image. The first count is of dots that lack one neighbour, as along
+/// a row; the second of those that lack two adjacent neighbours, as along a diagonal.
 pub(super) fn outline(dots: &[Dot], lattice: &Lattice, size_px: [u32; 2]) -> [usize; 2] {
     let mut counts = [0; 2];
     for (&[i, k], &number) in lattice {

@@ -1,6 +1,6 @@
 //! Rigid brackets between the ends of a chain and the key nodes.
 //!
-//! A bracket v rotates with its key node: if the node moves by u and rotates by w, the end of the chain moves by u + w quarter_turn(v). A
+//! A bracket v rotates with its key node. If the node moves by u and rotates by w, the end of the chain moves by u + w quarter_turn(v). A
 //! chain is formulated in its own end rotations (those of the key nodes unless it is pinned). The chain rule for rigid arms of a beam
 //! then transforms its stiffness and gradient from its ends to the key nodes.
 

@@ -18,7 +18,9 @@ use std::ops::Range;
 
 /// An element of a chain with its loads.
 pub(super) struct Element<'a, R: Number> {
+    /// Elastic energy with its derivatives by the two nodes.
     pub elastic: Response<R>,
+    /// Potential of the loads on the element.
     pub load: Option<&'a Response<R>>,
     /// Vector from its first to its second node, mm.
     pub lever: Vector2<R>,

@@ -17,6 +17,7 @@ pub(super) struct Condensed<'a, R: Number> {
     pub chain: &'a mut Chain<R>,
     pub joints: &'a mut [Joint<R>],
     pub forces: &'a mut ChainForces<R>,
+    /// Forward substitutions of the joints.
     pub ys: &'a mut [[R; 3]],
 }
 

@@ -1,15 +1,15 @@
 //! Retraction of Newton's correction at the nodes inside a member, so that chords and nodes rotate together.
 //!
-//! Newton's method adds displacements and rotations linearly. A correction that rotates a plate member by `a` rotates its nodes by `a`, but the chords of
-//! its elements by atan(a) = a - a^3 / 3 (less by `a e` if they also elongate by `e`). Both ends of an element of length h then rotate by phi = a^3 / 3
-//! against its chord, which causes a shear force of 12 EI phi / h^2. That is negligible between key nodes. But rotations that keep the tangent positive
-//! definite shrink as h^(2/3), so finer meshes need more load steps. The end of a rigid arm or link is worse: it moves on a circle while its
-//! neighbours move in straight lines.
+//! Newton's method adds displacements and rotations linearly. A correction that rotates a plate member by `a` rotates its nodes by `a`. The chords of its
+//! elements rotate by atan(a) = a - a^3 / 3 only (less by `a e` if they also elongate by `e`). Both ends of an element of length h then rotate by
+//! phi = a^3 / 3 against its chord, which causes a shear force of 12 EI phi / h^2. That is negligible between key nodes. But rotations that keep the
+//! tangent positive definite shrink as h^(2/3), so finer meshes need more load steps. The end of a rigid arm or link is worse: it moves on a circle
+//! while its neighbours move in straight lines.
 //!
-//! Any update that agrees with Newton's to first order converges as fast: a *retraction*. This one keeps Newton's update at the key nodes,
-//! moves the nodes between them along a smooth curve that follows arms and links, and rotates them with their chords. A fine mesh then
-//! needs no more load steps and iterations than a coarse one. The curve must meet the key nodes without a kink. A curve correct to second
-//! order does not suffice, since the stiffness of elements grows without bound.
+//! Any update that agrees with Newton's to first order converges as fast: a *retraction*. This one keeps Newton's update at the key nodes. It moves
+//! the nodes between them along a smooth curve that follows arms and links, and rotates them with their chords. A fine mesh then needs no more
+//! load steps and iterations than a coarse one. The curve must meet the key nodes without a kink. A curve correct to second order does not
+//! suffice, since the stiffness of elements grows without bound.
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
@@ -87,8 +87,8 @@ impl<R: Number> Retraction<R> {
         let end_chord = chord_in(motion, &last);
         let last_slope = slope(whole, count, end_chord, -self.surplus(count - 1, end_chord));
         let mut slopes = end_slopes([first_slope, last_slope], count);
-        // These slopes are exact for the end chords, but Newton's rotations apply at the end nodes, half an element away. The difference causes a
-        // shear force that grows as 1 / h, and with it the effect of axial forces, so that the tangent may lose positive definiteness.
+        // These slopes are exact for the end chords, but Newton's rotations apply at the end nodes, half an element away. The difference causes
+        // a shear force that grows as 1 / h. The effect of axial forces grows with it, so the tangent may lose positive definiteness.
         if count > 2 {
             let mut more = slopes;
             for (end, (at, next)) in [(0, 1), (count - 1, count - 2)].into_iter().enumerate() {

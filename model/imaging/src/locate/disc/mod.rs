@@ -1,10 +1,10 @@
 //! Centre of a disc from the light of the pixels about its edge.
 //!
-//! A pixel at the distance d (px) outside the disc's edge shows background + (disc - background) Phi(-d / b): an edge blurred by a Gaussian of standard
-//! deviation b, with Phi the normal distribution. Brightness and colour have separate b, since compressed images store colour with fewer pixels. The disc's
-//! light varies linearly over its inside. The background is constant per sector around it, since plates and ribs cross it. Centre, radius and both b follow
-//! from least squares over the pixels of the edge, with weights of the squared contrast, as noise is equal everywhere. Sectors that do not look like an
-//! edge (an occluder, another marker) are omitted.
+//! A pixel at the distance d (px) outside the disc's edge shows background + (disc - background) Phi(-d / b). This is an edge blurred by a Gaussian of
+//! standard deviation b, with Phi the normal distribution. Brightness and colour have separate b, since compressed images store colour with fewer pixels.
+//! The disc's light varies linearly over its inside. The background is constant per sector around it, since plates and ribs cross it. Centre, radius and
+//! both b follow from least squares over the pixels of the edge. Pixels are weighted by the squared contrast, as noise is equal everywhere. Sectors that
+//! do not look like an edge (an occluder, another marker) are omitted.
 //!
 //! Distances are measured in the finger's plane, where the disc is a circle, so perspective and lens distortion are taken into account.
 

@@ -6,8 +6,11 @@ use nalgebra::{SMatrix, SVector, Vector2};
 /// Sums over the pixels of the band; centre and radius are in the map's units.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sums {
+    /// Normal matrix of the least squares.
     pub normal: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
+    /// Right-hand side of the normal equations.
     pub gradient: SVector<f64, UNKNOWNS>,
+    /// Number of pixels, weighted by trust.
     pub count: f64,
     /// Number of weighted channels: one for brightness, two for colour.
     pub channels: f64,
@@ -30,6 +33,7 @@ impl Sums {
 /// Sums over the pixels of a sector.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SectorSums {
+    /// Number of pixels.
     pub count: f32,
     /// Sums of the weighted squared residuals and contrasts, squared grey levels.
     pub squares: f32,

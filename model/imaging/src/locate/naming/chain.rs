@@ -10,8 +10,8 @@ pub(super) const MOST_SKIPPED: usize = 4;
 /// Range of the distance between two nodes relative to the plate length between them. A chord is shorter than its arc, and measured distances
 /// scatter.
 const CHORDS: [f64; 2] = [0.75, 1.05];
-/// Deviations of cost 1: relative excess of a chord's length, relative shortening per segment, and bend between steps in degrees for the whole plate,
-/// which scales with the share of the plate between the steps.
+/// Deviations of cost 1: relative excess of a chord's length, relative shortening per segment, and bend in degrees between two steps. The bend is that
+/// for steps a whole plate apart; it scales with the share of the plate between them.
 const LONGER: f64 = 0.015;
 const SHORTER: f64 = 0.06;
 const TURN_DEG: f64 = 168.0;
