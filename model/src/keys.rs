@@ -43,7 +43,7 @@ pub struct Key<K: Kind> {
     pub kind: K,
     /// Whether a scene must have it, and its default.
     pub need: Need<K::Value>,
-    /// Meaning, in sentences.
+    /// Meaning of the key, as the reference prints it.
     pub says: &'static str,
 }
 
@@ -108,7 +108,7 @@ pub struct Entry {
     pub is_required: bool,
     /// The only shape that has the key; `None` if all have it.
     pub shape: Option<&'static str>,
-    /// Meaning, in sentences.
+    /// Meaning of the key, as the reference prints it.
     pub says: &'static str,
 }
 
@@ -152,7 +152,7 @@ pub trait SceneTable: Sync {
     fn path(&self) -> &'static str;
     /// Number of times that it may occur in a scene.
     fn occurs(&self) -> Occurs;
-    /// Meaning, in sentences.
+    /// Meaning of the table, as the reference prints it.
     fn says(&self) -> &'static str;
     /// Entries of its keys, in the order of the reference.
     fn entries(&self) -> Vec<Entry>;

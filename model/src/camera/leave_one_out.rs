@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
-/// Fewest images that show a scatter.
+/// Smallest number of images that show a scatter.
 const LEAST_IMAGES: usize = 3;
 
 /// Standard deviations of the lens's parameters by the jackknife: changes of the parameters when each image is left out. Unlike independent noise, they

@@ -23,7 +23,7 @@ const FIRST_NOISE_PX: f64 = 0.1;
 const LEAST_NOISE_PX: f64 = 0.002;
 /// Number of rounds that alternate fit and noise estimate.
 const ROUNDS: usize = 3;
-/// Fewest dots of an image.
+/// Smallest number of dots of an image.
 const LEAST_POINTS: usize = 12;
 
 /// A fitted lens with its uncertainty.

@@ -5,7 +5,7 @@ use crate::Vector;
 use crate::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Refusal};
 use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector2, Vector3};
 
-/// Fewest points that determine a pose: four that are not collinear.
+/// Smallest number of points that determine a pose: four that are not collinear.
 const LEAST_POINTS: usize = 4;
 /// Ratio of the spread across the best line to the spread along it, below which points count as collinear.
 const LEAST_SPREAD: f64 = 1e-3;

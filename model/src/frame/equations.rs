@@ -2,7 +2,7 @@
 
 use super::{BeamEnd, FrameMotion, PlaneFrame};
 
-/// Most rigid levers in series that carry a node: a bracket, a rib and a bracket.
+/// Largest number of rigid levers in series that carry a node: a bracket, a rib and a bracket.
 pub(super) const MOST_LEVERS: usize = 3;
 /// Coordinates that may move a node: its x and y (or its master's), its rotation, and the rotations of its levers.
 pub(super) const NODE_COORDINATES: usize = 3 + MOST_LEVERS;

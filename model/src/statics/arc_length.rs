@@ -23,12 +23,12 @@ const QUADRATIC_RANGE: f64 = 1e-3;
 const STAGNATION_TOLERANCE: f64 = 1e-8;
 /// Largest share of the step that counts as rounding noise; see [`STAGNATION_TOLERANCE`].
 const STAGNATION_SHARE: f64 = 1e-2;
-/// Most Newton iterations in a step; a step that needs more is shortened.
+/// Largest number of Newton iterations in a step; a step that needs more is shortened.
 const MAX_ITERATIONS: usize = 10;
 /// A limit point is accepted when the load's component of the unit tangent is below this. The error of the limit load is of the order
 /// of its square.
 const LIMIT_TOLERANCE: f64 = 1e-7;
-/// Most iterations that locate a limit point between two points of the path.
+/// Largest number of iterations that locate a limit point between two points of the path.
 const MAX_LIMIT_TRIALS: usize = 40;
 /// Largest sum of Newton corrections, as a share of the step; a larger one may lead to another branch.
 const LARGEST_DEPARTURE: f64 = 0.5;

@@ -23,7 +23,7 @@ const SHORT_STEP: f64 = 1e-3;
 const LEAST_STEP: f64 = 1e-7;
 /// Shortest step of a trial path, as a share of the path.
 const LEAST_TRIED_STEP: f64 = 0.02;
-/// Most load steps along a path.
+/// Largest number of load steps along a path.
 const MOST_STEPS: usize = 2000;
 
 impl<E: EquilibriumEquations> Statics<E> {

@@ -7,7 +7,7 @@ use crate::frame::{FrameLoad, FrameMotion};
 const STATION_TOLERANCE: f64 = 1e-8;
 /// Convergence tolerance at all equilibria of a trial path. Newton's quadratic convergence makes these accurate to 1e-9.
 const TRIED_TOLERANCE: f64 = 1e-6;
-/// Fewest rejected steps before a trial path without any accepted step ends.
+/// Smallest number of rejected steps before a trial path without any accepted step ends.
 const MOST_REJECTED_AT_START: usize = 4;
 
 /// Loads that vary along a path, from share 0 to share 1.

@@ -2,7 +2,7 @@
 //!
 //! They are separate from the equations so that the scalar solver and each lane of a [batch](super::equilibria) share them.
 
-/// Fewest correct decimal digits of an accepted solution: the finest results are compared to 0.01 %.
+/// Smallest number of correct decimal digits of an accepted solution: the finest results are compared to 0.01 %.
 pub(super) const FEWEST_DIGITS: f64 = 4.0;
 /// Newton has converged when the predicted energy norm of its *next* correction is below this share of the solution's. The last two
 /// corrections predict it, since Newton's method squares the error near the solution, e' = c e^2.
@@ -14,7 +14,7 @@ const QUADRATIC_RANGE: f64 = 1e-2;
 /// Two successive corrections below this count as rounding noise if each exceeds a quarter of the previous one. Very fine meshes and needle
 /// shapes show such noise. A single one may be large by chance and leave an error of 1e-7 where noise is 1e-9.
 const STAGNATION_TOLERANCE: f64 = 1e-6;
-/// Most Newton iterations in a load step; a step that needs more is rejected as too long.
+/// Largest number of Newton iterations in a load step; a step that needs more is rejected as too long.
 const MAX_ITERATIONS: usize = 20;
 /// Largest rotation of a node in one load step, rad; a larger one may lead to another branch.
 const MAX_STEP_ROTATION: f64 = 0.8;

@@ -24,7 +24,7 @@ const LEAST_IN_TURN: f64 = 0.9;
 /// Radius of the window for gradients about a corner, as a share of the distance to the nearest other corner, and its limits, px.
 const WINDOW: f64 = 0.4;
 const WINDOW_PX: [f64; 2] = [3.0, 15.0];
-/// Most iterations of a corner's centre, and step size at which they end, px.
+/// Largest number of iterations of a corner's centre, and step size at which they end, px.
 const STEPS: usize = 20;
 const STILL_PX: f64 = 1e-4;
 /// Range of the light at a corner's centre, relative to dark (0) and light (1).

@@ -1,17 +1,17 @@
 //! Centres and radii of the dots of a lattice, from their light.
 //!
 //! The light of a dot is that of the pixels nearer to its rim than to any other dot's. If neighbours are so close that their blurred edges overlap, a dot
-//! gains as much light from its neighbour's edge as it loses of its own. Pixels away from all dots show the ground.
+//! gains as much light from its neighbour's edge as it loses of its own. Pixels away from all dots show the background.
 
 use super::patches::Dot;
 use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::{Matrix3, Vector3};
 
-/// Extent of a dot's light beyond its rim, and extent of the ground, each in radii plus px. The first pair suits an isolated dot, the others dots that
+/// Extent of a dot's light beyond its rim, and extent of the background, each in radii plus px. The first pair suits an isolated dot, the others dots that
 /// lie close together.
 const ABOUT: [[(f64, f64); 2]; 3] = [[(0.15, 2.5), (0.35, 4.5)], [(0.0, 2.0), (0.5, 6.0)], [(0.0, 1.0), (1.0, 8.0)]];
-/// Fewest pixels of the ground.
+/// Smallest number of pixels of the background.
 const LEAST_GROUND: usize = 24;
 /// Inner part of a dot, with even light, in radii.
 const INNER: f64 = 0.6;
@@ -27,7 +27,7 @@ pub(super) fn measured(grey: &GrayImage, dot: &Dot, others: &[Dot]) -> Option<(P
     })
 }
 
-/// Same as [`measured`], with the dot's light up to `own` px beyond the rim and the ground from there to `reach` px.
+/// Same as [`measured`], with the dot's light up to `own` px beyond the rim and the background from there to `reach` px.
 fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2]) -> Option<(Pixel, f64)> {
     let half = dot.longer_px() + reach;
     let middle = dot.pixel;
@@ -70,7 +70,7 @@ fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2])
     let (mut mass, mut moment) = (0.0, Pixel::zeros());
     let (mut inner, mut depth) = (0.0, 0.0);
     for (step, light) in of_dot {
-        // Relative to the local ground: uneven light would otherwise shift the centre to the darker side.
+        // Relative to the local background: uneven light would otherwise shift the centre to the darker side.
         let ground = plane.dot(&Vector3::new(1.0, step.x, step.y));
         let lacking = light / ground.max(1.0) - 1.0;
         mass += lacking;

@@ -4,7 +4,7 @@ use super::patches::Dot;
 use finray_model::camera::Pixel;
 use std::collections::{HashMap, VecDeque};
 
-/// Most dots from which a lattice is grown, those with the most regular surroundings first.
+/// Largest number of dots from which a lattice is grown, those with the most regular surroundings first.
 const SEEDS: usize = 40;
 /// Share of the dots in a lattice at which the search for a larger one ends.
 const ENOUGH: f64 = 0.8;

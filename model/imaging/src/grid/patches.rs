@@ -15,7 +15,7 @@ const LARGEST_SHARE: f64 = 0.02;
 const FULLNESS: [f64; 2] = [0.85, 1.15];
 /// Largest ratio of an ellipse's axes, that of a disc seen at 70 degrees.
 const LONGEST: f64 = 3.0;
-/// Most patches that are considered, in raster order; an image with more shows something else.
+/// Largest number of patches that are considered, in raster order; an image with more shows something else.
 const MOST_DOTS: usize = 6000;
 
 /// A patch described by an ellipse.

@@ -28,7 +28,7 @@ pub(super) const LEAST_CONTRAST: f32 = 20.0;
 const LEAST_RESPONSE: f32 = 3.0;
 /// Smallest distance between corners, px.
 const APART: u32 = 4;
-/// Most corners that are considered, in raster order; an image with more shows something else.
+/// Largest number of corners that are considered, in raster order; an image with more shows something else.
 const MOST_CORNERS: usize = 6000;
 
 /// A corner (px) with the unit directions of its two edges.

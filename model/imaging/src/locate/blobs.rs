@@ -9,7 +9,7 @@ use imageproc::region_labelling::{Connectivity, connected_components};
 const ACROSS_RADIUS: f64 = 3.0;
 /// Range of a patch's area relative to a marker's. A smaller patch is more than half hidden or no marker, a larger one is not a single marker.
 const AREA: [f64; 2] = [0.3, 1.8];
-/// Most patches that are considered, the largest first; an image with more shows something else.
+/// Largest number of patches that are considered, the largest first; an image with more shows something else.
 const MOST_BLOBS: usize = 400;
 
 /// Smallest radius of a marker in the image, px; in a smaller one every pixel is blurred.

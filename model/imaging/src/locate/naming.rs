@@ -25,7 +25,7 @@ pub(super) struct Candidate {
 
 /// Largest extra cost at which another chain counts as equally good.
 const ALIKE: f64 = 4.0;
-/// Most nodes that an equally good chain may name differently; these stay unnamed. With more, naming is ambiguous.
+/// Largest number of nodes that an equally good chain may name differently; these stay unnamed. With more, naming is ambiguous.
 const MOST_DOUBTFUL: usize = 1;
 /// Number of rounds in which the plates use each other's names.
 const ROUNDS: usize = 3;
@@ -40,7 +40,7 @@ pub enum NamingError {
         found: usize,
         /// Number of free nodes with a marker.
         all: usize,
-        /// Fewest markers needed.
+        /// Smallest number of markers needed.
         least: usize,
     },
     /// Two positions of the base fit equally well.

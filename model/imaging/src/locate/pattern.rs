@@ -11,12 +11,12 @@ use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
 use nalgebra::{Matrix3, SMatrix, SVector};
 
-/// Most blobs that are considered, the largest first.
+/// Largest number of blobs that are considered, the largest first.
 const MOST_BLOBS: usize = 150;
 /// Largest distance of a marker from its plate's line, and from its node, in marker radii.
 const ON_LINE: f64 = 0.7;
 const ON_NODE: f64 = 1.2;
-/// Most false markers at each end of a line, and most hidden nodes at each end of a plate.
+/// Largest number of false markers at each end of a line, and most hidden nodes at each end of a plate.
 const DOUBTFUL: usize = 3;
 /// Smallest share of the nodes that must have a marker.
 const LEAST_SHARE: f64 = 0.6;

@@ -34,7 +34,7 @@ const CONTRADICTS: f64 = 13.0;
 /// Standard deviations of a base without references relative to the ribs' estimate, mm and rad: the range of a bent finger.
 const UNKNOWN_MM: f64 = 10.0;
 const UNKNOWN_RAD: f64 = 0.2;
-/// Most nodes that equally good positions may name differently.
+/// Largest number of nodes that equally good positions may name differently.
 const MOST_DOUBTFUL: usize = 1;
 
 /// Results for a finger in an image.

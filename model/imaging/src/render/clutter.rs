@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 const SIZES: [f64; 2] = [0.5, 2.5];
 /// Smallest distance from clutter to a marker's centre, in marker radii, in addition to the size of the clutter.
 const CLEAR: f64 = 3.0;
-/// Most random positions that are tried for one shape.
+/// Largest number of random positions that are tried for one shape.
 const MOST_DRAWS: usize = 1000;
 /// Largest deviation of a channel from the nominal colour, grey levels.
 const OTHER_SHADE: f64 = 30.0;

@@ -81,7 +81,7 @@ impl<R: Number> Brackets<R> {
         }
     }
 
-    /// Adds the bracket terms to each rotation's diagonal sum; the sum measures cancellation.
+    /// Adds the terms of the brackets to the sum of each rotation's diagonal terms. Pivots are compared with that sum to detect cancellation.
     #[inline(always)]
     pub(super) fn carry_diagonal(&self, diagonal: &mut Ends<R>) {
         for (i, v) in self.0.iter().enumerate() {

@@ -34,7 +34,7 @@ pub(super) struct Chain<R: Number = f64> {
     lever: Vector2<R>,
     /// Elimination of the two end rotations of a pinned member, which no other member shares.
     pins: Option<Block<R, 2, 6>>,
-    /// The brackets between its ends and the key nodes, if any.
+    /// Brackets between the chain's ends and the key nodes, if any.
     brackets: Option<Brackets<R>>,
     /// Condensed stiffness by its two ends, or by the key nodes of its brackets.
     pub stiffness: EndsMatrix<R>,
@@ -84,7 +84,7 @@ impl<R: Number> Chain<R> {
         (one.positive, one.accurate) = (like.holds(self.positive, lane), like.holds(self.accurate, lane));
     }
 
-    /// Whether its end rotations are free of the nodes' rotations.
+    /// Whether the ends of the chain are pinned, so that they rotate independently of the nodes.
     pub(super) fn is_pinned(&self) -> bool {
         self.pins.is_some()
     }

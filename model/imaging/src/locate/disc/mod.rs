@@ -44,7 +44,7 @@ const LARGEST_RESIDUAL: f64 = 0.2;
 const LARGEST_GREY_RESIDUAL: f64 = 0.07;
 /// Largest expected distance of the centre from the start of the search, px.
 const ROOM_PX: f64 = 1.0;
-/// Most rounds that gather pixels about the current edge, most steps per round, and the step of the centre at which a round ends, px.
+/// Largest number of rounds that gather pixels about the current edge, most steps per round, and the step of the centre at which a round ends, px.
 const ROUNDS: usize = 9;
 const STEPS: usize = 5;
 const STILL_PX: f64 = 0.002;

@@ -25,7 +25,7 @@ const RING_MARGIN: f64 = 0.4;
 /// Approximate number of inner pixels that are used, and number of those used for the median; more add no information.
 const INSIDE_PIXELS: usize = 400;
 const MEDIAN_PIXELS: usize = 48;
-/// Fewest pixels from which the slope of light is estimated.
+/// Smallest number of pixels from which the slope of light is estimated.
 const SLOPE_PIXELS: usize = 12;
 /// Smallest contrast of a sector over all components of light, grey levels.
 const LEAST_CONTRAST: f32 = 12.0;

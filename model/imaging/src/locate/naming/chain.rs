@@ -5,7 +5,7 @@ use super::{Candidate, Marked, Names};
 use finray_model::finger::Plate;
 use finray_model::{NodeId, Vector};
 
-/// Most hidden nodes in a row that a chain may skip.
+/// Largest number of hidden nodes in a row that a chain may skip.
 pub(super) const MOST_SKIPPED: usize = 4;
 /// Range of the distance between two nodes relative to the plate length between them. A chord is shorter than its arc, and measured distances
 /// scatter.

@@ -9,7 +9,7 @@ use finray_model::finger::Plate;
 
 /// Largest cost of a pair, that of a length deviation of three times the deviation of cost 1.
 const MOST_OF_RIB: f64 = 9.0;
-/// Most pairs of a rib that are considered, those with the best length first.
+/// Largest number of pairs of a rib that are considered, those with the best length first.
 const MOST_PAIRS: usize = 64;
 
 /// A partial chain of ribs, described by its last rib.

@@ -18,7 +18,7 @@ const RADII: [f64; 2] = [0.85, 1.18];
 const LEAST_SHARE: f32 = 0.5;
 /// Smallest distance between two centres, in radii; closer ones are merged.
 const APART: f64 = 0.5;
-/// Most centres that are considered, those with the most votes first.
+/// Largest number of centres that are considered, those with the most votes first.
 const MOST: usize = 200;
 
 type Votes = ImageBuffer<Luma<f32>, Vec<f32>>;
