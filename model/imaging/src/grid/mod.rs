@@ -22,8 +22,8 @@ const LEAST_DOTS: usize = 12;
 /// Half the side of the blocks that average brightness for the threshold, px; the sizes suit small to large dots with their surroundings.
 const BLOCKS_PX: [u32; 4] = [10, 25, 60, 120];
 
-/// Smallest number of dots on outlines along the diagonals, and smallest ratio of their number to that along rows and columns, for an asymmetric grid. A rectangle
-/// already has four diagonal dots, at its corners.
+/// Smallest number of dots on outlines along the diagonals, and smallest ratio of that number to the one along rows and columns, for an asymmetric
+/// grid. A rectangle already has four diagonal dots, at its corners.
 const LEAST_DIAGONAL: usize = 3;
 const DIAGONAL: usize = 2;
 

@@ -2,9 +2,9 @@
 //!
 //! The position of the second end relative to the rotating first end determines how the elements deform. Expressed by that deflection, the
 //! stiffness matrix contains only the elements' stiffness. Expressed by nodal positions, it also resists the motion of either end alone. The joint
-//! motion of both ends is then a small difference of large numbers, and node-by-node elimination of n elements amplifies rounding errors by n^3. So the deflection of the next element is
-//! eliminated instead of the node before it. Elements in a row act as springs in series. The stiffness S so far and k of the next element combine to
-//! S - S (S + k)^-1 S, where little is subtracted since k is large.
+//! motion of both ends is then a small difference of large numbers, and node-by-node elimination of n elements amplifies rounding errors by n^3. So
+//! the deflection of the next element is eliminated instead of the node before it. Elements in a row act as springs in series. The stiffness S so
+//! far and k of the next element combine to S - S (S + k)^-1 S, where little is subtracted since k is large.
 //!
 //! A fourth unknown is the rotation of the whole chain, which rotates the elements' forces. A translation of the whole changes nothing.
 
