@@ -1,7 +1,7 @@
-//! Displacements of the markers under unit forces: the columns of the compliance that sensing needs, and no others.
+//! Displacements of the markers under unit forces: the columns of the compliance that sensing needs.
 //!
-//! The linear finger is exact at its key nodes with one element a member, so the coarsest mesh serves; but for plates that taper, and members that a
-//! zone ends in: these have mean compliances.
+//! The linear finger is exact at its key nodes with one element per member, so the coarsest mesh suffices. Tapered plates, and members in which a zone
+//! ends, are approximated by their mean compliances.
 
 use crate::element::quarter_turn;
 use crate::finger::{Finger, NodeId};
@@ -12,18 +12,18 @@ use crate::{Kinematics, Vector};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::OnceLock;
 
-/// Displacement of the marker of every key node under each of some unit loads, mm per N (and per N mm of a moment).
+/// Displacement of every key node's marker under each of several loads, mm per N (mm per N mm for a moment).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compliance {
-    /// By load, then by key node.
+    /// Displacements by load, then by key node.
     columns: Vec<Vec<Vector>>,
 }
 
 impl Compliance {
-    /// Solves the linear finger (eq. (5) of Xu et al. 2021) for each load: one factorisation, one solution a load.
+    /// Solves the linear finger (eq. (5) of Xu et al. 2021) for each load, with one factorisation.
     ///
     /// # Errors
-    /// [`StaticsError`] for a load that is not on the finger, or a finger whose stiffness cannot be factorised.
+    /// [`StaticsError`] for a load at an invalid point, or a finger whose stiffness cannot be factorised.
     pub fn new(finger: &Finger, loads: &[Load]) -> Result<Compliance, StaticsError> {
         let mesh = Mesh::key_nodes(finger);
         let frame_loads = loads.iter().map(|load| mesh.frame_load(load)).collect::<Result<Vec<_>, _>>()?;
@@ -38,32 +38,32 @@ impl Compliance {
         self.columns.len()
     }
 
-    /// Displacement of a node's marker under load `load`, mm per unit.
+    /// Displacement of a node's marker under the load of index `load`, mm.
     pub fn displacement(&self, node: NodeId, load: usize) -> Vector {
         self.columns[load][node.0 - 1]
     }
 }
 
-/// The linear finger solved once for forces and moments on its key nodes, for many loads.
+/// Compliance of the linear finger by forces and moments on its key nodes, for many loads.
 ///
-/// A load between two key nodes moves all key nodes as its equivalent loads on these two do (consistent nodal loads, exact
-/// for the cubic beam), so each node is solved for once, when a load first needs it.
+/// A load between two key nodes moves all key nodes as its consistent nodal loads on these two do (exact for the cubic beam). Each node
+/// therefore needs one solution, computed when a load first uses it.
 #[derive(Debug, Clone)]
 pub struct NodalCompliance {
     mesh: Mesh,
     at_rest: FrameMotion,
-    /// By loaded key node.
+    /// Solution for each loaded key node.
     nodes: Vec<OnceLock<Result<Blocks, StaticsError>>>,
 }
 
-/// By key node: displacement (mm) and rotation (rad), the rows, under 1 N along x and y and 1 N mm on the loaded node.
+/// A 3 x 3 matrix for each key node. Rows are displacement (mm) and rotation (rad); columns are 1 N along x, 1 N along y and 1 N mm on the loaded node.
 type Blocks = Vec<Matrix3<f64>>;
 
-/// A key node (from 0), and the force (x, y, N) and moment (N mm) on it.
+/// Index of a key node from 0, and the force (x, y, N) and moment (N mm) on it.
 type NodalLoad = (usize, Vector3<f64>);
 
 impl NodalCompliance {
-    /// Meshes the finger; nothing is solved yet.
+    /// Meshes the finger; solutions are computed on demand.
     pub fn new(finger: &Finger) -> NodalCompliance {
         let mesh = Mesh::key_nodes(finger);
         let nodes = vec![OnceLock::new(); finger.key_node_count()];
@@ -78,7 +78,7 @@ impl NodalCompliance {
     /// Displacement (x, y, mm) and rotation (rad) of every key node under a load.
     ///
     /// # Errors
-    /// As [`Compliance::new`].
+    /// [`StaticsError`] as for [`Compliance::new`].
     pub fn motions(&self, load: &Load) -> Result<Vec<Vector3<f64>>, StaticsError> {
         let mut sums = vec![Vector3::zeros(); self.nodes.len()];
         for (node, force) in self.nodal_loads(load)?.into_iter().flatten() {
@@ -89,10 +89,10 @@ impl NodalCompliance {
         Ok(sums)
     }
 
-    /// The compliance under some loads: that of [`Compliance::new`], to rounding.
+    /// The compliance under several loads, equal to that of [`Compliance::new`] within rounding.
     ///
     /// # Errors
-    /// As [`Compliance::new`].
+    /// [`StaticsError`] as for [`Compliance::new`].
     pub fn columns(&self, loads: &[Load]) -> Result<Compliance, StaticsError> {
         let finger = self.finger();
         let offsets: Vec<_> =
@@ -104,10 +104,10 @@ impl NodalCompliance {
         Ok(Compliance { columns: loads.iter().map(column).collect::<Result<_, StaticsError>>()? })
     }
 
-    /// The free key nodes that carry a load.
+    /// The loaded key nodes that are free, with their equivalent nodal loads.
     fn nodal_loads(&self, load: &Load) -> Result<[Option<NodalLoad>; 2], LoadError> {
         let frame = self.mesh.frame();
-        // What a clamp carries moves nothing.
+        // A load on a clamped node causes no motion.
         let free =
             |node: usize, force: Vector3<f64>| (!self.finger().is_clamped(NodeId(node + 1))).then_some((node, force));
         Ok(match self.mesh.frame_load(load)? {
@@ -124,7 +124,7 @@ impl NodalCompliance {
         })
     }
 
-    /// Motions of the key nodes under unit loads on one of them (from 0).
+    /// Motions of all key nodes under unit loads on the key node of index `node`, from 0.
     fn blocks(&self, node: usize) -> Result<&[Matrix3<f64>], StaticsError> {
         let solved = self.nodes[node].get_or_init(|| {
             let unit = |force, moment_nmm| FrameLoad::Node { node, force, moment_nmm };

@@ -1,4 +1,4 @@
-//! A fin-ray finger: two plates in a V and ribs across it, as geometry with material.
+//! A fin-ray finger: geometry and material of two plates in a V and of the ribs between them.
 
 mod description;
 mod placement;
@@ -14,7 +14,7 @@ use placement::{check_room, check_sizes, check_zones, place_ribs, place_tip};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Number of a key node, counted as in the paper from 1 at the back base over the tip to the front base.
+/// Number of a key node, from 1 at the back base over the tip to the front base, as in Xu et al. (2021).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct NodeId(pub usize);
 
@@ -24,30 +24,30 @@ impl fmt::Display for NodeId {
     }
 }
 
-/// A point of a finger that has a name.
+/// A named point of a finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FingerPoint {
     /// A key node.
     Node(NodeId),
-    /// The joint of the rib at a key node: the end of its bracket.
+    /// The joint of the rib at a key node, at the end of its bracket.
     Hinge(NodeId),
 }
 
-/// A finger that can be built, with its key nodes in place.
+/// A finger with valid geometry and known positions of its key nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finger {
     description: FingerDescription,
     tip: Vector,
-    /// Rib ends along the front and the back plate, mm from the base.
+    /// Positions of each rib's ends along the front and the back plate, mm from the base.
     ribs: Vec<[f64; 2]>,
 }
 
 impl Finger {
-    /// Checks a description and places the key nodes.
+    /// Checks a description and computes the key nodes.
     ///
     /// # Errors
-    /// [`ImpossibleFinger`] with the offending key: sizes not positive and finite, no triangle, ribs that cross, touch or
-    /// leave the plates, brackets without room for ribs, arms longer than the members, zones off the plates.
+    /// [`ImpossibleFinger`] with the offending key. Causes are sizes that are not positive and finite, plates that form no triangle, brackets without
+    /// room for ribs, rigid arms longer than the members, zones off the plates, and ribs that cross, touch or leave the plates.
     pub fn new(description: FingerDescription) -> Result<Finger, ImpossibleFinger> {
         let d = &description;
         check_sizes(d)?;
@@ -59,7 +59,7 @@ impl Finger {
         Ok(finger)
     }
 
-    /// The description that this finger was made from.
+    /// The description of this finger.
     pub fn description(&self) -> &FingerDescription {
         &self.description
     }
@@ -69,28 +69,28 @@ impl Finger {
         self.ribs.len()
     }
 
-    /// Number of key nodes: 2 r + 3.
+    /// Number of key nodes: 2 r + 3 for r ribs.
     pub fn key_node_count(&self) -> usize {
         2 * self.ribs.len() + 3
     }
 
-    /// The tip, where the plates meet.
+    /// The key node at the tip, where the plates meet.
     pub fn tip(&self) -> NodeId {
         NodeId(self.ribs.len() + 2)
     }
 
-    /// The two clamped nodes: back base and front base.
+    /// The two clamped nodes, at back base and front base.
     pub fn clamped_nodes(&self) -> [NodeId; 2] {
         [NodeId(1), NodeId(self.key_node_count())]
     }
 
-    /// Whether a node is held: one of the [`clamped_nodes`](Finger::clamped_nodes), or the end of a rib in a corner of the base.
+    /// Whether a node is clamped: a base node, or the end of a rib in a corner of the base.
     pub fn is_clamped(&self, node: NodeId) -> bool {
         self.clamped_nodes().contains(&self.junction(node))
     }
 
-    /// The key node that stands for all at one point of a plate, which move and turn as one: the base's, or that of the rib nearest to it.
-    /// The node itself where no rib shares its junction.
+    /// The key node that represents all key nodes at one point of a plate, which move and rotate together. It is the base node, or the node of the rib
+    /// nearest to the base. Returns `node` itself if it shares its point with no other.
     pub fn junction(&self, node: NodeId) -> NodeId {
         let last = self.key_node_count();
         if !(1..=last).contains(&node.0) {
@@ -104,34 +104,34 @@ impl Finger {
         NodeId(if plate == Plate::Back { level + 1 } else { last - level })
     }
 
-    /// Whether ribs share a junction, or end in a corner of the base.
+    /// Whether ribs share a junction or end in a corner of the base.
     pub fn has_shared_junctions(&self) -> bool {
         (1..=self.key_node_count()).map(NodeId).any(|node| self.junction(node) != node)
     }
 
-    /// The nodes that can touch an object, one for each point: from the tip to the last one before the front base.
+    /// The nodes of the front plate that can touch an object, one per point, from the tip to the last node before the front base.
     pub fn contact_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
         let nodes = (self.tip().0..self.key_node_count()).map(NodeId);
         nodes.filter(|node| self.junction(*node) == *node).collect::<Vec<_>>().into_iter()
     }
 
-    /// The nodes that move, in order.
+    /// The nodes that are not clamped, in order.
     pub fn free_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
         let nodes = (2..self.key_node_count()).map(NodeId);
         nodes.filter(|node| !self.is_clamped(*node)).collect::<Vec<_>>().into_iter()
     }
 
-    /// The free nodes that have a marker, in order: those a camera measures.
+    /// The free nodes with a marker, in order; a camera measures these.
     pub fn marked_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
         self.free_nodes().filter(|node| self.has_marker(*node)).collect::<Vec<_>>().into_iter()
     }
 
-    /// Front and back node of rib `index`, counted from the base from 0.
+    /// Front and back node of rib `index`; ribs are numbered from 0 at the base.
     pub fn rib_nodes(&self, index: usize) -> [NodeId; 2] {
         [NodeId(self.key_node_count() - 1 - index), NodeId(index + 2)]
     }
 
-    /// The key nodes of a plate from its base to the tip.
+    /// The key nodes of a plate, from its base to the tip.
     pub fn plate_nodes(&self, part: Plate) -> Vec<NodeId> {
         match part {
             Plate::Back => (1..=self.tip().0).map(NodeId).collect(),
@@ -139,12 +139,12 @@ impl Finger {
         }
     }
 
-    /// Positions of the [`plate_nodes`](Finger::plate_nodes), mm along the plate from the base.
+    /// Positions of the [`plate_nodes`](Finger::plate_nodes) along the plate, mm from the base.
     pub fn plate_positions_mm(&self, part: Plate) -> Vec<f64> {
         (0..=self.rib_count() + 1).map(|level| self.level_mm(part, level)).collect()
     }
 
-    /// Position of one of the [`plate_nodes`](Finger::plate_nodes), counted from 0, mm along the plate from the base.
+    /// Position along the plate of the [`plate_nodes`](Finger::plate_nodes) entry at index `level`, mm from the base.
     fn level_mm(&self, part: Plate, level: usize) -> f64 {
         let column = usize::from(part == Plate::Back);
         match level.checked_sub(1) {
@@ -161,8 +161,8 @@ impl Finger {
         }
     }
 
-    /// Rigid arms at both ends of a plate's member, mm: rods, clips, and ends that do not deform; none of a member without length, between ribs
-    /// that share a junction. Members are counted from the base from 0.
+    /// Lengths of the rigid arms at both ends of a plate's member, mm: rods, clips and rigid ends. Zero for a member without length, between ribs that
+    /// share a junction. Members are numbered from 0 at the base.
     pub fn member_arms_mm(&self, part: Plate, member: usize) -> [f64; 2] {
         let [from_mm, to_mm] = [member, member + 1].map(|level| self.level_mm(part, level));
         if from_mm == to_mm {
@@ -173,7 +173,7 @@ impl Finger {
         let clip_mm = self.description.ribs.clip_mm[side] / 2.0;
         let first = match member {
             0 => base_mm,
-            // Behind a rib in a corner of the base.
+            // Member next to a rib that ends in a corner of the base.
             _ if from_mm == 0.0 => base_mm.max(clip_mm),
             _ => clip_mm,
         };
@@ -181,7 +181,7 @@ impl Finger {
         [first, second].map(|arm_mm| arm_mm.max(self.description.rod_arm_mm))
     }
 
-    /// Clamped end of a plate, mm.
+    /// Position of the clamped end of a plate, mm, finger frame.
     pub fn base(&self, part: Plate) -> Vector {
         let half = 0.5 * self.description.base_width_mm;
         match part {
@@ -190,13 +190,13 @@ impl Finger {
         }
     }
 
-    /// A point of a plate, mm, at a distance from its base.
+    /// Undeformed position of a point of a plate, mm, finger frame; `s_mm` is its distance from the base along the plate.
     pub fn plate_point(&self, part: Plate, s_mm: f64) -> Vector {
         let base = self.base(part);
         base + (self.tip - base) * (s_mm / self.plate_length_mm(part))
     }
 
-    /// Position of a key node, mm.
+    /// Undeformed position of a key node, mm, finger frame.
     pub fn position(&self, node: NodeId) -> Vector {
         let count = self.ribs.len();
         let last = self.key_node_count();
@@ -209,7 +209,7 @@ impl Finger {
         }
     }
 
-    /// Unit normal of an undeformed plate towards the other one.
+    /// Unit normal of an undeformed plate, towards the other plate.
     pub fn inward(&self, part: Plate) -> Vector {
         let along = (self.tip - self.base(part)).normalize();
         match part {
@@ -218,7 +218,7 @@ impl Finger {
         }
     }
 
-    /// The bracket that holds a rib off a key node, undeformed, mm: from the node to the joint; zero for nodes without rib.
+    /// Undeformed bracket of a rib, mm: vector from the key node to the joint; zero for nodes without rib.
     pub fn bracket(&self, node: NodeId) -> Vector {
         let last = self.key_node_count();
         let bracket_mm = |rib: usize| self.description.ribs.bracket_mm.of(rib);
@@ -229,24 +229,24 @@ impl Finger {
         }
     }
 
-    /// Undeformed position of the joint of a rib with its bracket, mm: without bracket (and without rib) that of the node.
+    /// Undeformed position of the joint between a rib and its bracket, mm, finger frame; that of the node without bracket or rib.
     pub fn hinge(&self, node: NodeId) -> Vector {
         self.position(node) + self.bracket(node)
     }
 
-    /// Whether ribs are held off the plates.
+    /// Whether brackets hold any rib off the plates.
     pub fn has_brackets(&self) -> bool {
         self.rib_count() > 0
             && self.description.ribs.bracket_mm.all().iter().flatten().any(|length_mm| *length_mm != 0.0)
     }
 
-    /// Length of a rib between its joints, mm; ribs are counted from the base from 0.
+    /// Length of a rib between its joints, mm; ribs are numbered from 0 at the base.
     pub fn rib_length_mm(&self, index: usize) -> f64 {
         let [front, back] = self.rib_nodes(index).map(|node| self.hinge(node));
         (front - back).norm()
     }
 
-    /// From a key node to its marker, undeformed, mm; it turns with the plate.
+    /// Undeformed vector from a key node to its marker, mm; it rotates with the plate.
     pub fn marker_offset(&self, node: NodeId) -> Vector {
         match self.description.markers_on {
             MarkerPoints::Junctions => Vector::zeros(),
@@ -254,19 +254,19 @@ impl Finger {
         }
     }
 
-    /// Undeformed position of a key node's marker, mm.
+    /// Undeformed position of a key node's marker, mm, finger frame.
     pub fn marker_position(&self, node: NodeId) -> Vector {
         self.position(node) + self.marker_offset(node)
     }
 
-    /// Whether a node has a marker. Where markers are on hinges, only the ends of ribs do; nodes at one point have one, that of their
+    /// Whether a node has a marker. With markers on hinges, only ends of ribs have one. Nodes at one point share the marker of their
     /// [`junction`](Finger::junction).
     pub fn has_marker(&self, node: NodeId) -> bool {
         let is_end_of_rib = || node != self.tip() && !self.is_clamped(node);
         self.junction(node) == node && (self.description.markers_on == MarkerPoints::Junctions || is_end_of_rib())
     }
 
-    /// Undeformed position of a point, mm.
+    /// Undeformed position of a point, mm, finger frame.
     pub fn point(&self, point: FingerPoint) -> Vector {
         match point {
             FingerPoint::Node(node) => self.position(node),
@@ -274,7 +274,7 @@ impl Finger {
         }
     }
 
-    /// The points of the front plate, of the back plate and of each rib with its brackets: what a drawing shows.
+    /// Points along the front plate, the back plate and each rib with its brackets, for drawings.
     pub fn outline(&self) -> Vec<(Part, Vec<FingerPoint>)> {
         let plates = [Plate::Front, Plate::Back].map(|plate| {
             (Part::from(plate), self.plate_nodes(plate).into_iter().map(FingerPoint::Node).collect::<Vec<_>>())
@@ -289,33 +289,33 @@ impl Finger {
         plates.into_iter().chain((0..self.rib_count()).map(rib)).collect()
     }
 
-    /// Position of a node of the front plate, mm from the front base; `None` for other nodes.
+    /// Position of a node along the front plate, mm from the front base; `None` for nodes of the back plate.
     pub fn front_position_mm(&self, node: NodeId) -> Option<f64> {
         let from_base = self.key_node_count().checked_sub(node.0)?;
         self.plate_positions_mm(Plate::Front).get(from_base).copied()
     }
 
-    /// Unit vector along the front plate towards the tip.
+    /// Unit vector along the undeformed front plate towards the tip.
     pub fn front_tangent(&self) -> Vector {
         (self.tip - self.base(Plate::Front)).normalize()
     }
 
-    /// Unit vector at an angle, in degrees, from the front plate's undeformed inward normal, positive towards the tip.
+    /// Unit vector at an angle from the inward normal of the undeformed front plate; degrees, positive towards the tip.
     pub fn direction(&self, angle_deg: f64) -> Vector {
         let tangent = self.front_tangent();
         let (sin, cos) = angle_deg.to_radians().sin_cos();
         self.inward(Plate::Front) * cos + tangent * sin
     }
 
-    /// Angle of a direction, degrees from the front plate's undeformed inward normal, positive towards the tip.
+    /// Angle of a direction from the inward normal of the undeformed front plate; degrees, positive towards the tip.
     pub fn angle_deg(&self, direction: Vector) -> f64 {
         direction.dot(&self.front_tangent()).atan2(direction.dot(&self.inward(Plate::Front))).to_degrees()
     }
 
-    /// The same finger with all moduli multiplied by a factor.
+    /// Returns the finger with all moduli multiplied by a factor.
     ///
     /// # Errors
-    /// [`ImpossibleFinger`] if a modulus is no longer a positive number.
+    /// [`ImpossibleFinger`] if a modulus is no longer positive and finite.
     pub fn with_modulus_factor(&self, factor: f64) -> Result<Finger, ImpossibleFinger> {
         let mut description = self.description.clone();
         description.front.youngs_modulus_mpa *= factor;
@@ -330,14 +330,14 @@ impl Finger {
 /// One of the two side plates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Plate {
-    /// The contact side, +y.
+    /// The plate on the contact side, +y.
     Front,
-    /// The other side, -y.
+    /// The plate on the far side, -y.
     Back,
 }
 
 impl Plate {
-    /// Where it stands in pairs of front and back.
+    /// Index of the plate in pairs of front and back.
     pub(crate) fn index(self) -> usize {
         usize::from(self == Plate::Back)
     }

@@ -1,9 +1,9 @@
-//! A plane frame: nodes, supports and the beams between them, with rigid arms, pins and rigid links.
+//! A plane frame: nodes, supports, and beams with rigid arms, pins and rigid links.
 //!
-//! The solvers in [`crate::statics`] see this; [`crate::mesh`] makes one from a finger, problems build theirs by hand.
+//! The solvers in [`crate::statics`] work on a frame. [`crate::mesh`] builds it from a finger; reference problems build their own.
 //!
-//! Translations belong to nodes. Rotations are separate: a node carries one, the *rotation slot* that its beams are clamped to, but a pin gives a
-//! beam end a slot of its own, and a rigid link lets two nodes share one. So hinges and undeformable members are exact, without penalty stiffness.
+//! Translations belong to nodes; rotations are numbered separately. The beams at a node are clamped to its *rotation slot*. A pin gives a beam end a
+//! separate slot, and a rigid link lets two nodes share one. Hinges and undeformable members are therefore exact, without penalty stiffness.
 
 mod equations;
 mod links;
@@ -21,28 +21,28 @@ use crate::number::Number;
 use links::RigidLink;
 use nalgebra::Vector2;
 
-/// Index of a node of a frame, from 0.
+/// Index of a node in a frame, from 0.
 pub type NodeIndex = usize;
 /// Index of a rotation slot, from 0; node `n` starts with slot `n`.
 pub type RotationSlot = usize;
 
-/// Axial and bending rigidity of a section.
+/// Axial and bending rigidity of a cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
-    /// EA, N.
+    /// Axial rigidity EA, N.
     pub axial_rigidity_n: f64,
-    /// EI, N mm^2.
+    /// Bending rigidity EI, N mm^2.
     pub bending_rigidity_nmm2: f64,
 }
 
 impl Section {
-    /// A rectangular strip of the given thickness (in the plane) and depth (out of it), for Young's modulus in MPa.
+    /// A rectangular strip with the given in-plane thickness, out-of-plane depth and Young's modulus.
     pub fn rectangle(thickness_mm: f64, depth_mm: f64, youngs_modulus_mpa: f64) -> Section {
         let axial_rigidity_n = youngs_modulus_mpa * depth_mm * thickness_mm;
         Section { axial_rigidity_n, bending_rigidity_nmm2: axial_rigidity_n * thickness_mm * thickness_mm / 12.0 }
     }
 
-    /// The same section with its modulus multiplied by a factor.
+    /// Returns the section with its modulus multiplied by a factor.
     pub fn scaled(self, factor: f64) -> Section {
         Section {
             axial_rigidity_n: self.axial_rigidity_n * factor,
@@ -51,18 +51,18 @@ impl Section {
     }
 }
 
-/// Where a beam ends: at a node, at the end of a rigid arm that turns with `rotation`.
+/// End of a beam: at a node, or at the end of a rigid arm that rotates with `rotation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamEnd<R = f64> {
-    /// The node.
+    /// The node that the end moves with.
     pub node: NodeIndex,
-    /// The rotation the end is clamped to: the node's own, or a pin's.
+    /// Rotation slot that the end is clamped to: the node's or a pin's.
     pub rotation: RotationSlot,
-    /// From the node to the end of the beam, undeformed, mm; zero without an arm.
+    /// Undeformed vector from the node to the end of the beam, mm; zero without an arm.
     pub arm: Vector2<R>,
 }
 
-/// A beam with its two ends.
+/// An elastic beam with its two ends in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Member<R = f64> {
     /// The elastic part.
@@ -101,13 +101,13 @@ impl PlaneFrame {
         self.nodes.len() - 1
     }
 
-    /// Adds a rotation slot that belongs to no node: a pin for the beams clamped to it.
+    /// Adds a rotation slot without a node: a pin for the beams clamped to it.
     pub fn add_rotation(&mut self) -> RotationSlot {
         self.rotation_fixed.push(false);
         self.rotation_fixed.len() - 1
     }
 
-    /// Holds a node in x, y and rotation, each where `true`.
+    /// Fixes x, y and rotation of a node, each if `true`.
     pub fn support(&mut self, node: NodeIndex, [x, y, rotation]: [bool; 3]) {
         let at = &mut self.nodes[node];
         at.fixed = [x, y];
@@ -119,7 +119,7 @@ impl PlaneFrame {
         BeamEnd { node, rotation: self.nodes[node].rotation, arm: Vector::zeros() }
     }
 
-    /// Adds a beam between two ends. Direction and length follow from the nodes and the arms.
+    /// Adds a beam between two ends and returns its index. Direction and length follow from the nodes and arms.
     pub fn add_member(&mut self, ends: [BeamEnd; 2], section: Section) -> usize {
         let between = self.position(ends[1].node) + ends[1].arm - self.position(ends[0].node) - ends[0].arm;
         let length_mm = between.norm();
@@ -133,7 +133,7 @@ impl PlaneFrame {
         self.members.len() - 1
     }
 
-    /// Adds a beam clamped to both nodes.
+    /// Adds a beam clamped to both nodes and returns its index.
     pub fn add_beam(&mut self, first: NodeIndex, second: NodeIndex, section: Section) -> usize {
         self.add_member([self.clamped_end(first), self.clamped_end(second)], section)
     }
@@ -153,7 +153,7 @@ impl PlaneFrame {
         self.nodes[node].rotation
     }
 
-    /// The beams, in the order in which they were added.
+    /// The beams in the order of their addition.
     pub fn members(&self) -> &[Member] {
         &self.members
     }
@@ -162,36 +162,36 @@ impl PlaneFrame {
 /// Displacements of all nodes and rotations of all slots of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameMotion<R = f64> {
-    /// Displacement of each node, mm.
+    /// Displacement of each node, mm, by node index.
     pub displacements: Vec<Vector2<R>>,
-    /// Rotation of each slot, rad.
+    /// Rotation of each slot, rad, by slot index.
     pub rotations: Vec<R>,
 }
 
 impl FrameMotion {
-    /// The frame at rest.
+    /// The zero motion of a frame.
     pub fn at_rest(frame: &PlaneFrame) -> FrameMotion {
         FrameMotion::of_zeros(frame, 0.0)
     }
 
-    /// Whether nothing is displaced or turned.
+    /// Whether all displacements and rotations are zero.
     pub(crate) fn is_at_rest(&self) -> bool {
         self.displacements.iter().all(|u| *u == Vector::zeros()) && self.rotations.iter().all(|turn| *turn == 0.0)
     }
 
-    /// Largest displacement of a node, mm.
+    /// Largest magnitude of a node's displacement, mm.
     pub fn largest_displacement(&self) -> f64 {
         self.displacements.iter().map(|u| u.norm_squared()).fold(0.0, f64::max).sqrt()
     }
 
-    /// Largest rotation, rad.
+    /// Largest magnitude of a rotation, rad.
     pub fn largest_rotation(&self) -> f64 {
         self.rotations.iter().fold(0.0, |largest, rotation| rotation.abs().max(largest))
     }
 }
 
 impl<R: Number> FrameMotion<R> {
-    /// The frame at rest, in numbers like the one given.
+    /// The zero motion of a frame, in the number type of `like`.
     pub(crate) fn of_zeros(frame: &PlaneFrame, like: R) -> FrameMotion<R> {
         let zero = like.zero();
         FrameMotion {
@@ -200,12 +200,12 @@ impl<R: Number> FrameMotion<R> {
         }
     }
 
-    /// Without nodes.
+    /// A motion without nodes and slots.
     pub(crate) fn empty() -> FrameMotion<R> {
         FrameMotion { displacements: Vec::new(), rotations: Vec::new() }
     }
 
-    /// Copies one lane.
+    /// Copies one lane to a scalar motion.
     pub(crate) fn copy_lane(&self, lane: usize, motion: &mut FrameMotion) {
         for (u, lanes) in motion.displacements.iter_mut().zip(&self.displacements) {
             (u.x, u.y) = (lanes.x.lane(lane), lanes.y.lane(lane));
@@ -215,7 +215,7 @@ impl<R: Number> FrameMotion<R> {
         }
     }
 
-    /// Overwrites one lane.
+    /// Overwrites one lane by a scalar motion.
     pub(crate) fn set_lane(&mut self, lane: usize, motion: &FrameMotion) {
         for (lanes, u) in self.displacements.iter_mut().zip(&motion.displacements) {
             lanes.x.set_lane(lane, u.x);

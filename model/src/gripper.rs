@@ -1,7 +1,7 @@
-//! The gripper's slider-rocker linkage: from the motor's angle to where its two fingers stand.
+//! The gripper's slider-rocker linkage: from the motor's angle to the placement of its two fingers.
 //!
-//! A screw moves a nut along the axis between two mirrored linkages. In each, a rocker turns about a joint that is fixed to the
-//! gripper, and a link goes from the rocker's end to the nut. The finger stands on the link.
+//! A screw moves a nut along the axis between two mirrored linkages. In each, a rocker rotates about a joint fixed to the gripper, and
+//! a link connects the rocker's end to the nut. The finger is mounted on the link.
 
 mod budget;
 mod placement;
@@ -13,16 +13,16 @@ use crate::{Finger, Vector};
 use nalgebra::Rotation2;
 use std::f64::consts::PI;
 
-/// Sine of the angle between rocker and link below which the pose is singular: the nut then moves both no further.
+/// Sine of the angle between rocker and link below which a pose counts as singular, at the end of the nut's reach.
 const SINGULAR_SINE: f64 = 1e-6;
 
-/// The lengths of the linkage.
+/// Dimensions of the linkage.
 ///
 /// # Frame
-/// The mechanism frame: origin in the fixed joint of one rocker, y along the screw, nut at (l4, l3); mirror axis x = l4.
+/// The mechanism frame has its origin at the fixed joint of one rocker and y along the screw. The nut is at (l4, l3), the mirror axis at x = l4.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GripperDescription {
-    /// Way of the nut in one turn of the motor, mm; p_s of eq. (6).
+    /// Travel of the nut in one revolution of the motor, mm; p_s of eq. (6).
     pub screw_pitch_mm: f64,
     /// Height of the nut at motor angle 0, mm; l03 of eq. (6).
     pub slider_mm: f64,
@@ -30,43 +30,43 @@ pub struct GripperDescription {
     pub link_mm: [f64; 2],
     /// Distance of the fixed joint from the screw's axis, mm; l4 of eq. (7).
     pub fixed_joint_mm: f64,
-    /// Which way the linkage is put together.
+    /// Assembly mode of the linkage.
     pub assembly: Assembly,
 }
 
-/// Which of the two ways in which a linkage closes it is put together at motor angle 0; it keeps to it.
+/// Assembly mode: which of the two closures the linkage has at motor angle 0; it keeps that closure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Assembly {
-    /// The joint of rocker and link is the farther of the two from the screw's axis.
+    /// The joint of rocker and link is at the position farther from the screw's axis.
     #[default]
     Outer,
-    /// It is the nearer one.
+    /// The joint of rocker and link is at the position nearer to the screw's axis.
     Inner,
 }
 
-/// A linkage that does not close at motor angle 0.
+/// A linkage that cannot close at motor angle 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
     "expected rocker and link that reach from nut to fixed joint, {apart_mm:.2} mm at motor angle 0, found a reach of \
      {shortest_mm:.2} to {longest_mm:.2} mm"
 )]
 pub struct ImpossibleLinkage {
-    /// The least distance that the links bridge, mm.
+    /// Smallest distance that rocker and link can bridge, mm.
     pub shortest_mm: f64,
-    /// The largest, mm.
+    /// Largest distance that rocker and link can bridge, mm.
     pub longest_mm: f64,
-    /// The distance at motor angle 0, mm.
+    /// Distance from the fixed joint to the nut at motor angle 0, mm.
     pub apart_mm: f64,
 }
 
-/// A gripper of two mirrored fingers on a linkage that closes.
+/// A gripper with two mirrored fingers and a valid linkage.
 ///
 /// # Reference
 /// Xu et al. (IEEE T-RO 2021), eqs (6)-(9).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gripper {
     description: GripperDescription,
-    /// On which side of the line from the fixed joint to the nut the joint of rocker and link is: 1 on the left, -1 on the right.
+    /// Side of the joint of rocker and link, seen from the fixed joint towards the nut: 1 on the left, -1 on the right.
     side: f64,
 }
 
@@ -77,32 +77,32 @@ pub struct LinkagePose {
     pub slider_mm: f64,
     /// Inclination of the rocker, rad; phi1 of eqs (7) and (8).
     pub phi1_rad: f64,
-    /// Inclination of the link, rad; phi2. The finger is turned by it.
+    /// Inclination of the link, rad; phi2 of eqs (7) and (8). The finger rotates with the link.
     pub phi2_rad: f64,
-    /// Where the middle of the finger's base line is, mechanism frame, mm; P of eq. (9).
+    /// Middle of the finger's base line, mechanism frame, mm; P of eq. (9).
     pub base: Vector,
 }
 
 impl LinkagePose {
-    /// Whether rocker and link lie on one line: the end of the nut's reach, where the derivative of the opening is infinite.
+    /// Whether rocker and link are collinear: the end of the nut's reach, where the derivative of the opening is infinite.
     pub fn is_singular(&self) -> bool {
         (self.phi1_rad + self.phi2_rad).sin().abs() < SINGULAR_SINE
     }
 
-    /// A point of the finger frame in the mechanism frame, mm: in eq. (9) its axes come in the other order.
+    /// Position of a point of the finger frame in the mechanism frame, mm. Eq. (9) has the finger's axes in reverse order.
     pub fn in_mechanism(&self, point: Vector) -> Vector {
         self.base + Rotation2::new(self.phi2_rad) * point.yx()
     }
 }
 
 impl Gripper {
-    /// Checks that the linkage closes. Lengths of links and pitch are above zero.
+    /// Checks that the linkage closes. The lengths of the links and the pitch must be positive.
     ///
     /// # Errors
-    /// [`ImpossibleLinkage`].
+    /// [`ImpossibleLinkage`] if rocker and link cannot reach from the fixed joint to the nut at motor angle 0.
     pub fn new(description: GripperDescription) -> Result<Gripper, ImpossibleLinkage> {
         let GripperDescription { slider_mm, assembly, .. } = description;
-        // Left of a line that goes upwards is away from the screw's axis.
+        // Left of a line that points upwards is away from the screw's axis.
         let outer = if slider_mm < 0.0 { -1.0 } else { 1.0 };
         let side = if assembly == Assembly::Outer { outer } else { -outer };
         let gripper = Gripper { description, side };
@@ -116,27 +116,27 @@ impl Gripper {
         }
     }
 
-    /// Its lengths.
+    /// Dimensions of the linkage.
     pub fn description(&self) -> &GripperDescription {
         &self.description
     }
 
-    /// Height of the nut at a motor angle in degrees, mm: eq. (6).
+    /// Height of the nut at a motor angle in degrees, mm, by eq. (6).
     pub fn slider_mm(&self, motor_deg: f64) -> f64 {
         self.description.slider_mm + motor_deg / 360.0 * self.description.screw_pitch_mm
     }
 
-    /// Motor angle in degrees that brings the nut to a height in mm.
+    /// Motor angle at which the nut has a height in mm, degrees.
     fn motor_deg(&self, slider_mm: f64) -> f64 {
         (slider_mm - self.description.slider_mm) / self.description.screw_pitch_mm * 360.0
     }
 
-    /// The pose at a motor angle in degrees; `None` out of reach.
+    /// Pose at a motor angle in degrees; `None` out of reach.
     pub fn pose(&self, motor_deg: f64) -> Option<LinkagePose> {
         self.with_slider(self.slider_mm(motor_deg))
     }
 
-    /// The pose at a height of the nut: where the circles of rocker and link meet.
+    /// Pose at a height of the nut in mm, from the intersection of the circles of rocker and link; `None` out of reach.
     fn with_slider(&self, slider_mm: f64) -> Option<LinkagePose> {
         let [rocker, link] = self.description.link_mm;
         let nut = Vector::new(self.description.fixed_joint_mm, slider_mm);
@@ -152,19 +152,19 @@ impl Gripper {
         })
     }
 
-    /// Whether the nut comes there from motor angle 0 without links that are too long in between.
+    /// Whether the nut can move from motor angle 0 to a height without the linkage being too long in between.
     fn is_on_the_same_way(&self, slider_mm: f64) -> bool {
         self.least_slider_mm().is_none() || slider_mm.signum() == self.description.slider_mm.signum()
     }
 
-    /// The least distance of the nut from the height of the fixed joint, mm, where the links do not let it pass there.
+    /// Smallest distance of the nut from the height of the fixed joint, mm; `None` if the links let it pass that height.
     fn least_slider_mm(&self) -> Option<f64> {
         let [rocker, link] = self.description.link_mm;
         let square = (rocker - link).powi(2) - self.description.fixed_joint_mm.powi(2);
         (square >= 0.0).then(|| square.sqrt())
     }
 
-    /// Where the fingers stand in the gripper's frame, left first: origin on the screw's axis, x to the right, y to the tips.
+    /// Placements of the fingers in the gripper's frame, left first. Origin on the screw's axis, x to the right, y towards the tips.
     pub fn fingers(&self, pose: &LinkagePose) -> [Placement; 2] {
         let across = Vector::new(self.description.fixed_joint_mm, 0.0);
         let left = Placement { origin: pose.base - across, angle_rad: 0.5 * PI + pose.phi2_rad, mirrored: true };
@@ -184,16 +184,16 @@ impl Gripper {
         ends.map(|slider_mm| self.motor_deg(slider_mm))
     }
 
-    /// Distance between the tips of the undeformed fingers, mm; negative where they would have passed each other.
+    /// Distance between the tips of the undeformed fingers, mm; negative if they have passed each other.
     pub fn opening_mm(&self, finger: &Finger, pose: &LinkagePose) -> f64 {
         2.0 * (self.description.fixed_joint_mm - pose.in_mechanism(finger.position(finger.tip())).x)
     }
 
-    /// By how much a turn of the motor opens the gripper, mm; `None` in a singular pose.
+    /// Change of the opening per revolution of the motor, mm; `None` in a singular pose.
     ///
     /// # Reference
-    /// With eq. (7) the opening is 2 r cos(phi2 - beta), see [`motor_deg_for_opening`](Gripper::motor_deg_for_opening); differentiating eqs (7) and
-    /// (8), d phi2 / d l3 = sin phi1 / (l2 sin(phi1 + phi2)).
+    /// By eq. (7) the opening is 2 r cos(phi2 - beta), see [`motor_deg_for_opening`](Gripper::motor_deg_for_opening). The derivatives of eqs (7)
+    /// and (8) give d phi2 / d l3 = sin phi1 / (l2 sin(phi1 + phi2)).
     pub fn opening_per_turn_mm(&self, finger: &Finger, pose: &LinkagePose) -> Option<f64> {
         let [radius_mm, beta_rad] = self.opening_arm(finger);
         let LinkagePose { phi1_rad, phi2_rad, .. } = *pose;
@@ -202,11 +202,11 @@ impl Gripper {
         (!pose.is_singular()).then_some(by_turn_mm * turn_per_mm * self.description.screw_pitch_mm)
     }
 
-    /// The motor angle, deg, that opens the undeformed gripper by `opening_mm` from tip to tip: the nearest to 0, if any.
+    /// Motor angle nearest to 0, degrees, at which the undeformed gripper has the opening `opening_mm` between the tips; `None` if there is none.
     ///
     /// # Reference
-    /// With eq. (7), the x of the joint is l4 - l2 cos phi2, so that the distance from tip to tip is 2 ((l2 - y) cos phi2 + x sin phi2) for a tip at (x, y) of
-    /// the finger frame: one cosine. Eq. (7) then gives phi1, and eq. (8) l3.
+    /// By eq. (7), the joint has x = l4 - l2 cos phi2. The opening is therefore 2 ((l2 - y) cos phi2 + x sin phi2) for a tip at (x, y) of the finger
+    /// frame, a single cosine. Eq. (7) then gives phi1, and eq. (8) l3.
     pub fn motor_deg_for_opening(&self, finger: &Finger, opening_mm: f64) -> Option<f64> {
         let [rocker, link] = self.description.link_mm;
         let [radius_mm, beta_rad] = self.opening_arm(finger);
@@ -217,7 +217,7 @@ impl Gripper {
             [phi1_rad, -phi1_rad]
                 .map(|phi1_rad| (phi2_rad, self.motor_deg(rocker * phi1_rad.sin() + link * phi2_rad.sin())))
         });
-        // Of the heights that fit, those whose pose is on the side on which the linkage is put together. What is not a number has no pose.
+        // Keeps the heights whose pose has the assembly mode of this linkage; angles that are not a number have no pose.
         let reached = motor_deg.filter(|(phi2_rad, motor_deg)| {
             let turned = self.pose(*motor_deg).map(|pose| (pose.phi2_rad - phi2_rad).rem_euclid(2.0 * PI));
             turned.is_some_and(|turned| turned.min(2.0 * PI - turned) < SINGULAR_SINE)
@@ -225,7 +225,7 @@ impl Gripper {
         reached.map(|(_, motor_deg)| motor_deg).min_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
-    /// Half of the opening is r cos(phi2 - beta): r in mm and beta in rad.
+    /// Half of the opening is r cos(phi2 - beta). Returns r in mm and beta in rad.
     fn opening_arm(&self, finger: &Finger) -> [f64; 2] {
         let tip = finger.position(finger.tip());
         let inwards = self.description.link_mm[1] - tip.y;

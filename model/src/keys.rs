@@ -1,6 +1,6 @@
-//! The keys of scene files: one entry a key, from which the reader, its errors, the reference and the checks of [`Finger`] follow.
+//! The keys of scene files, one entry per key. The reader, its errors, the reference and the checks of [`Finger`] follow from the entry.
 //!
-//! A table of the scene is a static ([`FINGER`], [`CAMERA`], ...) of its keys. To add a key: an entry in `tables`, and a line where it is read.
+//! Each table of a scene is a static ([`FINGER`], [`CAMERA`], ...) whose fields are its keys. A new key needs an entry in `tables` and a line that reads it.
 //!
 //! [`Finger`]: crate::Finger
 
@@ -18,47 +18,47 @@ pub use tables::*;
 
 use std::ops::Deref;
 
-/// Whether a scene must have a key, and what holds without it.
+/// Whether a scene must have a key, and the value without it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Need<V> {
-    /// It must.
+    /// The key is required.
     Required,
-    /// It must in the case that is said, as "unless rigid".
+    /// The key is required in the stated case, for instance "unless rigid".
     RequiredIf(&'static str),
-    /// It must where the table's `shape` is this one, and must not where it is another.
+    /// The key is required if the table's `shape` is this one, and rejected for other shapes.
     Of(&'static str),
-    /// This value holds without it.
+    /// The key has this default.
     Or(V),
-    /// It may be left out.
+    /// The key is optional and has no default.
     Optional,
 }
 
-/// A key of a table.
+/// A key of a table, with its kind of value, need and meaning.
 #[derive(Debug)]
 pub struct Key<K: Kind> {
     table: &'static str,
-    /// Its name in the table.
+    /// Name in the table.
     pub name: &'static str,
-    /// Which values it takes.
+    /// Kind and range of its values.
     pub kind: K,
-    /// Whether it must be there.
+    /// Whether a scene must have it, and its default.
     pub need: Need<K::Value>,
-    /// What it means.
+    /// Meaning of the key, as the reference prints it.
     pub says: &'static str,
 }
 
 impl<K: Kind> Key<K> {
-    /// Its path in the scene, as errors name it: `finger.ribs.count`.
+    /// Path in the scene, as in errors: `finger.ribs.count`.
     pub fn path(&self) -> String {
         joined(self.table, self.name)
     }
 
-    /// Its path in one of several tables, counted from 1: `finger.zone[2].to_mm`.
+    /// Path in one of several tables, numbered from 1: `finger.zone[2].to_mm`.
     pub fn path_in(&self, number: usize) -> String {
         format!("{}[{number}].{}", self.table, self.name)
     }
 
-    /// What holds without it, where that is fixed.
+    /// Default value, if the key has one.
     pub fn default(&self) -> Option<&K::Value> {
         match &self.need {
             Need::Or(value) => Some(value),
@@ -66,10 +66,10 @@ impl<K: Kind> Key<K> {
         }
     }
 
-    /// Checks a value against the key's range.
+    /// Checks a value against the range of the key.
     ///
     /// # Errors
-    /// [`Refused`] with the range and the value.
+    /// [`Refused`] with the range and the value, if the value lies outside.
     pub fn check(&self, value: &K::Value) -> Result<(), Refused> {
         match self.kind.outside(value) {
             None => Ok(()),
@@ -77,7 +77,7 @@ impl<K: Kind> Key<K> {
         }
     }
 
-    /// What the reference says of it.
+    /// The entry of the reference.
     fn entry(&self) -> Entry {
         let need = match &self.need {
             Need::Required => "required".to_owned(),
@@ -95,35 +95,35 @@ impl<K: Kind> Key<K> {
     }
 }
 
-/// A key without its type.
+/// Description of a key for the reference, independent of its type.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// Its name in the table.
+    /// Name in the table.
     pub name: &'static str,
-    /// Which values it takes: quantity, unit and range.
+    /// Quantity, unit and range of its values.
     pub values: String,
-    /// Whether it must be there, and its default.
+    /// Whether a scene must have it, and its default, in words.
     pub need: String,
-    /// Whether it must be there in any case.
+    /// Whether every scene with the table must have it.
     pub is_required: bool,
-    /// The shape that has it, where others have not.
+    /// The only shape that has the key; `None` if all have it.
     pub shape: Option<&'static str>,
-    /// What it means.
+    /// Meaning of the key, as the reference prints it.
     pub says: &'static str,
 }
 
-/// How often a table stands in a scene.
+/// Number of times that a table may occur in a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Occurs {
-    /// Once.
+    /// Exactly once.
     Once,
-    /// Once or not at all.
+    /// At most once.
     Optional,
     /// Any number of times, as `[[finger.zone]]`.
     Many,
 }
 
-/// A table of the scene. Its keys are fields.
+/// A table of the scene; its keys are the fields of `K`.
 #[derive(Debug)]
 pub struct Table<K> {
     path: &'static str,
@@ -142,27 +142,27 @@ impl<K> Deref for Table<K> {
 
 /// The keys of a table as a list.
 pub trait KeyList {
-    /// All of them, in the order of the reference.
+    /// Entries of all keys, in the order of the reference.
     fn entries(&self) -> Vec<Entry>;
 }
 
-/// A table of the scene, whatever its keys.
+/// A table of the scene, independent of the type of its keys.
 pub trait SceneTable: Sync {
-    /// Its path, `finger.ribs`; empty for the keys above all tables.
+    /// Path, for instance `finger.ribs`; empty for the keys above all tables.
     fn path(&self) -> &'static str;
-    /// How often it stands in a scene.
+    /// Number of times that it may occur in a scene.
     fn occurs(&self) -> Occurs;
-    /// What it describes.
+    /// Meaning of the table, as the reference prints it.
     fn says(&self) -> &'static str;
-    /// Its keys.
+    /// Entries of its keys, in the order of the reference.
     fn entries(&self) -> Vec<Entry>;
 
-    /// Its name in the table around it.
+    /// Name within its parent table.
     fn name(&self) -> &'static str {
         self.path().rsplit('.').next().unwrap_or_default()
     }
 
-    /// Names of all that may stand in it: keys, then tables.
+    /// Names of all keys, then of all tables, that it may contain.
     fn known(&self) -> Vec<&'static str> {
         let inner = TABLES.iter().filter(|table| {
             let around = table.path().rsplit_once('.').map_or("", |(around, _)| around);
@@ -171,13 +171,13 @@ pub trait SceneTable: Sync {
         self.entries().into_iter().map(|entry| entry.name).chain(inner.map(|table| table.name())).collect()
     }
 
-    /// What is missing where a scene lacks the table: `[gripper]` with its required keys.
+    /// Text for a missing table: `[gripper]` with its required keys.
     fn outline(&self) -> String {
         let required = self.entries().into_iter().filter(|entry| entry.is_required).map(|entry| entry.name);
         self.with(&required.collect::<Vec<_>>())
     }
 
-    /// The table with some of its keys: `[grasp] with motor_deg`.
+    /// Text for the table with some of its keys: `[grasp] with motor_deg`.
     fn with(&self, names: &[&str]) -> String {
         match names {
             [] => format!("[{}]", self.path()),
@@ -205,7 +205,7 @@ impl<K: KeyList + Sync> SceneTable for Table<K> {
     }
 }
 
-/// The path of a name in a table.
+/// Path of a name in a table.
 pub(crate) fn joined(table: &str, name: &str) -> String {
     if table.is_empty() { name.to_owned() } else { format!("{table}.{name}") }
 }

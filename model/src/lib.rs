@@ -1,23 +1,23 @@
-//! Beam model of a compliant fin-ray finger, and force sensing through its deformation.
+//! Beam model of a compliant fin-ray finger, and estimation of contact forces from its deformation.
 //!
 //! # Entry points
-//! - From what was seen to a force: [`sensor::Sensor`] senses the forces in an [`observation::Observation`]. `finray-imaging` makes observations of
-//!   images; its example `force_from_image` goes from an image file to a force.
+//! - From an observation to a force: [`sensor::Sensor`] estimates the forces of an [`observation::Observation`]. `finray-imaging` makes observations
+//!   from images; its example `force_from_image` goes from an image file to a force.
 //! - From a force to a shape: [`statics::solve`].
-//! - From measured forces to a finger: [`calibration::factors`] (moduli), [`calibration::calibrate_rig`] (finger, camera and friction from images).
-//! - From a scene file to a finger: [`Scene::from_toml`]; [`keys`] has every key.
-//!
+//! - From measured forces to a calibrated finger: [`calibration::factors`] (moduli), [`calibration::calibrate_rig`] (finger, camera and friction from
+//!   images).
+//! - From a scene file to a finger: [`Scene::from_toml`]; [`keys`] lists every key.
 //! # Conventions
-//! Units are N, mm, MPa and rad throughout; a name says where a value is in another unit (`angle_deg`). The finger frame has its origin in the middle of
-//! the base line, x from the base towards the tip, y along the base line towards the front plate (the contact side); rotations count from x to y.
-//! Angles of forces count from the front plate's undeformed inward normal, positive towards the tip. `sd` and `sigma` are standard deviations.
+//! Units are N, mm, MPa and rad; a name states any other unit (`angle_deg`). The finger frame has its origin at the middle of the base line. Its x axis
+//! points from the base towards the tip, its y axis along the base line towards the front plate (the contact side). Rotations are positive from x to y.
+//! Angles of forces are measured from the inward normal of the undeformed front plate, positive towards the tip. `sd` and `sigma` are standard deviations.
 //!
-//! Data flows one way: a [`Scene`] describes a [`Finger`], a [`Mesh`] divides it into beam elements, [`statics`] finds its equilibrium under
-//! [`Load`]s, an [`observation`] keeps what a camera sees of it, [`estimators`] and the [`sensor`] go back from there to the contact forces.
+//! Data flows one way. A [`Scene`] describes a [`Finger`], a [`Mesh`] divides it into beam elements, and [`statics`] solves for its equilibrium under
+//! [`Load`]s. An [`observation`] holds the markers that a camera sees; [`estimators`] and the [`sensor`] estimate the contact forces from it.
 //!
-//! The crate is pure: it reads no files, prints nothing, knows no clock and draws no random numbers but from a seed.
+//! The crate is pure: it reads no files, prints nothing, uses no clock, and draws random numbers only from a given seed.
 //!
-//! nalgebra holds vectors, blocks of fixed size and small dense systems. sprs assembles the sparse stiffness of a mesh, which faer factors.
+//! nalgebra provides vectors, small fixed-size matrices and small dense systems. sprs assembles the sparse stiffness of a mesh, and faer factors it.
 //!
 //! ```
 //! use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, statics};
@@ -26,7 +26,7 @@
 //! let mesh = Mesh::key_nodes(&scene.finger);
 //! let load = Load::at_node(NodeId(19), scene.finger.direction(0.0) * 2.0);
 //! let shape = statics::solve(&mesh, &[load], Kinematics::Corotational)?;
-//! assert!(shape.motion(NodeId(19)).displacement.norm() > 1.0); // it gives way by more than a millimetre
+//! assert!(shape.motion(NodeId(19)).displacement.norm() > 1.0); // it yields by more than 1 mm
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]

@@ -1,7 +1,7 @@
 //! A finger divided into beam elements.
 //!
-//! Members are the pieces of plate between key nodes, and the ribs. Each is divided evenly between its rigid arms.
-//! Node `n` of the finger is node `n - 1` of the frame; the joints of ribs on brackets come next, then nodes made by refinement.
+//! Members are the segments of the plates between key nodes, and the ribs. Each member is divided evenly between its rigid arms.
+//! Key node `n` of the finger is node `n - 1` of the frame. The joints of ribs on brackets follow, then the nodes of refinement.
 
 mod apportion;
 mod build;
@@ -19,39 +19,39 @@ use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame};
 use build::{hinge_node, line_lengths};
 use prepared::Prepared;
 
-/// Points at which a normal is taken that is averaged over a length of plate.
+/// Number of points over which the normal of a plate segment is averaged.
 const NORMALS: usize = 5;
 
-/// Too few or too many nodes for a mesh.
+/// The requested number of mesh nodes is too small or too large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("expected {fewest} (the key nodes alone) to {MOST_NODES} mesh nodes, found {found}")]
 pub struct MeshSizeError {
-    /// The smallest mesh of this finger.
+    /// Number of nodes of the coarsest mesh of this finger.
     pub fewest: usize,
-    /// The number that was given.
+    /// Requested number of nodes.
     pub found: usize,
 }
 
-/// Largest mesh that is made, far beyond any use.
+/// Largest number of mesh nodes, far beyond any practical use.
 const MOST_NODES: usize = 200_000;
 
-/// A member, as the nodes along it.
+/// A member of the finger with the nodes and elements along it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// Its part.
+    /// The part of the finger.
     pub part: Part,
-    /// Frame nodes from one key node to the other, both included; of a rib on brackets from joint to joint.
+    /// Frame nodes from one key node to the other, both included; for a rib on brackets, from joint to joint.
     pub nodes: Vec<NodeIndex>,
-    /// Its elements in the same order, as members of the frame; empty for a rib that does not deform, and between ribs that share a junction.
+    /// Indices of its elements in the frame, in the same order; empty for an undeformable rib, and between ribs that share a junction.
     pub members: std::ops::Range<usize>,
 }
 
-/// A piece of the front plate that a load may stand on.
+/// A segment of the front plate that can carry a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FrontSpan {
-    /// A rigid arm and the node it belongs to.
+    /// A rigid arm, and the position of its node along the plate, mm from the base.
     Arm { end: BeamEnd, node_mm: f64 },
-    /// An elastic element.
+    /// An elastic element, with its start and end along the plate, mm from the base.
     Element { member: usize, from_mm: f64, to_mm: f64 },
 }
 
@@ -61,27 +61,27 @@ pub struct Mesh {
     finger: Finger,
     frame: PlaneFrame,
     lines: Vec<Line>,
-    /// Lines that can be computed side by side; see [`Mesh::alike_lines`].
+    /// Indices of lines that can be computed in lanes; see [`Mesh::alike_lines`].
     alike: Vec<Vec<usize>>,
-    /// Pieces of the front plate from base to tip, each with the position where it ends.
+    /// Segments of the front plate from base to tip, each after the position of its end, mm from the base.
     front: Vec<(f64, FrontSpan)>,
-    /// Elements of each line, the base line last.
+    /// Number of elements of each line; the base line is last.
     elements: Vec<usize>,
     node_count: usize,
     prepared: Prepared,
 }
 
 impl Mesh {
-    /// The coarsest mesh: one element a member, 25 nodes for the paper's finger.
+    /// The coarsest mesh, with one element per member; 25 nodes for the paper's finger.
     pub fn key_nodes(finger: &Finger) -> Mesh {
         Mesh::build(finger, &vec![1; line_lengths(finger).len()])
     }
 
-    /// A mesh of `nodes` nodes. Members and base line share `nodes - key nodes + lines` elements by length (largest
-    /// remainder), at least one each; those of the base line, between two clamps, are only counted.
+    /// A mesh of `nodes` nodes. Members and base line share `nodes - key nodes + lines` elements in proportion to length (largest
+    /// remainder), at least one each. Elements of the base line, between two clamps, are counted but not built.
     ///
     /// # Errors
-    /// [`MeshSizeError`] for fewer nodes than key nodes, or absurdly many.
+    /// [`MeshSizeError`] for fewer nodes than key nodes, or more than 200 000.
     pub fn with_nodes(finger: &Finger, nodes: usize) -> Result<Mesh, MeshSizeError> {
         let fewest = finger.key_node_count();
         if !(fewest..=MOST_NODES).contains(&nodes) {
@@ -96,42 +96,42 @@ impl Mesh {
         Mesh::build(finger, &vec![elements.max(1); line_lengths(finger).len()])
     }
 
-    /// The same finger with every element divided into `times`.
+    /// Returns the mesh with every element divided into `times` elements.
     pub fn refined(&self, times: usize) -> Mesh {
         Mesh::build(&self.finger, &self.elements.iter().map(|elements| times.max(1) * elements).collect::<Vec<_>>())
     }
 
-    /// Whether a member is one element only.
+    /// Whether any member consists of a single element.
     pub fn has_single_elements(&self) -> bool {
         self.lines.iter().any(|line| line.members.len() == 1)
     }
 
-    /// Number of elements, those of the base line and of undeformable ribs counted too.
+    /// Number of elements, including those of the base line and of undeformable ribs.
     pub fn element_count(&self) -> usize {
         self.elements.iter().sum()
     }
 
-    /// The finger that is meshed.
+    /// The meshed finger.
     pub fn finger(&self) -> &Finger {
         &self.finger
     }
 
-    /// The frame that stands for the finger.
+    /// The frame of the finger.
     pub fn frame(&self) -> &PlaneFrame {
         &self.frame
     }
 
-    /// The members of the finger, for drawing.
+    /// The members of the finger.
     pub fn lines(&self) -> &[Line] {
         &self.lines
     }
 
-    /// The lines by their index, those together that have the same part and as many elements.
+    /// Groups of line indices. The lines of a group are all ribs or all plate members, and have equal numbers of elements.
     pub(crate) fn alike_lines(&self) -> &[Vec<usize>] {
         &self.alike
     }
 
-    /// Number of nodes, those of the base line and of undeformable ribs counted too.
+    /// Number of nodes, including those of the base line and of undeformable ribs.
     pub fn node_count(&self) -> usize {
         self.node_count
     }
@@ -141,12 +141,12 @@ impl Mesh {
         node.0 - 1
     }
 
-    /// The frame node of a key node's joint with its rib: that of the key node itself without brackets, or without rib.
+    /// The frame node of the joint between a key node and its rib; that of the key node without brackets or without rib.
     pub fn hinge_node(&self, node: NodeId) -> NodeIndex {
         hinge_node(&self.finger, node)
     }
 
-    /// The frame node that the marker of a key node moves with.
+    /// The frame node that moves with the marker of a key node.
     pub fn marker_node(&self, node: NodeId) -> NodeIndex {
         match self.finger.description().markers_on {
             MarkerPoints::Junctions => self.frame_node(node),
@@ -154,7 +154,7 @@ impl Mesh {
         }
     }
 
-    /// From a key node to its marker, mm, in its current direction, or undeformed.
+    /// Vector from a key node to its marker, mm: undeformed if `linear`, else in the given motion.
     pub(crate) fn marker_lever(&self, node: NodeId, motion: &FrameMotion, linear: bool) -> Vector {
         let undeformed = self.finger.marker_offset(node);
         if linear {
@@ -163,10 +163,10 @@ impl Mesh {
         undeformed + motion.displacements[self.marker_node(node)] - motion.displacements[self.frame_node(node)]
     }
 
-    /// Turn of the front plate's normal where a load acts, rad: the mean over a length of plate about it, cut at its ends.
+    /// Rotation of the front plate's normal at a load, rad: the mean over a segment of length `over_mm` about it, cut at the plate's ends.
     ///
     /// # Errors
-    /// [`LoadError`] as of [`frame_load`](Mesh::frame_load).
+    /// [`LoadError`] as for [`frame_load`](Mesh::frame_load).
     pub(crate) fn normal_turn(&self, motion: &FrameMotion, load: &Load, over_mm: f64) -> Result<f64, LoadError> {
         let at = |load: &Load| Ok(self.frame.rotation_at(motion, &self.frame_load(load)?));
         let middle_mm = match *load {
@@ -184,19 +184,19 @@ impl Mesh {
         Ok(sum / NORMALS as f64)
     }
 
-    /// A point of the deformed front plate's middle line, mm.
+    /// Position of a point on the middle line of the deformed front plate, mm, finger frame; `s_mm` counts from the base.
     ///
     /// # Errors
-    /// [`LoadError`] for a position that is not on the front plate.
+    /// [`LoadError`] for a position off the front plate.
     pub(crate) fn front_point(&self, motion: &FrameMotion, s_mm: f64) -> Result<Vector, LoadError> {
         let load = self.frame_load(&Load::at_position(s_mm, Vector::zeros()))?;
         Ok(self.finger.plate_point(Plate::Front, s_mm) + self.frame.displacement_at(motion, &load))
     }
 
-    /// Places a load on the frame.
+    /// Converts a load on the finger to a load on the frame.
     ///
     /// # Errors
-    /// [`LoadError`] for a node that is missing or clamped, or a position that is not on the front plate.
+    /// [`LoadError`] for a node that is missing or clamped, or for a position off the front plate.
     pub fn frame_load(&self, load: &Load) -> Result<FrameLoad, LoadError> {
         match *load {
             Load::Node { node, force, moment_nmm } => {
@@ -228,7 +228,7 @@ impl Mesh {
         }
     }
 
-    /// Motions of the key nodes in a motion of the frame.
+    /// Motions of the key nodes, given a motion of the frame.
     pub fn shape(&self, motion: &FrameMotion) -> FingerShape {
         let motions = (1..=self.finger.key_node_count())
             .map(NodeId)

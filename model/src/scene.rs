@@ -1,4 +1,4 @@
-//! The scene file: TOML text to a checked [`Finger`].
+//! Reading of scene files: from TOML text to a checked [`Finger`] and its surroundings.
 
 mod camera;
 mod contact;
@@ -28,54 +28,54 @@ use crate::sensing::{AssemblyErrors, UnloadedError};
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
 
-/// What a scene file describes.
+/// Contents of a scene file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// Its name.
+    /// Name of the scene.
     pub name: String,
     /// The finger.
     pub finger: Finger,
-    /// Up to which strain the material of each part is what the model takes it for, where the scene says so.
+    /// Largest strain at which the material of each part is linear, where the scene states it.
     pub strain_limits: StrainLimits,
-    /// Standard deviation of one measured coordinate, mm, where the scene says so.
+    /// Standard deviation of one measured coordinate, mm; `None` if the scene does not state it.
     pub noise_mm: Option<f64>,
-    /// Errors of markers beside what is stated of each.
+    /// Errors of markers beyond the noise stated for each.
     pub marker_errors: MarkerErrors,
-    /// The camera, where the scene has one.
+    /// The camera, if the scene has one.
     pub camera: Option<CameraDescription>,
-    /// The markers that it sees, where the scene has them.
+    /// The visible markers, if the scene has them.
     pub markers: Option<Markers>,
-    /// How the base is found, where it moves from image to image.
+    /// References and uncertainty of the base, if it moves between images.
     pub base: Option<Base>,
-    /// How the unloaded finger may differ from the one that is described, where the scene says so.
+    /// Possible deviations of the unloaded finger from its description, if the scene states them.
     pub assembly: Option<AssemblyErrors>,
-    /// How objects meet the finger.
+    /// Contact between objects and the finger.
     pub contact: ContactDescription,
-    /// The object that touches the front plate where forces are sensed, where the scene has one.
+    /// The object of known shape that touches the front plate while forces are sensed, if the scene has one.
     pub touched: Option<TouchedDescription>,
-    /// The object that is pressed onto the finger, where the scene has one.
+    /// The object that is pressed onto the finger or grasped, if the scene has one.
     pub object: Option<ObjectDescription>,
-    /// The linkage that moves two such fingers, where the scene has one.
+    /// The linkage that moves two such fingers, if the scene has one.
     pub gripper: Option<Gripper>,
-    /// What the gripper does to the object, where the scene says so.
+    /// How the gripper grasps the object, if the scene states it.
     pub grasp: Option<GraspDescription>,
 }
 
-/// A scene text that cannot be used.
+/// A scene text with an error.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("line {line}: {message}")]
 pub struct SceneError {
-    /// Line of the text, from 1.
+    /// Line in the text, from 1.
     pub line: usize,
-    /// The key and what was expected.
+    /// The key, the expected value and the found value.
     pub message: String,
 }
 
 impl Scene {
-    /// Reads a scene from TOML. Unknown and missing keys, wrong types and impossible geometry are refused.
+    /// Reads a scene from TOML. Rejects unknown and missing keys, wrong types, values out of range and impossible geometry.
     ///
     /// # Errors
-    /// [`SceneError`] with the line, the key and what was expected.
+    /// [`SceneError`] with the line, the key and the expected value.
     pub fn from_toml(text: &str) -> Result<Scene, SceneError> {
         let document = Document::parse(text)?;
         let top = document.top()?;
@@ -175,7 +175,7 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     };
     let rigid = table.is_true(&RIBS.rigid)?;
     let none = positions == RibPositions::Count(0) || positions == RibPositions::Positions(Vec::new());
-    // A material that ribs have no use for must make sense all the same.
+    // The material keys are checked even if rigid ribs do not use them.
     let thickness_mm = table.optional(&RIBS.thickness_mm)?;
     let (strip, thicknesses_mm) = match (&thickness_mm, table.optional(&RIBS.youngs_modulus_mpa)?) {
         _ if rigid => (None, None),

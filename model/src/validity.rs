@@ -1,8 +1,8 @@
-//! Whether the beam model holds in an equilibrium: small strain, negligible shear, no bending out of the plane.
+//! Validity of the beam model in an equilibrium: small strain, negligible shear, no bending out of the plane.
 //!
-//! Euler-Bernoulli beams with stress = E times strain answer any load smoothly. [`Validity`] computes from an equilibrium
-//! what they leave out, and [`Validity::doubts`] compares it with limits: those of the material where a scene states them
-//! ([`StrainLimits`]), otherwise [`LARGEST_STRAIN`]; [`LARGEST_SHEAR_SHARE`] for shear. Undeformable ribs take no part.
+//! Euler-Bernoulli beams with stress = E times strain give a smooth answer under any load. [`Validity`] computes the neglected effects of an
+//! equilibrium. [`Validity::doubts`] compares strains with the material's limits ([`StrainLimits`], by default [`LARGEST_STRAIN`]) and shear
+//! with [`LARGEST_SHEAR_SHARE`]. Undeformable ribs are not examined.
 
 mod doubt;
 
@@ -15,40 +15,40 @@ use crate::mesh::{Line, Load, Mesh};
 use crate::statics::{Statics, StaticsError};
 use crate::{Kinematics, NodeId, Vector};
 
-/// Strain of a fibre up to which stress is taken as E times strain where the material states no limit of its own.
+/// Default fibre strain up to which stress is E times strain, dimensionless, for a material without a stated limit.
 ///
-/// An incompressible rubber in tension carries the stress E / 3 (l - 1 / l^2) at the stretch l (Treloar, The Physics of Rubber Elasticity, 1975, ch.
-/// 5: neo-Hookean), which is E eps (1 - eps + ...): at 5 % strain it is 5 % under E eps, and engineering and logarithmic strain differ by 2.5 %.
-/// Flexural tests of plastics by beam formulas end at this strain of the outer fibre, too (ASTM D790).
+/// An incompressible rubber in tension has the stress E / 3 (l - 1 / l^2) at the stretch ratio l (neo-Hookean; Treloar, The Physics of Rubber
+/// Elasticity, 1975, ch. 5), or E eps (1 - eps + ...). At 5 % strain the stress is 5 % below E eps, and engineering and logarithmic strain differ by
+/// 2.5 %. Flexural tests of plastics by beam formulas also end at this strain of the outer fibre (ASTM D790).
 pub const LARGEST_STRAIN: f64 = 0.05;
 
-/// Elements a member for equilibria that are solved to be examined: shapes are within 0.04 % under 3 N.
+/// Elements per member of equilibria that are solved for examination; shapes are accurate to 0.04 % under 3 N.
 const ELEMENTS: usize = 4;
 
-/// Share of shear in the strain energy up to which Euler-Bernoulli beams are taken.
+/// Largest share of shear in the strain energy at which Euler-Bernoulli beams are valid.
 ///
-/// Loads then move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). That and a strain at its limit
-/// leave a force within 10 %, where the paper's Table I begins to shade errors (Xu et al. 2021, sec. V-A). A cantilever
-/// with a load at its end has this share at a length of 3.5 thicknesses, a member clamped at both ends that sways at 7.
+/// The loads then move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). With a strain at its limit, a force is still
+/// within 10 %, where the paper's Table I begins to shade errors (Xu et al. 2021, sec. V-A). A cantilever with a load at its end has this share
+/// at a length of 3.5 thicknesses; a member clamped at both ends that sways has it at 7.
 pub const LARGEST_SHEAR_SHARE: f64 = 0.05;
 
-/// Shear correction factor of a rectangular section: the energy of the parabolic shear stress
+/// Shear correction factor of a rectangular section, from the energy of the parabolic shear stress
 /// (Timoshenko and Goodier, Theory of Elasticity; Gere and Timoshenko, Mechanics of Materials, form factor 6/5).
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
 
-/// Largest strain that the material of each part bears as the model has it; `None` where the scene states none.
+/// Largest strain at which the material of each part is linear, dimensionless; `None` if the scene states none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StrainLimits {
-    /// Of the front plate.
+    /// Limit of the front plate, dimensionless.
     pub front: Option<f64>,
-    /// Of the back plate.
+    /// Limit of the back plate, dimensionless.
     pub back: Option<f64>,
-    /// Of the ribs.
+    /// Limit of the ribs, dimensionless.
     pub ribs: Option<f64>,
 }
 
 impl StrainLimits {
-    /// Stated limit of a part.
+    /// Stated limit of a part, dimensionless, if any.
     pub fn stated(&self, part: Part) -> Option<f64> {
         match part {
             Part::Front => self.front,
@@ -57,7 +57,7 @@ impl StrainLimits {
         }
     }
 
-    /// The limit of a part: stated, or [`LARGEST_STRAIN`].
+    /// Limit of a part, dimensionless: the stated one, else [`LARGEST_STRAIN`].
     pub fn of(&self, part: Part) -> f64 {
         self.stated(part).unwrap_or(LARGEST_STRAIN)
     }
@@ -66,46 +66,46 @@ impl StrainLimits {
 /// A member of the finger: a segment of a plate between two key nodes, or a rib.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FingerMember {
-    /// Its part.
+    /// Part of the finger.
     pub part: Part,
-    /// The key nodes at its ends.
+    /// Key nodes at its ends.
     pub nodes: [NodeId; 2],
-    /// Free length, without rigid arms, over thickness, of a plate that tapers that of its thickest element.
+    /// Free length (without rigid arms) over thickness, dimensionless; for a tapered plate, over that of its thickest element.
     pub slenderness: f64,
 }
 
-/// The largest strain of a fibre in one part of the finger.
+/// Largest fibre strain in one part of the finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FibreStrain {
-    /// |axial strain| + |curvature| thickness / 2: one of the two outer fibres has both with the same sign.
+    /// Fibre strain |axial strain| + |curvature| thickness / 2, dimensionless; in one of the two outer fibres both have the same sign.
     pub strain: f64,
-    /// Share of it that is strain of the axis, signed.
+    /// Axial strain at that position, dimensionless, signed.
     pub axial_strain: f64,
-    /// The member that it is in.
+    /// Member with that position.
     pub member: FingerMember,
-    /// Where: mm along the plate from its base, along a rib from the back plate.
+    /// Position, mm: along a plate from its base, along a rib from the back plate.
     pub at_mm: f64,
 }
 
-/// Measures of an equilibrium against the assumptions of the beam model.
+/// Measures of an equilibrium that show whether the assumptions of the beam model hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validity {
-    /// The largest strain of each part that deforms: front plate, back plate, ribs.
+    /// Largest strain of each deformable part: front plate, back plate, ribs.
     pub strains: Vec<FibreStrain>,
-    /// Energy of the shear forces, V^2 l / (2 kappa G A) summed over the members, over the strain energy of
-    /// stretching and bending; zero at rest. kappa is [`SHEAR_CORRECTION`], G = E / (2 (1 + nu)).
+    /// Shear energy V^2 l / (2 kappa G A), summed over the members, over the strain energy of elongation and bending; zero at rest. kappa is
+    /// [`SHEAR_CORRECTION`], G = E / (2 (1 + nu)).
     ///
-    /// The loads' work on a linear finger that also shears is larger by at most this share: its section forces
-    /// minimise the complementary energy, and those of Euler-Bernoulli beams are among the admissible ones.
+    /// With shear, the work of the loads on a linear finger is larger by at most this share. Its section forces minimise the complementary
+    /// energy, and those of Euler-Bernoulli beams are admissible.
     pub shear_share: f64,
-    /// The member that holds most of the shear energy; `None` where nothing shears.
+    /// Member with the most shear energy; `None` without shear.
     pub shear_at: Option<FingerMember>,
-    /// Depth over the thickness of the thickest part.
+    /// Depth over the thickness of the thickest element, dimensionless.
     pub depth_ratio: f64,
 }
 
 impl Validity {
-    /// Examines the motion of a mesh in equilibrium with loads, solved with the same kinematics.
+    /// Examines a motion of a mesh in equilibrium with loads; `kinematics` are those of the solution.
     pub fn of(mesh: &Mesh, motion: &FrameMotion, kinematics: Kinematics, loads: &[FrameLoad]) -> Validity {
         let finger = mesh.finger();
         let examined = |line| examine(mesh, line, motion, kinematics, loads);
@@ -128,10 +128,10 @@ impl Validity {
         }
     }
 
-    /// Examines the co-rotational equilibrium of a finger under loads.
+    /// Solves for the co-rotational equilibrium of a finger under loads and examines it.
     ///
     /// # Errors
-    /// [`StaticsError`] where there is none.
+    /// [`StaticsError`] if a load is invalid or no equilibrium exists.
     pub fn under(finger: &Finger, loads: impl Iterator<Item = Load>) -> Result<Validity, StaticsError> {
         let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
         let loads = loads.map(|load| mesh.frame_load(&load)).collect::<Result<Vec<_>, _>>()?;
@@ -139,7 +139,7 @@ impl Validity {
         Ok(Validity::of(&mesh, &found.motion, Kinematics::Corotational, &loads))
     }
 
-    /// The part whose strain is the largest share of its limit.
+    /// Strain of the part that is closest to its limit, by ratio.
     pub fn largest_strain(&self, limits: &StrainLimits) -> Option<&FibreStrain> {
         let share = |strain: &FibreStrain| strain.strain / limits.of(strain.member.part);
         self.strains.iter().max_by(|a, b| share(a).total_cmp(&share(b)))
@@ -148,7 +148,7 @@ impl Validity {
 
 const PARTS: [Part; 3] = [Part::Front, Part::Back, Part::Ribs];
 
-/// Thickness of a beam of rectangular section: a zone changes both rigidities alike. Of a plate that tapers, between those at the element's ends.
+/// Thickness of a beam with rectangular section, mm. A zone scales both rigidities equally. For a tapered plate, a value between those at the element's ends.
 fn thickness_mm(beam: &Beam) -> f64 {
     (12.0 * beam.bending_rigidity_nmm2 / beam.axial_rigidity_n).sqrt()
 }
@@ -161,7 +161,7 @@ struct Examined {
     shear_energy: f64,
 }
 
-/// `None` for a rib that does not deform.
+/// Examines one member; `None` for an undeformable rib.
 fn examine(
     mesh: &Mesh,
     line: &Line,
@@ -179,7 +179,7 @@ fn examine(
         nodes: [NodeId(first + 1), NodeId(last + 1)],
         slenderness: free_mm / thickest_mm,
     };
-    // Where the member's first node is along its part.
+    // Position of the member's first node along its part, mm.
     let origin_mm = match line.part {
         Part::Front => (mesh.frame().position(*first) - finger.base(Plate::Front)).norm(),
         Part::Back => (mesh.frame().position(*first) - finger.base(Plate::Back)).norm(),
@@ -207,7 +207,7 @@ fn examine(
             strain_energy += 0.5 * length_mm * (axial * from.axial_strain.powi(2) + bending * mean_square(&from, &to));
             if length_mm > 0.0 {
                 let shear_n = bending * (to.curvature_per_mm - from.curvature_per_mm) / length_mm;
-                // E A (1 - nu) / 2 is G A: E / (1 - nu^2) is in the axial rigidity.
+                // The axial rigidity is E A / (1 - nu^2), so G A is (1 - nu) / 2 times it.
                 shear_energy += 0.5 * length_mm * shear_n.powi(2) / (shear_rigidity * axial);
             }
         }
@@ -216,7 +216,7 @@ fn examine(
     Some(Examined { member: examined, strain, strain_energy, shear_energy })
 }
 
-/// Position and force of a load between the ends of a member.
+/// Position (fraction of the length) and force (N) of a load between the ends of a member.
 fn inside(load: &FrameLoad, index: usize) -> Option<(f64, Vector)> {
     match *load {
         FrameLoad::Interior { member, xi, force } if member == index => Some((xi, force)),
@@ -224,7 +224,7 @@ fn inside(load: &FrameLoad, index: usize) -> Option<(f64, Vector)> {
     }
 }
 
-/// Mean square of a curvature that is linear between two stations.
+/// Mean square of a curvature that is linear between two stations, 1/mm^2.
 fn mean_square(from: &Station, to: &Station) -> f64 {
     let (a, b) = (from.curvature_per_mm, to.curvature_per_mm);
     (a * a + a * b + b * b) / 3.0

@@ -1,20 +1,20 @@
-//! How far a lens scatters from image to image.
+//! Scatter of a fitted lens between images, by the jackknife.
 
 use super::usual_lens::PARAMETERS;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
-/// Images from which a scatter is known.
+/// Smallest number of images that show a scatter.
 const LEAST_IMAGES: usize = 3;
 
-/// Standard deviations of the lens's parameters by the jackknife: what the parameters do as one image after the other is left out. They hold errors that
-/// the dots of an image share, as those of a bent board or of dots that are not what their model says, which independent noise does not. `jacobian` has
-/// the columns of the lens, then six of each pose; its rows are two for each dot, image by image, and then the priors. `dots`: their numbers. `None` of
-/// fewer than three images, or where one alone shows a parameter.
+/// Standard deviations of the lens's parameters by the jackknife: changes of the parameters when each image is left out. Unlike independent noise, they
+/// include errors that the dots of an image share, for instance of a bent board or of a wrong model of the dots. `jacobian` has the columns of the lens,
+/// then six per pose. Its rows are two per dot, image by image, then the priors; `dots` counts the dots of each image. `None` for fewer than three
+/// images, or if a parameter depends on a single image.
 ///
 /// # Reference
-/// B. Efron, The jackknife, the bootstrap and other resampling plans, SIAM (1982), sec. 3; left out to first order.
+/// B. Efron, The jackknife, the bootstrap and other resampling plans, SIAM (1982), sec. 3; leaving out is linearised.
 pub(super) fn sds(jacobian: &DMatrix<f64>, residual: &DVector<f64>, dots: &[usize]) -> Option<[f64; PARAMETERS]> {
     if dots.len() < LEAST_IMAGES {
         return None;
@@ -25,7 +25,7 @@ pub(super) fn sds(jacobian: &DMatrix<f64>, residual: &DVector<f64>, dots: &[usiz
         let by_lens = jacobian.view((row, 0), (2 * count, PARAMETERS));
         let by_pose = jacobian.view((row, PARAMETERS + 6 * number), (2 * count, 6));
         let mixed = by_pose.tr_mul(&by_lens);
-        // The pose goes along with the lens.
+        // The pose adapts to the lens, so it is eliminated.
         let eliminated = mixed.tr_mul(&by_pose.tr_mul(&by_pose).cholesky()?.solve(&mixed));
         let normal = by_lens.tr_mul(&by_lens) - eliminated;
         let gradient = by_lens.tr_mul(&residual.rows(row, 2 * count));

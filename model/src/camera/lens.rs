@@ -1,51 +1,51 @@
-//! Pinhole with the distortion of Brown and Conrady.
+//! Pinhole camera with Brown-Conrady distortion.
 
 use super::{Pixel, ViewError};
 use crate::keys::{CAMERA, Key, Numbers};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 
-/// Tangent of the angle from the axis up to which a lens is looked at: 79 degrees.
+/// Tangent of the largest angle from the axis that is considered, 79 degrees.
 const WIDEST: f64 = 5.0;
-/// Steps in which the radius is searched for the first fold; the slope is a cubic in r^2 and has three roots at most.
+/// Number of radii at which a fold is searched for; the slope is a cubic in r^2 and has at most three roots.
 const FOLD_STEPS: usize = 2000;
-/// Newton's method ends where a step is below this share: a tenth of 1e-10 px at 1e5 px of focal length.
+/// Newton's method ends when a step is below this share: 1e-11 px at a focal length of 1e5 px.
 const SETTLED: f64 = 1e-16;
 const MOST_STEPS: usize = 50;
-/// Points along each side of the image at which the distortion must have an inverse.
+/// Points along each side of the image at which the distortion must be invertible.
 const SIDE_POINTS: usize = 32;
 
-/// Coefficients of distortion, in OpenCV's convention. With r^2 = x^2 + y^2 and f = 1 + k1 r^2 + k2 r^4 + k3 r^6:
+/// Distortion coefficients in OpenCV's convention. With r^2 = x^2 + y^2 and f = 1 + k1 r^2 + k2 r^4 + k3 r^6:
 ///
 /// x' = x f + 2 p1 x y + p2 (r^2 + 2 x^2), y' = y f + p1 (r^2 + 2 y^2) + 2 p2 x y.
 ///
 /// Source: D. C. Brown, Decentering distortion of lenses, Photogrammetric Engineering 32 (1966); OpenCV, calib3d.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Distortion {
-    /// Radial coefficients k1, k2, k3.
+    /// Radial coefficients k1, k2, k3, dimensionless.
     pub radial: [f64; 3],
-    /// Tangential coefficients p1, p2.
+    /// Tangential coefficients p1, p2, dimensionless.
     pub tangential: [f64; 2],
 }
 
 impl Distortion {
-    /// From k1, k2, p1, p2, k3, the order of OpenCV.
+    /// Distortion from k1, k2, p1, p2, k3, the order of OpenCV.
     pub fn from_opencv([k1, k2, p1, p2, k3]: [f64; 5]) -> Distortion {
         Distortion { radial: [k1, k2, k3], tangential: [p1, p2] }
     }
 
-    /// As k1, k2, p1, p2, k3, the order of OpenCV.
+    /// Coefficients k1, k2, p1, p2, k3, the order of OpenCV.
     pub fn to_opencv(&self) -> [f64; 5] {
         let ([k1, k2, k3], [p1, p2]) = (self.radial, self.tangential);
         [k1, k2, p1, p2, k3]
     }
 
-    /// f and its derivative by r^2.
+    /// Radial factor f and its derivative by q = r^2.
     fn factor(&self, q: f64) -> (f64, f64) {
         let [k1, k2, k3] = self.radial;
         (1.0 + q * (k1 + q * (k2 + q * k3)), k1 + q * (2.0 * k2 + q * 3.0 * k3))
     }
 
-    /// Distorted coordinates and their derivatives by the undistorted ones.
+    /// Distorted coordinates, and their 2 x 2 derivatives by the undistorted ones.
     fn bend(&self, at: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
         let (x, y, q) = (at.x, at.y, at.norm_squared());
         let (f, slope) = self.factor(q);
@@ -60,7 +60,7 @@ impl Distortion {
         (bent, Matrix2::new(by_x, mixed, mixed, by_y))
     }
 
-    /// Radius of the first fold of the radial part, where r f(r^2) stops growing; [`WIDEST`] if there is none before.
+    /// Radius of the first fold of the radial part, where r f(r^2) stops growing; at most [`WIDEST`].
     fn first_fold(&self) -> f64 {
         let slope = |r: f64| {
             let (f, by_q) = self.factor(r * r);
@@ -80,24 +80,24 @@ impl Distortion {
     }
 }
 
-/// A lens and its sensor.
+/// A lens and its image sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     size_px: [u32; 2],
     focal_px: Vector2<f64>,
     principal_point_px: Pixel,
     distortion: Distortion,
-    /// Largest undistorted radius at which the distortion grows with it.
+    /// Largest undistorted radius at which the distorted radius still grows.
     widest: f64,
 }
 
-/// A lens that cannot be. Names the key of a scene's `[camera]` table.
+/// An invalid lens, with the key of a scene's `[camera]` table that causes it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{key}: expected {expected}")]
 pub struct ImpossibleLens {
-    /// The key.
+    /// Key of `[camera]`.
     pub key: &'static str,
-    /// What was expected there, and what was found.
+    /// Expected and found value.
     pub expected: String,
 }
 
@@ -109,11 +109,11 @@ fn check<const N: usize>(key: &Key<Numbers<N>>, value: [f64; N]) -> Result<(), I
 }
 
 impl Lens {
-    /// A lens from the size of its image, focal lengths along u and v, principal point (all px) and distortion.
+    /// A lens with the given image size, focal lengths along u and v, principal point (all px) and distortion.
     ///
     /// # Errors
-    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, a number that is not finite, or a distortion that folds
-    /// the image.
+    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, a value that is not finite or out of range, or a distortion
+    /// that folds the image.
     pub fn new(
         size_px: [u32; 2],
         focal_px: [f64; 2],
@@ -146,7 +146,7 @@ impl Lens {
         self.size_px
     }
 
-    /// The middle of the image.
+    /// Middle of the image, px.
     pub fn middle(&self) -> Pixel {
         Pixel::from(self.size_px.map(|side| f64::from(side.saturating_sub(1)) / 2.0))
     }
@@ -156,17 +156,17 @@ impl Lens {
         self.focal_px.into()
     }
 
-    /// Pixel on the axis, px.
+    /// Principal point, the pixel on the optical axis, px.
     pub fn principal_point_px(&self) -> [f64; 2] {
         self.principal_point_px.into()
     }
 
-    /// The distortion.
+    /// Distortion coefficients.
     pub fn distortion(&self) -> &Distortion {
         &self.distortion
     }
 
-    /// Whether a pixel lies in the image, outer halves of its border pixels included.
+    /// Whether a pixel lies in the image, including the outer halves of its border pixels.
     pub fn contains(&self, pixel: &Pixel) -> bool {
         (0..2).all(|axis| (-0.5..=f64::from(self.size_px[axis]) - 0.5).contains(&pixel[axis]))
     }
@@ -181,13 +181,13 @@ impl Lens {
         })
     }
 
-    /// The pixel of a point of the camera frame, mm.
+    /// Pixel of a point of the camera frame, mm.
     pub(super) fn project(&self, point: &Vector3<f64>) -> Result<Pixel, ViewError> {
         let bent = self.distortion.bend(&self.seen(point)?);
         self.on_sensor(bent)
     }
 
-    /// The pixel of a point of the camera frame and its derivatives by that point, px/mm.
+    /// Pixel of a point of the camera frame, mm, with the 2 x 3 derivatives by that point, px/mm.
     pub(super) fn project_with_derivatives(&self, point: &Vector3<f64>) -> Result<(Pixel, Matrix2x3<f64>), ViewError> {
         let at = self.seen(point)?;
         let (bent, by_at) = self.distortion.bend(&at);
@@ -196,7 +196,7 @@ impl Lens {
         Ok((pixel, Matrix2::from_diagonal(&self.focal_px) * by_at * by_point))
     }
 
-    /// Undistorted coordinates X/Z, Y/Z of a point of the camera frame.
+    /// Undistorted coordinates X/Z and Y/Z (dimensionless) of a point of the camera frame (mm).
     fn seen(&self, point: &Vector3<f64>) -> Result<Vector2<f64>, ViewError> {
         if point.z.is_nan() || point.z <= 0.0 {
             return Err(ViewError::Behind);
@@ -206,22 +206,22 @@ impl Lens {
     }
 
     fn on_sensor(&self, (bent, by_at): (Vector2<f64>, Matrix2<f64>)) -> Result<Pixel, ViewError> {
-        // The tangential part can fold the image as well.
+        // The tangential part can fold the image, too.
         if by_at.determinant() <= 0.0 {
             return Err(ViewError::Folded);
         }
         Ok(self.principal_point_px + self.focal_px.component_mul(&bent))
     }
 
-    /// Direction of the ray to a pixel in the camera frame, with z = 1.
+    /// Direction of the ray through a pixel in the camera frame, with z = 1.
     ///
     /// # Errors
-    /// [`ViewError::Folded`] where the distortion has no inverse.
+    /// [`ViewError::Folded`] if the distortion has no inverse at the pixel.
     pub fn ray(&self, pixel: &Pixel) -> Result<Vector3<f64>, ViewError> {
         self.undistorted(pixel).map(|at| at.push(1.0))
     }
 
-    /// Undistorted coordinates of a pixel: the radial part by Newton's method between bounds, where it has one solution; then both parts.
+    /// Undistorted coordinates of a pixel. Newton's method inverts the radial part between bounds, where its solution is unique, then both parts.
     pub fn undistorted(&self, pixel: &Pixel) -> Result<Vector2<f64>, ViewError> {
         let bent = (pixel - self.principal_point_px).component_div(&self.focal_px);
         let radius = bent.norm();
@@ -233,7 +233,7 @@ impl Lens {
             }
             let step = by_at.lu().solve(&(bent - found)).ok_or(ViewError::Folded)?;
             at += step;
-            // Only the tangential part can lead beyond the fold, and back.
+            // The tangential part can lead beyond the fold and back.
             if at.norm() > 2.0 * self.widest {
                 return Err(ViewError::Folded);
             }
@@ -246,7 +246,7 @@ impl Lens {
         if solved && at.norm() <= self.widest && by_at.determinant() > 0.0 { Ok(at) } else { Err(ViewError::Folded) }
     }
 
-    /// The radius that the radial part bends to `bent`; `None` beyond the fold.
+    /// Undistorted radius for the distorted radius `bent` of the radial part; `None` beyond the fold.
     fn radius_of(&self, bent: f64) -> Option<f64> {
         let (mut below, mut above) = (0.0, self.widest);
         let radial = |r: f64| r * self.distortion.factor(r * r).0;

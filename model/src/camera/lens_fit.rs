@@ -1,4 +1,4 @@
-//! The lens from images of a plane grid.
+//! Estimation of a lens from images of a plane grid.
 
 use super::leave_one_out;
 use super::plane_pose::{by_motion, homography, plane_pose};
@@ -8,86 +8,86 @@ use crate::Vector;
 use crate::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Prior, Refusal};
 use nalgebra::{DMatrix, DVector, Vector2};
 
-/// Names of the lens's parameters, in their order.
+/// Names of the lens's parameters in order. Units: fx, fy, cx, cy in px; the others are dimensionless.
 pub const LENS_PARAMETERS: [&str; PARAMETERS] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];
-/// Standard deviations of the focal lengths' logarithm without looking, and while the distortion is found.
+/// Prior standard deviations of the logarithm of the focal lengths: the usual one, and that while the distortion is fitted.
 const FOCAL_SD: f64 = 0.7;
 const HELD_FOCAL_SD: f64 = 0.01;
-/// Focal length without a hint, in widths of the image: a field of view of 45 degrees.
+/// Typical focal length in image widths, for a field of view of 45 degrees.
 const USUAL_FOCUS: f64 = 1.2;
-/// Focal lengths from which the search starts, in widths of the image: wide, usual and long lenses.
+/// Focal lengths at the start of the search, in image widths: wide-angle, normal and telephoto lenses.
 const STARTS: [f64; 3] = [0.6, 1.2, 3.0];
-/// Noise of a dot's centre that the priors are weighed against before the residual is known, px.
+/// Initial noise of a dot's centre, px, that sets the weight of the priors until the residual is known.
 const FIRST_NOISE_PX: f64 = 0.1;
-/// Smallest noise that is believed, px.
+/// Smallest plausible noise of a dot's centre, px.
 const LEAST_NOISE_PX: f64 = 0.002;
-/// Rounds of fit and noise.
+/// Number of rounds that alternate fit and noise estimate.
 const ROUNDS: usize = 3;
-/// Dots that an image must have.
+/// Smallest number of dots of an image.
 const LEAST_POINTS: usize = 12;
 
-/// A lens and what is known of it.
+/// A fitted lens with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LensFit {
     /// The lens.
     pub lens: Lens,
-    /// Standard deviations, in the order of [`LENS_PARAMETERS`]: of independent noise of the residuals' size, or of the scatter from image to image where
-    /// that is larger.
+    /// Standard deviations in the order and units of [`LENS_PARAMETERS`]: from independent noise of the residuals' size, or from the scatter between images,
+    /// whichever is larger.
     pub sds: [f64; PARAMETERS],
-    /// By parameter, whether the images say more of it than what lenses are like anyway: its variance is less than half of that.
+    /// For each parameter, whether the images determine it better than the prior: its variance from noise is below half of the prior's.
     pub is_shown: [bool; PARAMETERS],
-    /// Pose of the grid in each image.
+    /// Pose of the grid relative to the camera in each image.
     pub poses: Vec<Pose>,
     /// Residual standard deviation of one pixel coordinate, px.
     pub residual_sd_px: f64,
 }
 
-/// Why images give no lens.
+/// Reason why images do not determine a lens.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LensFitError {
-    /// No image at all.
+    /// There are no images.
     #[error("expected at least one image of a grid")]
     NoView,
-    /// Too few dots in one.
+    /// An image shows too few dots.
     #[error("image {image} shows {found} dots of the grid, of which at least {LEAST_POINTS} are needed")]
     TooFew {
-        /// Its number, from 1.
+        /// Number of the image, from 1.
         image: usize,
-        /// Dots.
+        /// Number of dots found.
         found: usize,
     },
-    /// The grid has no pose in one.
+    /// The grid has no pose in an image.
     #[error("image {image}: {reason}")]
     Pose {
-        /// Its number, from 1.
+        /// Number of the image, from 1.
         image: usize,
-        /// Why.
+        /// Reason from the estimation of the pose.
         reason: PlanePoseError,
     },
-    /// No lens fits.
+    /// The fitted parameters are not a valid lens.
     #[error("no lens of this kind fits the dots: {0}")]
     Impossible(#[from] ImpossibleLens),
-    /// The search found nothing.
+    /// The search found no minimum.
     #[error("no lens of this kind fits the dots")]
     NotFound,
 }
 
-/// What is sought.
+/// Unknowns of the fit.
 #[derive(Debug, Clone)]
 struct LensAndPoses {
     lens: [f64; PARAMETERS],
     poses: Vec<Pose>,
 }
 
-/// The lens and the poses of a plane grid from its dots: a list an image, of positions on the grid (mm) and pixels. Least squares of the
-/// pixels with a prior on every parameter of the lens, so that few images give what they show and no more.
+/// Fits the lens and the poses of a plane grid to its dots. `views` has a list per image, with positions on the grid (mm) and pixels of the
+/// dots. Least squares of the pixels, with a prior on every parameter of the lens, so that few images do not overfit.
 ///
 /// # Errors
-/// [`LensFitError`] for images that give no lens.
+/// [`LensFitError`] for no images, fewer than 12 dots in an image, no pose of the grid, or no lens that fits.
 ///
 /// # Reference
-/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000); the start from one focal length, with the
-/// principal point in the middle, from his eqs (3) and (4).
+/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000). The start has one focal length and the principal
+/// point in the middle, from eqs (3) and (4).
 pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<LensFit, LensFitError> {
     if views.is_empty() {
         return Err(LensFitError::NoView);
@@ -101,7 +101,7 @@ pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<Len
     let middle = [(width - 1.0) / 2.0, (height - 1.0) / 2.0];
     let usual = UsualLens { middle, width, focal: USUAL_FOCUS * width, focal_sd: FOCAL_SD };
     let mut problem = LensProblem { size_px, views, usual, noise_px: FIRST_NOISE_PX };
-    // The sum of squares has other minima, at focal lengths far too long, where the distortion hides the plane's slant.
+    // The sum of squares has other minima at far too long focal lengths, where distortion imitates the tilt of the plane.
     let starts = STARTS.map(|share| share * width).into_iter().chain(first_focal_px(views, middle));
     let found = starts.map(|focal| problem.nearest_minimum(focal));
     let (mut best, mut failure) = (None::<Fit<LensAndPoses>>, None);
@@ -114,7 +114,7 @@ pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<Len
     }
     let mut fitted = best.ok_or_else(|| failure.unwrap_or(LensFitError::NotFound))?;
     let pixels = 2 * views.iter().map(Vec::len).sum::<usize>();
-    // Degrees of freedom are those without priors, which is cautious.
+    // Priors add no degrees of freedom here, a conservative choice.
     let freedom = pixels.saturating_sub(fitted.jacobian.ncols()).max(1) as f64;
     for _ in 0..ROUNDS {
         let squares_px2 = fitted.residual.rows(0, pixels).norm_squared() * problem.noise_px * problem.noise_px;
@@ -141,8 +141,8 @@ fn lens_of(size_px: [u32; 2], p: &[f64; PARAMETERS]) -> Result<Lens, ImpossibleL
     Lens::new(size_px, [p[0], p[1]], [p[2], p[3]], Distortion::from_opencv([p[4], p[5], p[6], p[7], p[8]]))
 }
 
-/// One focal length for all images, with the principal point in the middle: for the homography (h1 h2 h3) of each,
-/// (h11 h12 + h21 h22) / f^2 = -h31 h32 and (h11^2 + h21^2 - h12^2 - h22^2) / f^2 = h32^2 - h31^2. `None` where the planes are not tilted.
+/// One focal length for all images, px, with the principal point in the middle. For the homography (h1 h2 h3) of each image,
+/// (h11 h12 + h21 h22) / f^2 = -h31 h32 and (h11^2 + h21^2 - h12^2 - h22^2) / f^2 = h32^2 - h31^2. `None` if the planes are not tilted.
 fn first_focal_px(views: &[Vec<(Vector, Pixel)>], middle: [f64; 2]) -> Option<f64> {
     let (mut top, mut bottom) = (0.0, 0.0);
     for view in views {
@@ -166,7 +166,7 @@ fn first_focal_px(views: &[Vec<(Vector, Pixel)>], middle: [f64; 2]) -> Option<f6
     focal.is_finite().then_some(focal)
 }
 
-/// Dots of some images, in standard deviations of their noise. The unknowns are the lens's parameters, then the motion of each pose.
+/// Least squares of the dots of several images, residuals divided by the noise. The unknowns are the lens's parameters, then the motion of each pose.
 struct LensProblem<'v> {
     size_px: [u32; 2],
     views: &'v [Vec<(Vector, Pixel)>],
@@ -179,7 +179,7 @@ impl LensProblem<'_> {
         LevenbergMarquardt::default().minimise(self, start).map_err(Refusal::into_error)
     }
 
-    /// The nearest minimum to a focal length, with the principal point in the middle and no distortion.
+    /// Finds the minimum nearest to a focal length, px, from a start with the principal point in the middle and no distortion.
     fn nearest_minimum(&mut self, focal: f64) -> Result<Fit<LensAndPoses>, LensFitError> {
         let UsualLens { middle: [cx, cy], .. } = self.usual;
         let start = Lens::new(self.size_px, [focal; 2], [cx, cy], Distortion::default())?;
@@ -189,7 +189,7 @@ impl LensProblem<'_> {
         });
         let lens = [focal, focal, cx, cy, 0.0, 0.0, 0.0, 0.0, 0.0];
         let start = LensAndPoses { lens, poses: poses.collect::<Result<_, LensFitError>>()? };
-        // Distortion first: without it, bent rows of dots drive the focal length away.
+        // The distortion is fitted first: without it, bent rows of dots bias the focal length.
         let usual = self.usual;
         self.usual = UsualLens { focal, focal_sd: HELD_FOCAL_SD, ..usual };
         let held = self.fit(start);
@@ -197,7 +197,7 @@ impl LensProblem<'_> {
         self.fit(held?.point)
     }
 
-    /// Image, position on the grid and pixel of each dot.
+    /// Image index, position on the grid (mm) and pixel of each dot.
     fn dots(&self) -> impl Iterator<Item = (usize, &Vector, &Pixel)> {
         (0..self.views.len()).flat_map(|i| self.views[i].iter().map(move |(position, pixel)| (i, position, pixel)))
     }
@@ -250,7 +250,7 @@ impl LeastSquaresProblem for LensProblem<'_> {
     }
 }
 
-/// Derivatives of a pixel by the lens's parameters, at undistorted coordinates: see [`Distortion`].
+/// Derivatives of a pixel by the lens's parameters, at undistorted coordinates; [`Distortion`] has the formula.
 fn by_parameters(p: &[f64; PARAMETERS], at: &Vector2<f64>) -> [Vector2<f64>; PARAMETERS] {
     let (x, y, q) = (at.x, at.y, at.norm_squared());
     let f = 1.0 + q * (p[4] + q * (p[5] + q * p[8]));

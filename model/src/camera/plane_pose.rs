@@ -1,56 +1,56 @@
-//! The pose of a plane from pixels of known points on it.
+//! Pose of a plane from the pixels of known points on it.
 
 use super::{Lens, Pixel, Pose, ViewError};
 use crate::Vector;
 use crate::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Refusal};
 use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector2, Vector3};
 
-/// Points that have a pose: four, which do not lie on a line.
+/// Smallest number of points that determine a pose: four that are not collinear.
 const LEAST_POINTS: usize = 4;
-/// Spread of the points across their line, as a share of that along it, below which they count as points of a line.
+/// Ratio of the spread across the best line to the spread along it, below which points count as collinear.
 const LEAST_SPREAD: f64 = 1e-3;
 
-/// A pose and what it rests on.
+/// A fitted pose with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseFit {
     /// The pose.
     pub pose: Pose,
-    /// Root mean square of the residuals of one pixel coordinate, px, over the degrees of freedom; 0 for four points that fit exactly.
+    /// Residual standard deviation of one pixel coordinate, px, with 2 n - 6 degrees of freedom for n points.
     pub residual_sd_px: f64,
-    /// Covariance of a small motion of the camera frame (rotation vector in rad, then translation in mm), for pixels of standard deviation
-    /// 1 px: times the variance of a pixel coordinate it is the covariance of the pose.
+    /// 6 x 6 covariance of a small motion of the camera frame (rotation vector in rad, then translation in mm), for pixels of standard
+    /// deviation 1 px. Multiply by the variance of a pixel coordinate to get the covariance of the pose.
     pub unit_covariance: Matrix6<f64>,
 }
 
-/// Why points have no pose.
+/// Reason why points do not determine a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PlanePoseError {
-    /// Too few.
+    /// There are too few points.
     #[error("a pose needs at least {LEAST_POINTS} points, found {found}")]
     TooFew {
-        /// How many there are.
+        /// Number of points.
         found: usize,
     },
-    /// They lie on a line, in the plane or in the image.
+    /// The points are collinear in the plane or in the image.
     #[error("a pose needs points that do not lie on one line")]
     OnALine,
-    /// A pixel that the lens does not see.
+    /// A pixel lies beyond the fold of the lens's distortion.
     #[error("a pixel lies where the lens's distortion folds the image")]
     Folded,
-    /// No pose puts the points before the camera.
+    /// No pose projects the points to their pixels.
     #[error("no pose puts the points where they are seen")]
     NotFound,
 }
 
-/// The pose from pixels of points of the plane z = `height_mm` of the finger frame, mm: the homography of the undistorted pixels, then
-/// least squares of the pixels. A plane that is seen from afar fits nearly as well tilted the other way, so both are tried.
+/// Fits the pose to pixels of points (mm) on the plane z = `height_mm` of the finger frame. The homography of the undistorted pixels starts
+/// least squares of the pixels. A distant plane fits nearly as well with the opposite tilt, so both are tried.
 ///
 /// # Errors
-/// [`PlanePoseError`] for points that have no pose.
+/// [`PlanePoseError`] for fewer than four points, collinear points, a pixel beyond the fold, or no pose that fits.
 ///
 /// # Reference
-/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000), sec. 3.1 and app. A; the second tilt: G.
-/// Schweighofer and A. Pinz, Robust pose estimation from a planar target, IEEE Trans. PAMI 28 (2006).
+/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000), sec. 3.1 and app. A. The second tilt follows
+/// G. Schweighofer and A. Pinz, Robust pose estimation from a planar target, IEEE Trans. PAMI 28 (2006).
 pub fn plane_pose(lens: &Lens, height_mm: f64, points: &[(Vector, Pixel)]) -> Result<PoseFit, PlanePoseError> {
     if points.len() < LEAST_POINTS {
         return Err(PlanePoseError::TooFew { found: points.len() });
@@ -80,7 +80,7 @@ pub fn plane_pose(lens: &Lens, height_mm: f64, points: &[(Vector, Pixel)]) -> Re
     })
 }
 
-/// Pixels of points of a plane, as a pose has them; the unknowns are a small motion of the camera frame.
+/// Least squares of the pixels of points on a plane; the unknowns are a small motion of the camera frame.
 struct PoseProblem<'p> {
     lens: &'p Lens,
     height_mm: f64,
@@ -114,7 +114,7 @@ impl LeastSquaresProblem for PoseProblem<'_> {
     }
 }
 
-/// Derivatives of the pixel of a point by a small motion of the camera frame: d(R X) = w x R X = -[R X]x w.
+/// 2 x 6 derivatives of the pixel of a point by a small motion of the camera frame, px/rad and px/mm: d(R X) = w x R X = -[R X]x w.
 pub(super) fn by_motion(lens: &Lens, pose: &Pose, point: &Vector3<f64>) -> Result<Matrix2x6<f64>, ViewError> {
     let (_, by_camera) = lens.project_with_derivatives(&pose.to_camera(point))?;
     let turned = pose.rotation * point;
@@ -124,7 +124,7 @@ pub(super) fn by_motion(lens: &Lens, pose: &Pose, point: &Vector3<f64>) -> Resul
     Ok(by)
 }
 
-/// Centre and scale of points: the mean goes to zero, the root mean square distance to it to sqrt(2).
+/// Normalising transform of points: their mean becomes zero, their root mean square distance from it sqrt(2).
 fn normalisation(points: &[Vector2<f64>]) -> Matrix3<f64> {
     let count = points.len() as f64;
     let mean = points.iter().sum::<Vector2<f64>>() / count;
@@ -140,7 +140,7 @@ fn on_a_line(points: &[Vector2<f64>]) -> bool {
     spreads.min() <= LEAST_SPREAD * spreads.max()
 }
 
-/// H with seen ~ H (position, 1), by the direct linear transform of normalised points.
+/// Homography H with seen ~ H (position, 1), by the direct linear transform of normalised points; `None` if it is not unique.
 ///
 /// # Reference
 /// R. Hartley and A. Zisserman, Multiple View Geometry, algorithm 4.2.
@@ -157,7 +157,7 @@ pub(super) fn homography(positions: &[Vector2<f64>], seen: &[Vector2<f64>]) -> O
         }
     }
     let parts = rows.svd(false, true);
-    // Three points of four on a line leave more than one homography.
+    // With three of four points on a line, the homography is not unique.
     if parts.singular_values[7] <= LEAST_SPREAD.powi(2) * parts.singular_values[0] {
         return None;
     }
@@ -167,7 +167,7 @@ pub(super) fn homography(positions: &[Vector2<f64>], seen: &[Vector2<f64>]) -> O
     Some(to.try_inverse()? * normalised * from)
 }
 
-/// The pose behind the homography of the plane z = `height_mm`, H ~ [r1 r2 R (0, 0, height) + t], with the points' mean before the camera.
+/// Pose from the homography of the plane z = `height_mm`, H ~ [r1 r2 R (0, 0, height) + t], with the points' mean in front of the camera.
 fn of_homography(homography: &Matrix3<f64>, mean: &Vector2<f64>, height_mm: f64) -> Option<Pose> {
     let scale = 2.0 / (homography.column(0).norm() + homography.column(1).norm());
     let depth = (homography * mean.push(1.0)).z;
@@ -184,7 +184,7 @@ fn of_homography(homography: &Matrix3<f64>, mean: &Vector2<f64>, height_mm: f64)
     Some(Pose { rotation, translation_mm })
 }
 
-/// The pose with the plane's normal mirrored about the ray to a point, which stays where it is.
+/// The pose with the plane's normal mirrored about the ray to a point of the plane; this point keeps its position.
 fn tilted_back(pose: &Pose, point: &Vector3<f64>) -> Pose {
     let seen = pose.to_camera(point);
     let ray = seen.normalize();

@@ -1,20 +1,20 @@
-//! Where the finger stands before a camera.
+//! Pose of the finger relative to a camera.
 
 use crate::gripper::Placement;
 use nalgebra::{Isometry2, Rotation3, Vector3, Vector6};
 use std::f64::consts::PI;
 
-/// A rigid motion from the finger frame to the camera frame: X_camera = R X + t.
+/// Rigid motion from the finger frame to the camera frame: X_camera = R X + t.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// R.
+    /// Rotation R.
     pub rotation: Rotation3<f64>,
-    /// t, mm: the origin of the finger frame in the camera frame.
+    /// Translation t, mm: the origin of the finger frame in the camera frame.
     pub translation_mm: Vector3<f64>,
 }
 
 impl Pose {
-    /// From the Rodrigues vector of R (axis times angle, rad) and t.
+    /// A pose from the Rodrigues vector of R (axis times angle, rad) and t (mm).
     pub fn new(rotation_vector_rad: [f64; 3], translation_mm: [f64; 3]) -> Pose {
         Pose {
             rotation: Rotation3::from_scaled_axis(rotation_vector_rad.into()),
@@ -22,13 +22,13 @@ impl Pose {
         }
     }
 
-    /// The Rodrigues vector of R, rad.
+    /// Rodrigues vector of R (axis times angle), rad.
     pub fn rotation_vector_rad(&self) -> [f64; 3] {
         self.rotation.scaled_axis().into()
     }
 
-    /// The pose of a frame in a plane that is seen: z normal to the plane and towards the camera, the origin at a point of it, x along the image's
-    /// rows (u). `normal` and `origin_mm` are in the camera frame.
+    /// Pose of a frame in a visible plane. Its z axis is normal to the plane and points to the camera, its x axis runs along the image's rows (u), and its
+    /// origin is a point of the plane. `normal` and `origin_mm` are in the camera frame.
     pub fn in_plane(normal: &Vector3<f64>, origin_mm: &Vector3<f64>) -> Pose {
         let z = if normal.dot(origin_mm) > 0.0 { -normal.normalize() } else { normal.normalize() };
         let x = (Vector3::x() - z * z.x).normalize();
@@ -36,12 +36,12 @@ impl Pose {
         Pose { rotation, translation_mm: *origin_mm }
     }
 
-    /// A point of the finger frame in the camera frame, mm.
+    /// Camera coordinates of a point of the finger frame, mm.
     pub fn to_camera(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * point + self.translation_mm
     }
 
-    /// The camera's centre in the finger frame, mm.
+    /// Optical centre of the camera in the finger frame, mm.
     pub fn eye(&self) -> Vector3<f64> {
         -(self.rotation.inverse() * self.translation_mm)
     }
@@ -52,15 +52,15 @@ impl Pose {
         Pose { rotation: turn * self.rotation, translation_mm: self.translation_mm + motion.fixed_rows::<3>(3) }
     }
 
-    /// The pose of a finger that was moved in its plane: what stood at X stands at `base` X.
+    /// The pose of a finger that has moved in its plane by `base`: a point at X moves to `base` X.
     pub fn of_moved_base(&self, base: &Isometry2<f64>) -> Pose {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), base.rotation.angle());
         let shift = base.translation.vector.push(0.0);
         Pose { rotation: self.rotation * turn, translation_mm: self.to_camera(&shift) }
     }
 
-    /// The pose of a finger that stands somewhere in the frame whose pose this is: eqs (9) and (10) of Xu et al. 2021. A mirrored finger is one that was
-    /// turned about its x axis: its z axis points away from that of the frame.
+    /// The pose of a finger with a placement in the frame of this pose: eqs (9) and (10) of Xu et al. 2021. A mirrored finger is rotated by half a turn about
+    /// its x axis, so its z axis is opposite to that of the frame.
     pub fn of_placed_finger(&self, placement: &Placement) -> Pose {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), placement.angle_rad);
         let turn = if placement.mirrored { turn * Rotation3::from_axis_angle(&Vector3::x_axis(), PI) } else { turn };

@@ -1,20 +1,20 @@
-//! What lenses and sensors are without looking: what the images of a grid do not show stays there.
+//! Priors of a lens and its sensor, for parameters that the images of a grid do not determine.
 
 use crate::optimise::Prior;
 
-/// Parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
+/// Number of parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
 pub(super) const PARAMETERS: usize = 9;
-/// Standard deviations of the logarithm of the focal lengths' ratio, of the principal point's distance from the middle as a
-/// share of the image's width, and of the coefficients.
+/// Prior standard deviations: logarithm of the focal lengths' ratio, offset of the principal point from the middle as a share of the image's
+/// width, and distortion coefficients.
 const ASPECT_SD: f64 = 0.005;
 const CENTRE_SD: f64 = 0.03;
 const RADIAL_SD: [f64; 3] = [0.5, 0.5, 0.2];
 const TANGENTIAL_SD: f64 = 0.003;
 
-/// Lenses as they usually are, as priors of the parameters in the order of [`LENS_PARAMETERS`](super::LENS_PARAMETERS).
+/// Prior distributions of the parameters of a typical lens, in the order of [`LENS_PARAMETERS`](super::LENS_PARAMETERS).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct UsualLens {
-    /// Pixel in the middle of the image.
+    /// Middle of the image, px.
     pub middle: [f64; 2],
     /// Width of the image, px.
     pub width: f64,
@@ -24,7 +24,7 @@ pub(super) struct UsualLens {
 }
 
 impl UsualLens {
-    /// Priors of some parameters.
+    /// Priors at the given parameters.
     pub fn priors(&self, p: &[f64; PARAMETERS]) -> Vec<Prior> {
         let centre = CENTRE_SD * self.width;
         let focal =

@@ -1,11 +1,11 @@
-//! The straight line between the two ends of a beam, and the deformations measured against it.
+//! The chord, the straight line between the two ends of a beam, and deformations relative to it.
 
 use super::{Beam, ElementMatrix, ElementVector, EndMotion};
 use crate::number::{Number, arctangent};
 use nalgebra::{SMatrix, Vector2, Vector3};
 use std::f64::consts::PI;
 
-/// Natural deformations: elongation of the chord (mm), rotations of the first and second end against it (rad).
+/// Natural deformations: elongation of the chord (mm), and rotations of the first and second end relative to it (rad).
 pub(super) type Deformation<R = f64> = Vector3<R>;
 
 /// The chord of a beam in its current position.
@@ -13,7 +13,7 @@ pub(super) type Deformation<R = f64> = Vector3<R>;
 pub struct Chord<R = f64> {
     /// Unit vector along the chord.
     pub along: Vector2<R>,
-    /// Unit vector across the chord, a quarter turn from `along` in the positive sense.
+    /// Unit vector across the chord: `along` rotated by +90 degrees.
     pub across: Vector2<R>,
     /// Current length, mm.
     pub length_mm: R,
@@ -26,7 +26,7 @@ pub struct Chord<R = f64> {
 }
 
 impl<R: Number> Chord<R> {
-    /// The chord of the beam at rest.
+    /// The chord of the undeformed beam.
     #[inline(always)]
     pub fn at_rest(beam: &Beam<R>) -> Chord<R> {
         let zero = beam.length_mm.zero();
@@ -42,8 +42,8 @@ impl<R: Number> Chord<R> {
 
     /// The chord between the displaced ends.
     ///
-    /// Elongation and rotation are formed from the relative displacement of the ends rather than from differences of
-    /// lengths and angles, so that displacements far smaller than the beam keep all their digits.
+    /// Elongation and rotation follow from the relative displacement of the ends, not from differences of lengths and angles. Displacements
+    /// far smaller than the beam therefore keep all their digits.
     #[inline(always)]
     pub fn deformed(beam: &Beam<R>, motion: &[EndMotion<R>; 2]) -> Chord<R> {
         let relative = difference(motion);
@@ -51,7 +51,7 @@ impl<R: Number> Chord<R> {
         let forward = relative.x * direction.x + relative.y * direction.y;
         let sideways = relative.x * across.x + relative.y * across.y;
         let projected = forward + beam.length_mm;
-        // Lengths of fingers are far from the ends of the number range: no need for hypot's care.
+        // Lengths of fingers cannot overflow or underflow, so hypot is not needed.
         let length_mm = (projected * projected + sideways * sideways).sqrt();
         let elongation_mm =
             (forward * (forward + beam.length_mm * 2.0) + sideways * sideways) / (length_mm + beam.length_mm);
@@ -68,7 +68,7 @@ impl<R: Number> Chord<R> {
         }
     }
 
-    /// Natural deformations; the end rotations are brought into (-pi, pi], so that a finger may turn any number of times.
+    /// Natural deformations. End rotations are wrapped to (-pi, pi], so that a finger may make any number of full turns.
     #[inline(always)]
     pub(super) fn deformation(&self, motion: &[EndMotion<R>; 2]) -> Deformation<R> {
         Vector3::new(
@@ -78,7 +78,7 @@ impl<R: Number> Chord<R> {
         )
     }
 
-    /// Natural deformations for displacements small against the length: all linear.
+    /// Natural deformations linearised for displacements small compared with the length.
     #[inline(always)]
     pub(super) fn linear_deformation(&self, motion: &[EndMotion<R>; 2]) -> Deformation<R> {
         let relative = difference(motion);
@@ -101,7 +101,7 @@ impl Chord {
         ElementVector::new(-v.x, -v.y, 0.0, v.x, v.y, 0.0)
     }
 
-    /// Derivatives of the three natural deformations, one in a row.
+    /// Derivatives of the three natural deformations by the end coordinates, one per row.
     pub(super) fn gradients(&self) -> SMatrix<f64, 3, 6> {
         let rotation = self.rotation_gradient();
         let mut first = -rotation;
@@ -111,27 +111,27 @@ impl Chord {
         SMatrix::from_rows(&[self.length_gradient().transpose(), first.transpose(), second.transpose()])
     }
 
-    /// Second derivative of the chord's rotation.
+    /// Second derivative of the chord's rotation by the end coordinates.
     pub(super) fn rotation_hessian(&self) -> ElementMatrix {
         let (along, across) = (self.length_gradient(), self.rotation_gradient());
         -(along * across.transpose() + across * along.transpose()) * self.per_length
     }
 }
 
-/// Displacement of the second end against the first.
+/// Displacement of the second end relative to the first, mm.
 #[inline(always)]
 fn difference<R: Number>(motion: &[EndMotion<R>; 2]) -> Vector2<R> {
     let [from, to] = [&motion[0].displacement, &motion[1].displacement];
     Vector2::new(to.x - from.x, to.y - from.y)
 }
 
-/// The vector turned by +90 degrees.
+/// The vector rotated by +90 degrees.
 #[inline(always)]
 pub(crate) fn quarter_turn<R: Number>(v: Vector2<R>) -> Vector2<R> {
     Vector2::new(-v.y, v.x)
 }
 
-/// The angle brought into (-pi, pi]; angles already there are returned unchanged, digit for digit.
+/// The angle wrapped to (-pi, pi], rad. An angle in that range is returned bitwise unchanged.
 #[inline(always)]
 fn wrapped<R: Number>(angle: R) -> R {
     let pi = angle.constant(PI);

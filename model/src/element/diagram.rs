@@ -1,21 +1,21 @@
-//! Axial strain and curvature along a beam, dead loads between its ends included.
+//! Axial strain and curvature along a beam with dead loads between its ends.
 
 use super::chord::Deformation;
 use super::{Beam, Chord, EndMotion, Kinematics};
 use crate::Vector;
 
-/// Axial strain and curvature at one position of a beam; where a load stands, just before or just after it.
+/// Axial strain and curvature at one position of a beam. At a load, one station lies just before it and one just after.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
-    /// Fraction of the length, 0..1.
+    /// Position as a fraction of the length, 0..1.
     pub xi: f64,
-    /// Strain of the axis.
+    /// Axial strain of the centre line, dimensionless.
     pub axial_strain: f64,
-    /// Curvature of the axis, 1/mm.
+    /// Curvature of the centre line, 1/mm.
     pub curvature_per_mm: f64,
 }
 
-/// A dead force at a fraction of a beam's length, in components along and across the chord, N.
+/// A dead force at a fraction of a beam's length, with components along and across the chord, N.
 #[derive(Debug, Clone, Copy)]
 struct ChordLoad {
     xi: f64,
@@ -24,13 +24,15 @@ struct ChordLoad {
 }
 
 impl Beam {
-    /// Stations from the first end to the second, two for each segment between ends and loads: within a segment the axial
-    /// strain is constant and the curvature linear, so nothing is larger anywhere else.
+    /// Stations from the first end to the second, two for each segment between ends and loads. Axial strain is constant and curvature is
+    /// linear within a segment, so the stations include the largest values.
     ///
-    /// The ends' motion gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force between the
-    /// ends adds what it does to a beam that is clamped at both: with P across the chord at xi = p, q = 1 - p, EI w'' = P L p q^2 at
-    /// the first end, -2 P L p^2 q^2 at the force, P L p^2 q at the second end; with F along it, the axial force F q before and -F p
-    /// after it (Young and Budynas, Roark's Formulas, table 8.1, case 1d). For small displacements the sum is exact.
+    /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force between the ends
+    /// adds the solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p adds the bending moments EI w''
+    /// P L p q^2 at the first end, -2 P L p^2 q^2 at the force and P L p^2 q at the second end. A force F along the chord adds the axial force F q
+    /// before it and -F p after it. For small displacements the sum is exact.
+    ///
+    /// Source: Young and Budynas, Roark's Formulas, table 8.1, case 1d.
     pub(crate) fn stations(
         &self,
         kinematics: Kinematics,
@@ -48,7 +50,7 @@ impl Beam {
         let ends: Vec<f64> = std::iter::once(0.0).chain(loads.iter().map(|load| load.xi)).chain([1.0]).collect();
         let strain = self.mean_strain(kinematics == Kinematics::Corotational, &deformation);
         let segments = ends.windows(2).enumerate().flat_map(|(nth, ends)| {
-            // The number of loads before the segment.
+            // Segment `nth` follows the first `nth` loads.
             let (before, after) = loads.split_at(nth);
             let axial_n = after.iter().map(|load| load.along * (1.0 - load.xi)).sum::<f64>()
                 - before.iter().map(|load| load.along * load.xi).sum::<f64>();
@@ -68,7 +70,7 @@ impl Beam {
     fn curvature_of_loads(&self, loads: &[ChordLoad], xi: f64) -> f64 {
         let moment = |load: &ChordLoad| {
             let (p, q) = (load.xi, 1.0 - load.xi);
-            // From the first end's moment with the slope before the force, or back from the second end's.
+            // Linear from the moment at the first end up to the force, or back from that at the second end.
             let shape = if xi <= p {
                 p * q * q - q * q * (1.0 + 2.0 * p) * xi
             } else {

@@ -3,7 +3,7 @@
 use super::{Beam, Chord, ElementMatrix, ElementVector, EndMotion, Kinematics, Response};
 use crate::Vector;
 
-/// How far a point follows the ends: shares of displacements, and levers (mm) of rotations against the chord.
+/// Motion of a point relative to the ends: shares of their displacements (dimensionless), and levers (mm) of their rotations relative to the chord.
 #[derive(Debug, Clone, Copy)]
 struct Shape {
     shares: [f64; 2],
@@ -11,13 +11,13 @@ struct Shape {
 }
 
 impl Shape {
-    /// The cubic beam at the fraction `xi` of its length.
+    /// The point of the cubic beam at the fraction `xi` of its length.
     fn at(xi: f64, length_mm: f64) -> Shape {
         let rest = 1.0 - xi;
         Shape { shares: [rest, xi], levers: [length_mm * xi * rest * rest, -length_mm * xi * xi * rest] }
     }
 
-    /// Its derivative by `xi`.
+    /// Derivative of [`at`](Shape::at) by `xi`.
     fn slope_at(xi: f64, length_mm: f64) -> Shape {
         let rest = 1.0 - xi;
         let levers = [length_mm * rest * (1.0 - 3.0 * xi), -length_mm * xi * (2.0 - 3.0 * xi)];
@@ -26,11 +26,11 @@ impl Shape {
 }
 
 impl Beam {
-    /// Work of a dead force at the fraction `xi` of the undeformed length, with derivatives: consistent nodal loads.
+    /// Work of a dead force at the fraction `xi` of the undeformed length, N mm. Its derivatives are the consistent nodal loads.
     ///
-    /// The loaded point lies at p = (1 - xi) p_a + xi p_b + w n, n across the chord, with the cubic deflection
-    /// w = L (phi_a xi (1 - xi)^2 - phi_b xi^2 (1 - xi)). With linear kinematics the derivatives are the well-known
-    /// equivalent loads of the cubic beam, so displacements at the ends are exact.
+    /// The loaded point is p = (1 - xi) p_a + xi p_b + w n, with n the unit vector across the chord. The deflection w is cubic,
+    /// w = L (phi_a xi (1 - xi)^2 - phi_b xi^2 (1 - xi)). With linear kinematics the derivatives are the classical equivalent nodal loads
+    /// of the cubic beam, so displacements at the ends are exact.
     pub fn interior_work(&self, kinematics: Kinematics, xi: f64, force: Vector, motion: &[EndMotion; 2]) -> Response {
         self.work_on(kinematics, Shape::at(xi, self.length_mm), force, motion)
     }
@@ -43,16 +43,16 @@ impl Beam {
         force: Vector,
         motion: &[EndMotion; 2],
     ) -> ElementVector {
-        // The work is linear in the shape, and so are its derivatives.
+        // Work and its derivatives are linear in the shape.
         self.work_on(kinematics, Shape::slope_at(xi, self.length_mm), force, motion).gradient / self.length_mm
     }
 
-    /// Rotation of the beam's axis at the fraction `xi` of its length, rad: the chord's plus the slope of the deflection.
+    /// Rotation of the beam's axis at the fraction `xi` of its length, rad: rotation of the chord plus slope of the deflection.
     pub fn interior_rotation(&self, xi: f64, motion: &[EndMotion; 2]) -> f64 {
         let chord = Chord::deformed(self, motion);
         let deformation = chord.deformation(motion);
         let levers = Shape::slope_at(xi, self.length_mm).levers;
-        // Measured from the first end's rotation, which counts full turns; the chord's own does not.
+        // The first end's rotation counts full turns; `chord.rotation` does not.
         let chord_rotation = motion[0].rotation - deformation[1];
         chord_rotation + (levers[0] * deformation[1] + levers[1] * deformation[2]) / self.length_mm
     }
@@ -63,7 +63,7 @@ impl Beam {
         let deformation = if linear { chord.linear_deformation(motion) } else { chord.deformation(motion) };
         let gradients = chord.gradients();
 
-        // Deflection w and its gradient.
+        // Deflection w, mm, and its gradient.
         let Shape { shares, levers } = shape;
         let deflection = levers[0] * deformation[1] + levers[1] * deformation[2];
         let by_deflection = (gradients.row(1) * levers[0] + gradients.row(2) * levers[1]).transpose();
@@ -76,8 +76,8 @@ impl Beam {
             ElementVector::new(ends[0].x, ends[0].y, 0.0, ends[1].x, ends[1].y, 0.0) + by_deflection * across;
         let mut tangent = ElementMatrix::zeros();
         if !linear {
-            // The chord turns with the ends: d(across) = -along d(rotation), d(along) = across d(rotation); and the
-            // end rotations against it, phi = theta - rotation, have its second derivative with the opposite sign.
+            // The chord rotates with the ends: d(across) = -along d(rotation), d(along) = across d(rotation). The relative
+            // end rotations phi = theta - rotation have minus the second derivative of the chord's rotation.
             let turning = chord.rotation_gradient();
             gradient -= turning * (along * deflection);
             tangent = -(by_deflection * turning.transpose() + turning * by_deflection.transpose()) * along

@@ -1,7 +1,7 @@
 //! One plane beam element: its elastic energy, nodal forces and tangent stiffness.
 //!
-//! An element knows nothing of the structure around it. It sees the motion of its two ends and answers with a
-//! [`Response`]; [`crate::frame`] connects ends to nodes through arms, pins and rigid links.
+//! An element is independent of the structure around it. It maps the motion of its two ends to a [`Response`]; [`crate::frame`] connects
+//! ends to nodes through arms, pins and rigid links.
 
 mod chord;
 mod diagram;
@@ -16,24 +16,24 @@ use crate::number::Number;
 use nalgebra::{SMatrix, SVector, Vector2};
 use serde::{Deserialize, Serialize};
 
-/// How displacements become deformations, and hence which finger is solved.
+/// Kinematic relation between displacements and strains; it defines the finger model to solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kinematics {
     /// Small displacements: Xu et al. (2021), eqs (1) to (5).
     Linear,
-    /// Co-rotational, with the axial strain of a shallow arch: bending shortens the chord.
+    /// Co-rotational with the axial strain of a shallow arch: bending shortens the chord.
     Corotational,
-    /// Co-rotational, with the plain strain of the chord, as OpenSees' `Corotational` transformation has it.
+    /// Co-rotational with the axial strain of the chord alone, as in OpenSees' `Corotational` transformation.
     CorotationalChord,
 }
 
-/// Order of an element's six coordinates: x, y (mm) and rotation (rad) of the first end, then of the second.
+/// Vector by an element's six coordinates: x, y (mm) and rotation (rad) of the first end, then of the second.
 pub type ElementVector = SVector<f64, 6>;
-/// Second derivatives with respect to the coordinates of an [`ElementVector`].
+/// Second derivatives by the coordinates of an [`ElementVector`].
 pub type ElementMatrix = SMatrix<f64, 6, 6>;
 
-/// Motion of one end: displacement in mm, rotation in rad, finger frame.
+/// Motion of one beam end, finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndMotion<R = f64> {
     /// Displacement from the undeformed position, mm.
@@ -42,36 +42,36 @@ pub struct EndMotion<R = f64> {
     pub rotation: R,
 }
 
-/// A scalar of the element (energy or work, N mm) with its first and second derivatives by the end motions.
+/// A scalar of the element (energy or work) with its first and second derivatives by the end motions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response<R = f64> {
     /// Elastic energy of the element, or work of a load on it, N mm.
     pub energy: R,
-    /// First derivatives: nodal forces in N and moments in N mm.
+    /// First derivatives: forces (N) and moments (N mm) at the two ends.
     pub gradient: SVector<R, 6>,
-    /// Second derivatives: the consistent tangent stiffness, symmetric.
+    /// Second derivatives: the consistent tangent stiffness, symmetric; N/mm, N and N mm.
     pub tangent: SMatrix<R, 6, 6>,
 }
 
-/// A straight, slender (Euler-Bernoulli) beam with constant section.
+/// A straight, slender (Euler-Bernoulli) beam with constant cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beam<R = f64> {
     /// Unit vector from the first to the second end, undeformed.
     pub direction: Vector2<R>,
     /// Undeformed length, mm.
     pub length_mm: R,
-    /// EA, N.
+    /// Axial rigidity EA, N.
     pub axial_rigidity_n: R,
-    /// EI, N mm^2.
+    /// Bending rigidity EI, N mm^2.
     pub bending_rigidity_nmm2: R,
 }
 
 impl<R: Number> Beam<R> {
-    /// Energy, nodal forces and tangent stiffness at the given motion of the two ends.
+    /// Energy, nodal forces and tangent stiffness for the given motion of the two ends.
     ///
-    /// Every kinematics follows one pattern. The end motions give three natural deformations, the elongation of the chord e and the rotations phi_a,
-    /// phi_b of the two ends against it (Argyris' natural modes); the energy U(e, phi_a, phi_b) is that of a beam fixed to its chord; the chain rule
-    /// brings its derivatives back. Written with `d` for the 3 x 6 derivative of the natural deformations,
+    /// All kinematics share one formulation. The end motions give three natural deformations: the elongation e of the chord, and the rotations phi_a and
+    /// phi_b of the two ends relative to it (Argyris' natural modes). The energy U(e, phi_a, phi_b) is that of a beam fixed to its chord. The chain rule
+    /// transforms its derivatives to the end motions. With the 3 x 6 derivative `d` of the natural deformations,
     ///
     /// gradient = d^T U',   tangent = d^T U'' d + sum_i U'_i (second derivative of deformation i).
     ///

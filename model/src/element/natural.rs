@@ -1,11 +1,11 @@
-//! The beam seen from its own chord: energy of elongation and end rotations.
+//! Energy of a beam by its natural deformations: elongation of the chord and end rotations relative to it.
 
 use super::chord::{Chord, Deformation};
 use super::{Beam, EndMotion, Response};
 use crate::number::Number;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
-/// Energy of a beam as a function of its natural deformations, with both derivatives.
+/// Energy of a beam as a function of its natural deformations, with first and second derivatives.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NaturalResponse<R> {
     energy: R,
@@ -13,33 +13,33 @@ pub(super) struct NaturalResponse<R> {
     stiffness: Matrix3<R>,
 }
 
-/// The axial strain, and its derivatives by the two end rotations times the length.
+/// Axial strain, and its derivatives by the two end rotations, multiplied by the length (mm).
 struct AxialStrain<R> {
     strain: R,
     by_rotations: [R; 2],
 }
 
-/// 1 / 30 with bowing, 0 without.
+/// Coefficient of the rotations in the axial strain: 1 / 30 with bowing, 0 without.
 fn arch(bowing: bool) -> f64 {
     if bowing { 1.0 / 30.0 } else { 0.0 }
 }
 
 impl<R: Number> Beam<R> {
-    /// Divisions are slow: one for all.
+    /// Reciprocal length, 1/mm; computed once because divisions are slow.
     #[inline(always)]
     pub(super) fn per_length(&self) -> R {
         self.length_mm.constant(1.0) / self.length_mm
     }
 
-    /// From the first to the second end, undeformed, mm.
+    /// Undeformed vector from the first to the second end, mm.
     #[inline(always)]
     pub(crate) fn rest(&self) -> Vector2<R> {
         Vector2::new(self.direction.x * self.length_mm, self.direction.y * self.length_mm)
     }
 
-    /// eps = e / L + (2 phi_a^2 - phi_a phi_b + 2 phi_b^2) / 30.
+    /// Axial strain eps = e / L + (2 phi_a^2 - phi_a phi_b + 2 phi_b^2) / 30.
     ///
-    /// The second part is the mean of w'^2 / 2 over the cubic w (the shallow arch), left out without `bowing`.
+    /// The second term is the mean of w'^2 / 2 over the cubic w (the shallow arch); it is zero without `bowing`.
     #[inline(always)]
     fn axial_strain(&self, bowing: bool, deformation: &Deformation<R>) -> AxialStrain<R> {
         let (a, b) = (deformation[1], deformation[2]);
@@ -50,12 +50,12 @@ impl<R: Number> Beam<R> {
         }
     }
 
-    /// The axial strain without its derivatives.
+    /// Axial strain, dimensionless, without its derivatives.
     pub(super) fn mean_strain(&self, bowing: bool, deformation: &Deformation<R>) -> R {
         self.axial_strain(bowing, deformation).strain
     }
 
-    /// U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2); gradient: axial force, N, end moments, N mm.
+    /// Energy U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2), N mm. Its gradient holds the axial force (N) and the end moments (N mm).
     #[inline(always)]
     fn natural_forces(&self, axial: &AxialStrain<R>, deformation: &Deformation<R>) -> (R, Vector3<R>) {
         let (a, b) = (deformation[1], deformation[2]);
@@ -71,7 +71,7 @@ impl<R: Number> Beam<R> {
         (energy, gradient)
     }
 
-    /// Energy U, its gradient and its second derivatives.
+    /// Energy U with its gradient and second derivatives.
     #[inline(always)]
     pub(super) fn natural_response(&self, bowing: bool, deformation: &Deformation<R>) -> NaturalResponse<R> {
         let axial = self.axial_strain(bowing, deformation);
@@ -92,7 +92,7 @@ impl<R: Number> Beam<R> {
         NaturalResponse { energy, gradient, stiffness }
     }
 
-    /// Energy (N mm) and nodal forces for small displacements: [`response`](Beam::response) without its tangent.
+    /// Energy (N mm) and nodal forces for small displacements: [`response`](Beam::response) without the tangent.
     #[inline(always)]
     pub(crate) fn linear_forces(&self, motion: &[EndMotion<R>; 2]) -> (R, SVector<R, 6>) {
         let chord = Chord::at_rest(self);
@@ -103,7 +103,7 @@ impl<R: Number> Beam<R> {
 }
 
 impl<R: Number> Chord<R> {
-    /// Nodal forces of the three natural ones.
+    /// Nodal forces equivalent to the three natural forces.
     #[inline(always)]
     fn nodal_forces(&self, natural: &Vector3<R>) -> SVector<R, 6> {
         let (axial, a, b) = (natural.x, natural.y, natural.z);
@@ -115,12 +115,12 @@ impl<R: Number> Chord<R> {
 }
 
 impl<R: Number> NaturalResponse<R> {
-    /// Chain rule to the six end coordinates.
+    /// Chain rule from the natural deformations to the six end coordinates.
     ///
-    /// The energy depends on the displacement d of the second end against the first and on the two end rotations, so four coordinates carry
-    /// everything: d along and across the chord, theta_a, theta_b. By them the chord's length has the derivative (1, 0, 0, 0) and its rotation (0, 1
-    /// / l, 0, 0); with the end rotations against the chord, phi = theta - rotation, that gives all first derivatives. The second derivatives are
-    /// those of the length, 1 / l across-across, and of the rotation, -1 / l^2 along-across; `curved`: whether they count.
+    /// The energy depends only on the displacement d of the second end relative to the first and on the two end rotations. Four coordinates therefore
+    /// suffice: d along and across the chord, theta_a and theta_b. By these the chord's length has the derivative (1, 0, 0, 0) and its rotation
+    /// (0, 1 / l, 0, 0). With the relative end rotations phi = theta - rotation, all first derivatives follow. The second derivative of the length is 1 / l
+    /// (across-across), that of the rotation -1 / l^2 (along-across); both count only if `curved`.
     #[inline(always)]
     pub(super) fn on_chord(&self, chord: &Chord<R>, curved: bool) -> Response<R> {
         let (axial, a, b) = (self.gradient.x, self.gradient.y, self.gradient.z);
@@ -129,7 +129,7 @@ impl<R: Number> NaturalResponse<R> {
         let (axial_curvature, moment_curvature) =
             if curved { (axial * per_length, (a + b) * per_length * per_length) } else { (axial.zero(), axial.zero()) };
 
-        // By d: along, across; then mixed with each end rotation.
+        // Second derivatives by d along and across, then mixed with each end rotation.
         let along_along = k[(0, 0)];
         let along_across = moment_curvature - (k[(0, 1)] + k[(0, 2)]) * per_length;
         let across_across = (k[(1, 1)] + k[(1, 2)] * 2.0 + k[(2, 2)]) * per_length * per_length + axial_curvature;

@@ -1,4 +1,4 @@
-//! A finger as the user describes it.
+//! Description of a finger by the user.
 
 pub use crate::keys::{BracketLengths, OfRibs};
 
@@ -7,24 +7,24 @@ use super::{Finger, Plate};
 /// A plate or a rib as a material strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strip {
-    /// Thickness in the plane, mm; of a plate that tapers, at the base.
+    /// In-plane thickness, mm; at the base for a tapered plate.
     pub thickness_mm: f64,
-    /// Thickness at the tip of a plate that tapers linearly, mm; `None` for ribs.
+    /// Thickness at the tip of a linearly tapered plate, mm; `None` for ribs.
     pub tip_thickness_mm: Option<f64>,
     /// Young's modulus, MPa.
     pub youngs_modulus_mpa: f64,
 }
 
-/// Lengths at the ends of a plate that do not deform, mm, zero or more.
+/// Lengths of the rigid ends of a plate, mm, zero or more.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RigidEnds {
-    /// Next to the base: it is clamped as a whole.
+    /// Length at the base, mm; it is clamped completely.
     pub base_mm: f64,
-    /// Next to the tip: it turns with it.
+    /// Length at the tip, mm; it rotates with the tip.
     pub tip_mm: f64,
 }
 
-/// How ribs meet the plates.
+/// Type of the joints between ribs and plates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joints {
     /// Clamped to both plates.
@@ -33,34 +33,34 @@ pub enum Joints {
     Hinged,
 }
 
-/// Where the ribs are.
+/// Positions of the ribs along the plates.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RibPositions {
-    /// This number of ribs, rib i at i / (count + 1) of both plates.
+    /// Number of evenly spaced ribs: rib i of 1..=count lies at i / (count + 1) of both plates.
     Count(usize),
-    /// Distances from the base along the front and the back plate, mm, from base to tip.
+    /// Distances of each rib from the base along front and back plate, mm, ordered from base to tip.
     Positions(Vec<[f64; 2]>),
 }
 
-/// The ribs as the user describes them.
+/// Description of the ribs by the user.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RibDescription {
-    /// Their positions.
+    /// Positions along the plates.
     pub positions: RibPositions,
-    /// Their joints with the plates.
+    /// Type of the joints with the plates.
     pub joints: Joints,
-    /// Lengths of the rigid brackets that hold their ends off the front and the back plate, mm, zero or more: perpendicular to
-    /// the undeformed plate, towards the other one, turning with the plate. Joints are at their ends.
+    /// Lengths of the rigid brackets between ribs and front and back plate, mm, zero or more. A bracket is perpendicular to the
+    /// undeformed plate, points towards the other plate and rotates with its plate. The joints are at its end.
     pub bracket_mm: BracketLengths,
-    /// Lengths of the rigid clips that hold the brackets on front and back plate, mm, zero or more: half on each side of the node.
+    /// Lengths of the rigid clips of the brackets on front and back plate, mm, zero or more; half on each side of the node.
     pub clip_mm: [f64; 2],
-    /// Their material; `None` for ribs that do not deform (or if there are none).
+    /// Thickness and modulus; `None` for undeformable ribs or without ribs.
     pub strip: Option<Strip>,
-    /// Thickness of each rib, mm, from base to tip, where they differ: it counts instead of the strip's, which is the largest of them.
+    /// Thickness of each rib, mm, from base to tip, if they differ. It replaces the thickness of `strip`, which is then the largest of them.
     pub thicknesses_mm: Option<Vec<f64>>,
 }
 
-/// Which point of a rib's end a camera sees.
+/// Position of the markers at the ends of ribs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MarkerPoints {
     /// The key node, on the plate's middle line.
@@ -70,7 +70,7 @@ pub enum MarkerPoints {
     Hinges,
 }
 
-/// Which part of the finger a zone belongs to.
+/// Part of the finger that a zone belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// The front plate.
@@ -81,27 +81,27 @@ pub enum Part {
     Ribs,
 }
 
-/// A section of other modulus.
+/// A section of a part with a different modulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zone {
-    /// The part it belongs to.
+    /// The part of the finger.
     pub part: Part,
-    /// Where it begins, mm from the base along the plate (for ribs: the front plate).
+    /// Start, mm from the base along the plate; for ribs, along the front plate.
     pub from_mm: f64,
-    /// Where it ends, mm.
+    /// End, mm from the base along the plate.
     pub to_mm: f64,
-    /// Factor on Young's modulus.
+    /// Factor on Young's modulus, dimensionless.
     pub modulus_factor: f64,
 }
 
 impl Zone {
-    /// Whether it covers a rib with its front end at a position; on a border the zone that begins there does.
+    /// Whether the zone covers a rib whose front end is `position_mm` from the base. Between two zones, the one that starts there covers the rib.
     pub fn holds_rib(&self, position_mm: f64) -> bool {
         self.part == Part::Ribs && self.from_mm <= position_mm && position_mm < self.to_mm
     }
 }
 
-/// A finger as the user describes it; [`Finger::new`](super::Finger::new) checks it.
+/// Description of a finger by the user; [`Finger::new`](super::Finger::new) checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerDescription {
     /// Distance between the two plates at the base, mm.
@@ -110,28 +110,28 @@ pub struct FingerDescription {
     pub front_length_mm: f64,
     /// Length of the back plate, mm.
     pub back_length_mm: f64,
-    /// Out of plane, mm.
+    /// Depth out of the plane, mm.
     pub depth_mm: f64,
     /// Length of the rigid arms at both ends of every member, mm.
     pub rod_arm_mm: f64,
-    /// Poisson's ratio of the strips, wide against their thickness: they have the modulus E / (1 - nu^2).
+    /// Poisson's ratio, dimensionless. Strips are wide compared with their thickness, so their modulus is E / (1 - nu^2).
     pub poissons_ratio: f64,
     /// The front plate.
     pub front: Strip,
     /// The back plate.
     pub back: Strip,
-    /// What does not deform of the front and of the back plate.
+    /// Rigid ends of the front and the back plate.
     pub rigid_ends: [RigidEnds; 2],
     /// The ribs.
     pub ribs: RibDescription,
-    /// Sections of other modulus; overlapping ones multiply.
+    /// Sections with different moduli; the factors of overlapping zones multiply.
     pub zones: Vec<Zone>,
-    /// Where the markers of the ribs' ends are.
+    /// Position of the markers at the ends of ribs.
     pub markers_on: MarkerPoints,
 }
 
 impl FingerDescription {
-    /// Moves the end of a rib, counted from 0, along a plate away from the base; `finger` is the one that is described.
+    /// Moves the end of rib `rib`, counted from 0, by `by_mm` along a plate away from the base; `finger` is the described finger.
     pub(crate) fn move_rib(&mut self, finger: &Finger, plate: Plate, rib: usize, by_mm: f64) {
         if let RibPositions::Count(_) = self.ribs.positions {
             let [front_mm, back_mm] = [Plate::Front, Plate::Back].map(|plate| finger.plate_positions_mm(plate));
@@ -143,7 +143,7 @@ impl FingerDescription {
         }
     }
 
-    /// Lengthens the bracket of one of so many ribs, counted from 0, on a plate.
+    /// Lengthens the bracket of rib `rib`, counted from 0 of `rib_count`, on a plate by `by_mm`.
     pub(crate) fn lengthen_bracket(&mut self, rib_count: usize, plate: Plate, rib: usize, by_mm: f64) {
         let mut each: Vec<[f64; 2]> = (0..rib_count).map(|rib| self.ribs.bracket_mm.of(rib)).collect();
         each[rib][plate.index()] += by_mm;
@@ -151,12 +151,12 @@ impl FingerDescription {
     }
 }
 
-/// A finger that cannot be: which key of the scene is wrong, and why.
+/// A description that is not a valid finger: the offending scene key and the reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{key}: {reason}")]
 pub struct ImpossibleFinger {
-    /// Key as in the scene file, for instance `finger.ribs.positions_mm`.
+    /// Key in the scene file, for instance `finger.ribs.positions_mm`.
     pub key: String,
-    /// What was expected and what was found.
+    /// Expected and found value.
     pub reason: String,
 }

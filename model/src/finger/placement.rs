@@ -1,22 +1,22 @@
-//! What a description must hold to be a finger, and where its nodes are.
+//! Checks of a finger's description, and positions of its nodes.
 
 use super::{BracketLengths, Finger, FingerDescription, ImpossibleFinger, OfRibs, Part, Plate, RibPositions};
 use crate::Vector;
 use crate::keys::{BACK, FINGER, FRONT, Key, Kind, RIBS, ZONE};
 
-/// Neighbouring nodes and the plates' ends must be this share of a plate apart.
+/// Smallest distance between neighbouring nodes, and between nodes and plate ends, as a share of the plate's length.
 pub(super) const SMALLEST_SPACING: f64 = 1e-9;
 
 fn require(holds: bool, key: &str, reason: impl FnOnce() -> String) -> Result<(), ImpossibleFinger> {
     if holds { Ok(()) } else { Err(ImpossibleFinger { key: key.to_owned(), reason: reason() }) }
 }
 
-/// Checks a value against the range of its key.
+/// Checks a value against the valid range of its key.
 fn check<K: Kind>(key: &Key<K>, value: &K::Value) -> Result<(), ImpossibleFinger> {
     key.check(value).map_err(|refused| ImpossibleFinger { key: key.path(), reason: refused.to_string() })
 }
 
-/// What each size must be for itself.
+/// Checks each size against the valid range of its key.
 pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger> {
     check(&FINGER.base_width_mm, &d.base_width_mm)?;
     check(&FINGER.front_length_mm, &d.front_length_mm)?;
@@ -40,7 +40,7 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     check(&RIBS.clip_mm, &d.ribs.clip_mm)
 }
 
-/// The tip from the triangle's sides; height by Kahan's form of Heron's formula, precise for thin triangles too.
+/// Position of the tip from the triangle's sides, mm. The height follows from Kahan's form of Heron's formula, which is accurate for thin triangles.
 pub(super) fn place_tip(d: &FingerDescription) -> Result<Vector, ImpossibleFinger> {
     let mut sides = [
         (d.base_width_mm, &FINGER.base_width_mm),
@@ -136,7 +136,7 @@ pub(super) fn check_zones(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     Ok(())
 }
 
-/// Two ribs at one junction are tied to each other there, so no bracket and no undeformable rib can carry it.
+/// Rejects brackets and undeformable ribs if ribs share a junction: the junction ties nodes to each other, which leaves no room for a rigid link.
 fn check_shared_junctions(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let shared = "where ribs share a junction or end in a corner of the base";
     let refused = finger.has_shared_junctions();
@@ -145,7 +145,7 @@ fn check_shared_junctions(finger: &Finger) -> Result<(), ImpossibleFinger> {
     require(!(refused && is_rigid), &RIBS.rigid.path(), || format!("expected ribs that deform {shared}"))
 }
 
-/// The arms of rods, clips and rigid ends, and the brackets of ribs must leave room for what is between them.
+/// Checks that rods, clips and rigid ends leave part of each member to bend, and that brackets leave room for each rib.
 pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     check_shared_junctions(finger)?;
     check_brackets(finger)?;
@@ -185,7 +185,7 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     Ok(())
 }
 
-/// The hinges of each plate must lie before those of the other: then ribs have a length and neither cross nor turn round.
+/// Checks that the hinges of each plate lie before the other plate's: then ribs have a length and do not cross.
 fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let key = RIBS.bracket_mm.path();
     if let BracketLengths::Each(lengths_mm) = &finger.description.ribs.bracket_mm {

@@ -4,7 +4,7 @@ use super::{Finger, Part, Plate, Strip};
 use crate::frame::Section;
 
 impl Finger {
-    /// Whether a plate is thinner at one end than at the other.
+    /// Whether the thickness of a plate varies along it.
     pub fn tapers(&self, part: Plate) -> bool {
         let strip = self.strip(part);
         strip.tip_thickness_mm.is_some_and(|tip_mm| tip_mm != strip.thickness_mm)
@@ -24,8 +24,8 @@ impl Finger {
         }
     }
 
-    /// Section of a part without zones: plane-strain modulus E / (1 - nu^2); of a plate at its base; of the thickest rib; `None` for ribs that do
-    /// not deform.
+    /// Section of a part without zones, with the plane-strain modulus E / (1 - nu^2). For a plate, the section at its base; for ribs, the thickest rib.
+    /// `None` for undeformable ribs.
     pub fn section(&self, part: Part) -> Option<Section> {
         match part {
             Part::Front => Some(self.base_section(Plate::Front)),
@@ -45,7 +45,7 @@ impl Finger {
         Section::rectangle(strip.thickness_mm, self.description.depth_mm, modulus)
     }
 
-    /// Section of a rib, counted from 0 at the base, in the zones that hold it; `None` for one that does not deform.
+    /// Section of a rib including its zones; ribs are numbered from 0 at the base. `None` for undeformable ribs.
     pub fn rib_section(&self, rib: usize) -> Option<Section> {
         let d = &self.description;
         let mut strip = d.ribs.strip?;

@@ -1,15 +1,15 @@
-//! The unknowns of a frame, numbered.
+//! Numbering of the unknowns of a frame.
 
 use super::{BeamEnd, FrameMotion, PlaneFrame};
 
-/// Most rigid levers in a row that carry a node: a bracket, a rib and a bracket.
+/// Largest number of rigid levers in series that carry a node: a bracket, a rib and a bracket.
 pub(super) const MOST_LEVERS: usize = 3;
-/// Coordinates that may move a node: its x and y (or its master's), its rotation, those of the levers that carry it.
+/// Coordinates that may move a node: its x and y (or its master's), its rotation, and the rotations of its levers.
 pub(super) const NODE_COORDINATES: usize = 3 + MOST_LEVERS;
 /// Coordinates of two nodes.
 pub(crate) const MEMBER_COORDINATES: usize = 2 * NODE_COORDINATES;
 
-/// Numbers the unknowns of a frame: equation of each free translation and rotation, `None` where it is held.
+/// Equation numbers of the free translations and rotations of a frame; `None` for fixed ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equations {
     translations: Vec<[Option<usize>; 2]>,
@@ -18,7 +18,7 @@ pub struct Equations {
 }
 
 impl Equations {
-    /// Numbers nodes in their order, each with its x, y and rotation, then the remaining rotations.
+    /// Numbers x, y and rotation of each node in the order of the nodes, then the remaining rotations.
     pub fn of(frame: &PlaneFrame) -> Equations {
         let mut count = 0;
         let mut next = || {
@@ -27,7 +27,7 @@ impl Equations {
         };
         let mut translations = vec![[None; 2]; frame.nodes.len()];
         let mut rotations = vec![None; frame.rotation_fixed.len()];
-        // A slot that no beam, node or link uses would be a free unknown without stiffness.
+        // A slot that no beam or link uses would be a free unknown without stiffness.
         let mut used = vec![false; rotations.len()];
         for end in frame.members.iter().flat_map(|m| m.ends) {
             used[end.rotation] = true;
@@ -57,7 +57,7 @@ impl Equations {
         self.count
     }
 
-    /// One figure for each unknown: `translation` for displacements, `rotation` for rotations.
+    /// A vector with one entry per unknown: `translation` for displacements, `rotation` for rotations.
     pub(crate) fn by_kind(&self, translation: f64, rotation: f64) -> Vec<f64> {
         let mut figures = vec![translation; self.count];
         for &equation in self.rotations.iter().flatten() {
@@ -66,7 +66,7 @@ impl Equations {
         figures
     }
 
-    /// Adds a correction of all unknowns to a motion and lets linked nodes follow.
+    /// Adds a correction of all unknowns (mm, rad) to a motion and moves linked nodes with their masters.
     pub fn advance(&self, frame: &PlaneFrame, motion: &mut FrameMotion, correction: &[f64], linear: bool) {
         for (u, equations) in motion.displacements.iter_mut().zip(&self.translations) {
             for (value, equation) in u.iter_mut().zip(equations) {
@@ -79,7 +79,7 @@ impl Equations {
         frame.follow_links(motion, linear);
     }
 
-    /// Equations of the coordinates that a beam end depends on.
+    /// Equations of the coordinates that move a beam end.
     fn of_end(&self, frame: &PlaneFrame, end: &BeamEnd) -> [Option<usize>; NODE_COORDINATES] {
         let node = &frame.nodes[end.node];
         let carrier = node.link.map_or(end.node, |link| link.master);
@@ -89,7 +89,7 @@ impl Equations {
         [x, y, self.rotations[end.rotation], first, second, third]
     }
 
-    /// Equations of the coordinates of two beam ends.
+    /// Equations of the coordinates that move two beam ends, first end first.
     pub(crate) fn of_ends(&self, frame: &PlaneFrame, ends: &[BeamEnd; 2]) -> [Option<usize>; MEMBER_COORDINATES] {
         let [a, b] = ends.map(|end| self.of_end(frame, &end));
         std::array::from_fn(|i| if i < NODE_COORDINATES { a[i] } else { b[i - NODE_COORDINATES] })

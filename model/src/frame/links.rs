@@ -1,4 +1,4 @@
-//! Rigid links: nodes that follow others over levers that turn.
+//! Rigid links: nodes that follow other nodes over rotating levers.
 
 use super::equations::MOST_LEVERS;
 use super::members::{swing, turned, vector_of};
@@ -7,41 +7,43 @@ use crate::Vector;
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// A rigid bar, from the node that it begins at, undeformed, mm; it turns with a rotation.
+/// A rigid bar as a vector from its first node, undeformed, mm; it rotates with a rotation slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Lever {
+    /// Slot of the rotation.
     pub rotation: RotationSlot,
+    /// The vector, mm.
     pub along: Vector,
 }
 
-/// A node that follows another one over rigid levers in a row: u = u_master + sum over levers of (R(rotation) - 1) lever.
+/// A node that follows a master over rigid levers in series: u = u_master + sum over levers of (R(rotation) - 1) lever.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidLink {
-    /// The first node of the row, which follows no other.
+    /// The first node of the series; it follows no other node.
     pub master: NodeIndex,
     levers: [Option<Lever>; MOST_LEVERS],
 }
 
 impl RigidLink {
-    /// The levers from the master on.
+    /// The levers in order from the master.
     #[inline(always)]
     pub fn levers(&self) -> impl Iterator<Item = Lever> + use<> {
         self.levers.into_iter().flatten()
     }
 
-    /// Where in the row each lever is.
+    /// The levers in fixed positions, `None` if unused.
     pub fn places(&self) -> [Option<Lever>; MOST_LEVERS] {
         self.levers
     }
 }
 
 impl PlaneFrame {
-    /// Joins two free nodes by an undeformable bar. `hinged`: pinned at both nodes; otherwise they turn together.
+    /// Joins two free nodes by an undeformable bar. If `hinged`, the bar is pinned at both nodes; otherwise nodes and bar rotate together.
     ///
-    /// The second node follows the first one and the bar's rotation. The first one may follow another node itself.
+    /// The second node follows the first node and the bar's rotation. The first node may itself follow another node.
     ///
     /// # Panics
-    /// If there are then more than three bars in a row.
+    /// If more than three bars are then in series.
     pub fn link_rigidly(&mut self, first: NodeIndex, second: NodeIndex, hinged: bool) {
         let along = self.position(second) - self.position(first);
         let rotation = if hinged {
@@ -57,20 +59,20 @@ impl PlaneFrame {
         self.nodes[second].link = Some(link);
     }
 
-    /// Ties a node to another one at the same point: it moves and turns as that one does.
+    /// Ties the second node to the first, at the same point: it moves and rotates with the first.
     pub fn tie(&mut self, first: NodeIndex, second: NodeIndex) {
         self.nodes[second].rotation = self.nodes[first].rotation;
         let row = self.nodes[first].link;
         self.nodes[second].link = Some(row.unwrap_or(RigidLink { master: first, levers: [None; MOST_LEVERS] }));
     }
 
-    /// The node that a tied one moves with; any other node itself.
+    /// The node that a tied node moves with; `node` itself if it is not tied.
     pub fn tied_to(&self, node: NodeIndex) -> NodeIndex {
         let tied = self.nodes[node].link.filter(|link| link.levers().next().is_none());
         tied.map_or(node, |link| link.master)
     }
 
-    /// Moves linked nodes to where their masters and links carry them.
+    /// Computes the displacements of linked nodes from their masters and levers.
     #[inline(always)]
     pub(crate) fn follow_links<R: Number>(&self, motion: &mut FrameMotion<R>, linear: bool) {
         for (n, node) in self.nodes.iter().enumerate() {
@@ -86,7 +88,7 @@ impl PlaneFrame {
         }
     }
 
-    /// The levers that carry a linked node, each with its slot and in its current direction; none for other nodes.
+    /// The levers that carry a linked node, each with its rotation slot and in its current direction, mm; none for other nodes.
     #[inline(always)]
     pub(crate) fn turned_levers<'a, R: Number>(
         &'a self,
@@ -101,7 +103,7 @@ impl PlaneFrame {
         })
     }
 
-    /// The slots of the levers that carry a linked node; none for other nodes.
+    /// The rotation slots of the levers that carry a linked node; none for other nodes.
     pub(crate) fn lever_rotations(&self, node: NodeIndex) -> impl Iterator<Item = RotationSlot> {
         self.nodes[node].link.iter().flat_map(RigidLink::levers).map(|lever| lever.rotation)
     }

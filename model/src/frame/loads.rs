@@ -1,4 +1,4 @@
-//! Dead loads, and how the coordinates of the nodes that carry them see them.
+//! Dead loads on a frame, and their potentials by the coordinates of the loaded nodes.
 
 use super::members::{carry_over_arms, swing, turned};
 use super::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame};
@@ -6,7 +6,7 @@ use crate::Vector;
 use crate::element::{Beam, ElementVector, EndMotion, Kinematics, Response};
 use nalgebra::{SMatrix, SVector};
 
-/// A dead load on a frame: it keeps its direction whatever the frame does.
+/// A dead load on a frame: it keeps its direction as the frame moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrameLoad {
     /// Force (N) and moment (N mm) on a node.
@@ -15,7 +15,7 @@ pub enum FrameLoad {
         node: NodeIndex,
         /// Force, N.
         force: Vector,
-        /// Moment, N mm, from x to y.
+        /// Moment, N mm, positive from x to y.
         moment_nmm: f64,
     },
     /// Force (N) at the end of a rigid arm.
@@ -29,7 +29,7 @@ pub enum FrameLoad {
     Interior {
         /// Index of the member.
         member: usize,
-        /// Fraction of its length, 0..1.
+        /// Position of the force as a fraction of the member's length, 0..1.
         xi: f64,
         /// Force, N.
         force: Vector,
@@ -37,7 +37,7 @@ pub enum FrameLoad {
 }
 
 impl FrameLoad {
-    /// The load multiplied by a factor.
+    /// Returns the load multiplied by a factor.
     pub fn scaled(self, factor: f64) -> FrameLoad {
         match self {
             FrameLoad::Node { node, force, moment_nmm } => {
@@ -48,7 +48,7 @@ impl FrameLoad {
         }
     }
 
-    /// The beam end that carries the load, and its force and moment; an interior load counts at its member's first end.
+    /// The beam end that carries the load, its force (N) and moment (N mm). An interior load refers to the first end of its member.
     pub(crate) fn at_end(&self, frame: &PlaneFrame) -> (BeamEnd, Vector, f64) {
         match *self {
             FrameLoad::Node { node, force, moment_nmm } => (frame.clamped_end(node), force, moment_nmm),
@@ -57,7 +57,7 @@ impl FrameLoad {
         }
     }
 
-    /// Whether force, moment and position are finite numbers.
+    /// Whether force, moment and position are finite.
     pub fn is_finite(&self) -> bool {
         let force_is_finite = |force: &Vector| force.iter().all(|f| f.is_finite());
         match self {
@@ -68,9 +68,9 @@ impl FrameLoad {
     }
 }
 
-/// Potentials of dead loads (minus their work), by the motions of the nodes that carry them.
+/// Potentials of dead loads (minus their work), by the motions of the loaded nodes.
 impl PlaneFrame {
-    /// Of a force between the ends of a member, by the motions of its two nodes.
+    /// Potential of a force between the ends of a member, by the motions of the member's two nodes.
     pub(crate) fn interior_load(
         &self,
         motion: &FrameMotion,
@@ -82,7 +82,7 @@ impl PlaneFrame {
         self.inside(motion, member, kinematics, |beam, motions| beam.interior_work(kinematics, xi, -force, motions))
     }
 
-    /// Of a force and moment at the end of an arm, by the motion of its node (the first three coordinates).
+    /// Potential of a force and moment at the end of an arm, by the motion of its node (the first three coordinates).
     pub(crate) fn end_load(
         &self,
         motion: &FrameMotion,
@@ -97,7 +97,7 @@ impl PlaneFrame {
         potential
     }
 
-    /// How the forces of a load on its member's nodes change per mm that the load moves towards the second end.
+    /// Derivative of a load's forces on its member's nodes by the position of the load, per mm towards the second end.
     pub(crate) fn interior_load_slope(
         &self,
         motion: &FrameMotion,
@@ -113,7 +113,7 @@ impl PlaneFrame {
         self.inside(motion, member, kinematics, slope).gradient
     }
 
-    /// Something between the ends of a member's beam, by the motions of its two nodes.
+    /// Evaluates a quantity of a member's beam by the motions of the member's two nodes.
     fn inside(
         &self,
         motion: &FrameMotion,
@@ -129,7 +129,7 @@ impl PlaneFrame {
         response
     }
 
-    /// The same for a load on an arm that lengthens in the direction `along` (undeformed).
+    /// Derivative of an arm load's forces on the node by the length of the arm, per mm; `along` is the undeformed direction of lengthening.
     pub(crate) fn arm_load_slope(
         &self,
         motion: &FrameMotion,
@@ -142,11 +142,11 @@ impl PlaneFrame {
         ElementVector::new(0.0, 0.0, along.perp(&force), 0.0, 0.0, 0.0)
     }
 
-    /// Displacement of the point that a load acts at, mm, co-rotational.
+    /// Displacement of the loaded point, mm, with co-rotational kinematics.
     pub(crate) fn displacement_at(&self, motion: &FrameMotion, load: &FrameLoad) -> Vector {
         match *load {
             FrameLoad::Interior { member, xi, .. } => {
-                // What a unit force does as it moves.
+                // The work of a unit force equals the displacement in its direction.
                 let moved = |way: Vector| {
                     self.inside(motion, member, Kinematics::Corotational, |beam, motions| {
                         beam.interior_work(Kinematics::Corotational, xi, way, motions)
@@ -161,7 +161,7 @@ impl PlaneFrame {
         }
     }
 
-    /// Rotation of what carries a load, rad.
+    /// Rotation of the loaded cross-section or node, rad, with co-rotational kinematics.
     pub(crate) fn rotation_at(&self, motion: &FrameMotion, load: &FrameLoad) -> f64 {
         match *load {
             FrameLoad::Interior { member, xi, .. } => {

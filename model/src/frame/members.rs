@@ -1,4 +1,4 @@
-//! Members seen from the coordinates of the frame: the chain rule over rigid arms and rigid links.
+//! Members by the coordinates of the frame: the chain rule over rigid arms and rigid links.
 
 use super::equations::{MEMBER_COORDINATES, NODE_COORDINATES};
 use super::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame};
@@ -7,7 +7,7 @@ use crate::element::{Beam, EndMotion, Kinematics, Response, Station, quarter_tur
 use crate::number::{Number, sine_and_versine};
 use nalgebra::{SMatrix, SVector, Vector2};
 
-/// Displacement of the end of a lever that turns by `rotation`: (R - 1) lever, without cancellation for small turns.
+/// Displacement of the end of a lever that rotates by `rotation`: (R - 1) lever, mm. Free of cancellation for small rotations.
 #[inline(always)]
 pub(crate) fn swing<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) -> Vector2<R> {
     let quarter = quarter_turn(lever);
@@ -18,7 +18,7 @@ pub(crate) fn swing<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) -> 
     Vector2::new(sine * quarter.x - versine * lever.x, sine * quarter.y - versine * lever.y)
 }
 
-/// Whether a beam ends at an arm, in any lane.
+/// Whether a beam end has an arm in any lane.
 #[inline(always)]
 fn has_arm<R: Number>(end: &BeamEnd<R>) -> bool {
     let zero = end.arm.x.zero();
@@ -37,13 +37,13 @@ fn end_motion<R: Number>(motion: &FrameMotion<R>, end: &BeamEnd<R>, linear: bool
     EndMotion { displacement, rotation }
 }
 
-/// A vector in numbers like the one given.
+/// A vector in the number type of `like`.
 #[inline(always)]
 pub(super) fn vector_of<R: Number>(vector: Vector, like: R) -> Vector2<R> {
     Vector2::new(like.constant(vector.x), like.constant(vector.y))
 }
 
-/// The lever turned by `rotation` (or left as it is), mm.
+/// The lever rotated by `rotation`, mm; unchanged if `linear`.
 #[inline(always)]
 pub(super) fn turned<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) -> Vector2<R> {
     if linear {
@@ -53,19 +53,19 @@ pub(super) fn turned<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) ->
     Vector2::new(swung.x + lever.x, swung.y + lever.y)
 }
 
-/// Motions of two ends of elastic parts.
+/// Motions of the two ends of an elastic part.
 #[inline(always)]
 pub(crate) fn end_motions<R: Number>(
     motion: &FrameMotion<R>,
     ends: &[BeamEnd<R>; 2],
     linear: bool,
 ) -> [EndMotion<R>; 2] {
-    // Not by `map`, which goes through memory.
+    // `map` would go through memory.
     [end_motion(motion, &ends[0], linear), end_motion(motion, &ends[1], linear)]
 }
 
 impl BeamEnd {
-    /// The same in numbers like the one given.
+    /// The beam end in the number type of `like`.
     #[inline(always)]
     fn in_numbers<R: Number>(&self, like: R) -> BeamEnd<R> {
         BeamEnd { node: self.node, rotation: self.rotation, arm: vector_of(self.arm, like) }
@@ -73,7 +73,7 @@ impl BeamEnd {
 }
 
 impl Member {
-    /// The same in numbers like the one given.
+    /// The member in the number type of `like`.
     #[inline(always)]
     pub(crate) fn in_numbers<R: Number>(&self, like: R) -> Member<R> {
         let Member { beam, ends: [first, second] } = self;
@@ -90,13 +90,13 @@ impl Member {
 }
 
 impl<R: Number> Member<R> {
-    /// Motion of the elastic part's two ends.
+    /// Motions of the elastic part's two ends.
     #[inline(always)]
     pub(crate) fn end_motions(&self, motion: &FrameMotion<R>, linear: bool) -> [EndMotion<R>; 2] {
         end_motions(motion, &self.ends, linear)
     }
 
-    /// Energy, nodal forces and tangent by the motions of the two nodes, arms included.
+    /// Energy, nodal forces and tangent stiffness by the motions of the two nodes, including the rigid arms.
     #[inline(always)]
     pub(crate) fn response(&self, motion: &FrameMotion<R>, kinematics: Kinematics) -> Response<R> {
         let linear = kinematics == Kinematics::Linear;
@@ -106,7 +106,7 @@ impl<R: Number> Member<R> {
         response
     }
 
-    /// From the first to the second node, mm: as it is in the motion, or undeformed.
+    /// Vector from the first to the second node, mm: undeformed if `linear`, else in the given motion.
     #[inline(always)]
     pub(crate) fn lever(&self, motion: &FrameMotion<R>, linear: bool) -> Vector2<R> {
         let ([first, second], rest) = (&self.ends, self.beam.rest());
@@ -118,7 +118,7 @@ impl<R: Number> Member<R> {
         Vector2::new(to.x - from.x + undeformed.x, to.y - from.y + undeformed.y)
     }
 
-    /// Energy and nodal forces with small displacements, arms included.
+    /// Energy (N mm) and nodal forces (N, N mm) for small displacements, including the rigid arms.
     #[inline(always)]
     pub(crate) fn linear_forces(&self, motion: &FrameMotion<R>) -> (R, SVector<R, 6>) {
         let (energy, mut gradient) = self.beam.linear_forces(&self.end_motions(motion, true));
@@ -131,7 +131,7 @@ impl<R: Number> Member<R> {
 }
 
 impl PlaneFrame {
-    /// Axial strain and curvature of a member loaded at fractions of it: [`Beam::stations`](crate::element::Beam).
+    /// Axial strain and curvature of a member with loads at fractions of its length: [`Beam::stations`](crate::element::Beam).
     pub(crate) fn stations(
         &self,
         motion: &FrameMotion,
@@ -144,7 +144,7 @@ impl PlaneFrame {
         member.beam.stations(kinematics, &motions, loads)
     }
 
-    /// Chain rule from two nodes to the frame's coordinates, over rigid links; second derivatives: [`carry_over_arms`].
+    /// Chain rule from two nodes to the frame's coordinates over rigid links. [`carry_over_arms`] explains the second derivatives.
     pub(crate) fn carry_over_links(
         &self,
         motion: &FrameMotion,
@@ -173,9 +173,9 @@ impl PlaneFrame {
     }
 }
 
-/// Chain rule from the ends of the elastic part over the arms to the nodes; `rotations` are those of the ends.
+/// Chain rule from the ends of the elastic part to the nodes over rigid arms; `rotations` are the ends' rotations, rad.
 ///
-/// The end of an arm v moves on a circle: -f . v is added to the second derivative by the rotation, f the gradient.
+/// The end of an arm v moves on a circle, so the second derivative by the rotation gains -f . v, with f the gradient by displacement.
 #[inline(always)]
 pub(crate) fn carry_over_arms<R: Number>(
     ends: &[BeamEnd<R>; 2],
@@ -191,7 +191,7 @@ pub(crate) fn carry_over_arms<R: Number>(
         let (x, y, theta) = (3 * i, 3 * i + 1, 3 * i + 2);
         let (force_x, force_y) = (response.gradient[x], response.gradient[y]);
         response.gradient[theta] += arm.x * force_y - arm.y * force_x;
-        // Rotating by the node adds -arm.y times the row of x and arm.x times that of y; likewise the columns.
+        // The node's rotation adds -arm.y times row x and arm.x times row y; the same for columns.
         let tangent = &mut response.tangent;
         for k in 0..6 {
             let turning = arm.x * tangent[(y, k)] - arm.y * tangent[(x, k)];

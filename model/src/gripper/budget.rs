@@ -1,42 +1,42 @@
-//! What errors of the linkage do to the undeformed nodes, which displacements are counted from.
+//! Effect of the linkage's errors on the undeformed nodes, from which displacements are measured.
 
 use super::{Gripper, GripperDescription, ImpossibleLinkage};
 use crate::{Finger, NodeId, Vector};
 
-/// How well the linkage is known: standard deviations, and the play of the screw.
+/// Uncertainty of the linkage: standard deviations, and the backlash of the screw.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinkageErrors {
-    /// Of the motor's angle, degrees.
+    /// Standard deviation of the motor's angle, degrees.
     pub motor_deg: f64,
-    /// Play of the nut on the screw, mm. The nut is anywhere in it with equal probability: a standard deviation of the play over the root of 12.
+    /// Backlash of the nut on the screw, mm. The position within it is uniformly distributed: a standard deviation of backlash / sqrt(12).
     pub backlash_mm: f64,
-    /// Of each length: rocker, link, and the fixed joint's distance from the screw's axis, mm.
+    /// Standard deviation of each length, mm: rocker, link, and distance of the fixed joint from the screw's axis.
     pub length_mm: f64,
 }
 
-/// The largest error of an undeformed key node by each cause, a standard deviation in mm; they are independent.
+/// Largest error of an undeformed key node from each cause, as standard deviations in mm; the causes are independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeErrors {
-    /// Of the motor's angle.
+    /// From the motor's angle, mm.
     pub motor_mm: f64,
-    /// Of the play of the screw.
+    /// From the backlash of the screw, mm.
     pub backlash_mm: f64,
-    /// Of the rocker's length.
+    /// From the rocker's length, mm.
     pub rocker_mm: f64,
-    /// Of the link's length.
+    /// From the link's length, mm.
     pub link_mm: f64,
-    /// Of the fixed joint's place.
+    /// From the fixed joint's position, mm.
     pub fixed_joint_mm: f64,
 }
 
-/// Step of the differences, as a share of the link's length.
+/// Step of the finite differences, as a share of the link's length.
 const STEP: f64 = 1e-6;
 
 impl Gripper {
-    /// Errors of the undeformed key nodes at a motor angle (deg), to first order, shared by a finger; `None` out of reach.
+    /// First-order errors of the undeformed key nodes at a motor angle in degrees; `None` out of reach.
     pub fn node_errors(&self, finger: &Finger, motor_deg: f64, errors: &LinkageErrors) -> Option<NodeErrors> {
         let step = STEP * self.description.link_mm[1];
-        // The largest movement of a node by a length, mm a mm.
+        // Largest movement of a node per change of a length, mm per mm.
         let largest = |change: &dyn Fn(&mut GripperDescription, f64)| -> Option<f64> {
             let [back, ahead] = [-step, step].map(|by| {
                 let mut description = self.description;
@@ -59,7 +59,7 @@ impl Gripper {
     }
 }
 
-/// Undeformed key nodes of the left finger in the gripper's frame; none out of reach.
+/// Undeformed key nodes of the left finger in the gripper's frame, mm; `None` out of reach.
 fn description_nodes(
     description: GripperDescription,
     finger: &Finger,

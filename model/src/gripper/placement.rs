@@ -1,40 +1,40 @@
-//! Where a finger stands in the frame of a gripper.
+//! Placement of a finger in the frame of a gripper.
 
 use crate::Vector;
 use nalgebra::{Matrix2, Rotation2};
 
-/// A plane frame in another one: mirrored in its x axis where it is, then turned, then moved.
+/// Transform of a plane frame into an outer frame: mirrored about its x axis if `mirrored`, then rotated, then translated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
-    /// Where its origin is, mm.
+    /// Position of the origin in the outer frame, mm.
     pub origin: Vector,
-    /// The angle of its x axis, rad.
+    /// Angle of the x axis in the outer frame, rad.
     pub angle_rad: f64,
-    /// Whether its y axis is on the right of its x axis.
+    /// Whether the y axis lies to the right of the x axis.
     pub mirrored: bool,
 }
 
 impl Placement {
-    /// The frame itself.
+    /// The identity transform.
     pub const IDENTITY: Placement = Placement { origin: Vector::new(0.0, 0.0), angle_rad: 0.0, mirrored: false };
 
-    /// The part that takes directions out of the frame: orthogonal, with determinant -1 where mirrored.
+    /// Matrix that transforms directions to the outer frame: orthogonal, with determinant -1 if mirrored.
     pub fn axes(&self) -> Matrix2<f64> {
         let sign = if self.mirrored { -1.0 } else { 1.0 };
         Rotation2::new(self.angle_rad).into_inner() * Matrix2::new(1.0, 0.0, 0.0, sign)
     }
 
-    /// A point of the frame as the outer frame has it, mm.
+    /// Outer coordinates of a point of the frame, mm.
     pub fn outwards(&self, point: Vector) -> Vector {
         self.origin + self.axes() * point
     }
 
-    /// A point of the outer frame as the frame has it, mm.
+    /// Coordinates in the frame of a point of the outer frame, mm.
     pub fn inwards(&self, point: Vector) -> Vector {
         self.axes().transpose() * (point - self.origin)
     }
 
-    /// The frame in what `outer` stands in; `outer` is not mirrored.
+    /// The placement in the frame that contains `outer`; `outer` must not be mirrored.
     pub fn within(&self, outer: &Placement) -> Placement {
         Placement {
             origin: outer.outwards(self.origin),

@@ -1,4 +1,4 @@
-//! Kinds of values: how each is read from TOML, its range, and the words for both.
+//! Kinds of values: reading from TOML, range, and description in words.
 
 mod numbers;
 
@@ -9,52 +9,52 @@ pub use numbers::{
 use std::fmt::Debug;
 use toml::de::DeValue;
 
-/// A value that a key does not take.
+/// A value outside the type or range of its key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("expected {expected}, found {found}")]
 pub struct Refused {
-    /// What the key takes.
+    /// Description of valid values.
     pub expected: String,
-    /// What was there.
+    /// Description of the value in the scene.
     pub found: String,
 }
 
-/// A kind of value.
+/// A kind of value that a key takes.
 pub trait Kind {
-    /// The value in memory.
+    /// Type of the value in memory.
     type Value: Clone + Debug;
 
-    /// What a scene lacks without it: quantity and unit.
+    /// Quantity and unit, as in the error for a missing value.
     fn noun(&self) -> String;
 
-    /// Quantity, unit and range, as an error names them for a value outside the range.
+    /// Quantity, unit and range, as in the error for a value outside the range.
     fn expected(&self) -> String {
         self.noun()
     }
 
-    /// Quantity, unit and range, as the reference names them.
+    /// Quantity, unit and range, as in the reference.
     fn described(&self) -> String {
         self.expected()
     }
 
-    /// The value as a scene has it; its range is not checked.
+    /// Reads a value from TOML without checking its range.
     ///
     /// # Errors
     /// [`Refused`] for a value of another type.
     fn parse(&self, value: &DeValue) -> Result<Self::Value, Refused>;
 
-    /// The part of a value that lies outside the range, as it is written.
+    /// Text of the part of a value that lies outside the range; `None` if all lies within.
     fn outside(&self, _value: &Self::Value) -> Option<String> {
         None
     }
 
-    /// The value as a scene would have it.
+    /// The value in TOML notation.
     fn written(&self, value: &Self::Value) -> String {
         format!("{value:?}")
     }
 }
 
-/// A whole number between two others; the text says of what.
+/// A whole number between two limits; the text names the counted things.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Count(pub &'static str, pub usize, pub usize);
 
@@ -87,7 +87,7 @@ impl Kind for Count {
     }
 }
 
-/// A text.
+/// A text in quotes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Text();
 
@@ -106,11 +106,11 @@ impl Kind for Text {
     }
 }
 
-/// One of `N` words, in quotes but for `true` and `false`. Its value is the word's place in the list.
+/// One of `N` words, in quotes except `true` and `false`. The value is the index of the word in the list.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Word<const N: usize>(pub [&'static str; N]);
 
-/// A word as a scene has it.
+/// A word in TOML notation.
 fn literal(word: &str) -> String {
     if ["true", "false"].contains(&word) { word.to_owned() } else { format!("{word:?}") }
 }
@@ -140,7 +140,7 @@ fn refused(expected: String, found: &DeValue) -> Refused {
     Refused { expected, found: described(found) }
 }
 
-/// The value as it stands in the scene, on one line.
+/// Description of a TOML value, on one line.
 pub(crate) fn described(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("the text {text:?}"),

@@ -1,9 +1,9 @@
-//! Sharing a number of elements among lines.
+//! Distribution of elements over lines.
 
-/// Shares `total` among the lines in proportion to their length, by largest remainder (Hamilton's method), at least one
-/// each. Equal remainders go to the earlier line. `total` is at least the number of lines.
+/// Distributes `total` elements over the lines in proportion to their lengths, by largest remainder (Hamilton's method), at least one
+/// each. Equal remainders favour the earlier line. `total` is at least the number of lines.
 pub(super) fn by_largest_remainder(total: usize, lengths: &[f64]) -> Vec<usize> {
-    // Lines that deserve less than one get one; the others share the rest, which may push further ones below one.
+    // A line with a quota below one gets one. The others share the rest, which may push further quotas below one.
     let mut shares = vec![1; lengths.len()];
     let mut sharing: Vec<usize> = (0..lengths.len()).collect();
     loop {
@@ -16,7 +16,7 @@ pub(super) fn by_largest_remainder(total: usize, lengths: &[f64]) -> Vec<usize> 
                 shares[i] = (quota(i).floor() as usize).max(1);
             }
             let mut by_remainder = sharing.clone();
-            // Lengths of equal plates differ by rounding; remainders closer than that count as equal.
+            // Rounding makes lengths of equal plates differ, so remainders this close count as equal.
             let remainder = |i: usize| (quota(i).fract() * 1e9).round() as i64;
             by_remainder.sort_by_key(|&i| (-remainder(i), i));
             let given: usize = sharing.iter().map(|&i| shares[i]).sum();

@@ -1,4 +1,4 @@
-//! From a finger to its frame: plates, ribs and what links them, line by line.
+//! Construction of the frame of a finger: plates, ribs and rigid links, line by line.
 
 use super::prepared::Prepared;
 use super::zones::ElementPositions;
@@ -23,11 +23,11 @@ impl Mesh {
                 frame.add_node(finger.hinge(node));
             }
         }
-        // Links first: they decide which rotation the beams at a node are clamped to.
+        // Links come first: they determine the rotation slot of each node.
         for rib in 0..finger.rib_count() {
             link_rib(&mut frame, finger, rib);
         }
-        // Between ribs that share a junction is nothing to be divided.
+        // A line between ribs that share a junction has no length to divide.
         let one_of_none = |(elements, length_mm)| if length_mm > 0.0 { elements } else { 1 };
         let elements: Vec<usize> = elements.iter().copied().zip(line_lengths(finger)).map(one_of_none).collect();
         let mut mesh = Mesh {
@@ -108,7 +108,7 @@ impl Mesh {
         self.add_line(Part::Ribs, ends, &vec![section; elements]);
     }
 
-    /// Adds a straight chain of equal elements between two ends, one section each.
+    /// Adds a straight chain of equal elements between two ends, one per section.
     fn add_line(&mut self, part: Part, ends: [BeamEnd; 2], sections: &[Section]) {
         let [from, to] = ends.map(|end| self.frame.position(end.node) + end.arm);
         let first_member = self.frame.members().len();
@@ -148,14 +148,14 @@ pub(super) fn hinge_node(finger: &Finger, node: NodeId) -> NodeIndex {
     let key_nodes = finger.key_node_count();
     let has_rib = node.0 > 1 && node.0 < key_nodes && node != finger.tip();
     match finger.has_brackets() && has_rib {
-        // As [`Mesh::build`] adds them: front then back, from base to tip.
+        // Order of [`Mesh::build`]: front then back, from base to tip.
         true if node < finger.tip() => key_nodes + 2 * (node.0 - 2) + 1,
         true => key_nodes + 2 * (key_nodes - 1 - node.0),
         false => node.0 - 1,
     }
 }
 
-/// Links what moves rigidly with the ends of a rib: the brackets, and a rib that does not deform.
+/// Adds the rigid links at the ends of a rib: its brackets, and the rib itself if it does not deform.
 fn link_rib(frame: &mut PlaneFrame, finger: &Finger, rib: usize) {
     let [front, back] = finger.rib_nodes(rib).map(|node| node.0 - 1);
     let [front_hinge, back_hinge] = finger.rib_nodes(rib).map(|node| hinge_node(finger, node));
@@ -179,7 +179,7 @@ fn link_rib(frame: &mut PlaneFrame, finger: &Finger, rib: usize) {
     }
 }
 
-/// Lengths of the lines that share the elements, from base to tip: back plate, front plate, ribs; then the base line.
+/// Lengths of the lines that share the elements, mm, from base to tip: back plate, front plate, ribs; then the base line.
 pub(super) fn line_lengths(finger: &Finger) -> Vec<f64> {
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
         let positions = finger.plate_positions_mm(plate);

@@ -3,7 +3,7 @@
 use crate::Vector;
 use crate::finger::NodeId;
 
-/// A dead load on a finger, in the finger frame.
+/// A dead load on a finger, in the finger frame: it keeps its direction as the finger deforms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
     /// Force (N) and moment (N mm) on a key node.
@@ -12,7 +12,7 @@ pub enum Load {
         node: NodeId,
         /// Force, N.
         force: Vector,
-        /// Moment, N mm, from x to y.
+        /// Moment, N mm, positive from x to y.
         moment_nmm: f64,
     },
     /// Force (N) at a position of the front plate.
@@ -25,40 +25,40 @@ pub enum Load {
 }
 
 impl Load {
-    /// A force on a node, without moment.
+    /// A force (N) on a key node, without moment.
     pub fn at_node(node: NodeId, force: Vector) -> Load {
         Load::Node { node, force, moment_nmm: 0.0 }
     }
 
-    /// A force at a position of the front plate.
+    /// A force (N) at a position along the front plate, mm from the base.
     pub fn at_position(s_mm: f64, force: Vector) -> Load {
         Load::Front { s_mm, force }
     }
 }
 
-/// A load that the finger cannot take.
+/// A load at an invalid point of the finger.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum LoadError {
-    /// No such node.
+    /// The node does not exist.
     #[error("node {node} does not exist: the finger has the key nodes 1 to {key_nodes}")]
     NodeMissing {
-        /// The node asked for.
+        /// The requested node.
         node: NodeId,
         /// Number of key nodes.
         key_nodes: usize,
     },
-    /// The node is held.
+    /// The node is clamped.
     #[error("node {node} is clamped: a load there moves nothing and is not identifiable")]
     NodeClamped {
-        /// The node asked for.
+        /// The requested node.
         node: NodeId,
     },
-    /// The position is not on the free front plate.
+    /// The position lies outside the free length of the front plate.
     #[error(
         "the position s = {s_mm} mm is not on the front plate, which reaches from 0 (clamped) to {length_mm} mm (tip)"
     )]
     PositionOffPlate {
-        /// The position asked for, mm.
+        /// The requested position, mm from the base.
         s_mm: f64,
         /// Length of the front plate, mm.
         length_mm: f64,

@@ -1,14 +1,14 @@
-//! Room in a mesh for what a solver prepares once for it.
+//! Cache in a mesh for results that a solver computes once per mesh.
 
 use super::Mesh;
 use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
-/// Something that follows from the mesh alone, of a type that only its maker knows.
+/// A cached value that follows from the mesh alone; only its creator knows its type.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Prepared(OnceLock<Arc<dyn Any + Send + Sync>>);
 
-/// It is nothing that meshes could differ in.
+/// The cache does not affect the equality of meshes.
 impl PartialEq for Prepared {
     fn eq(&self, _: &Prepared) -> bool {
         true
@@ -16,7 +16,7 @@ impl PartialEq for Prepared {
 }
 
 impl Mesh {
-    /// What `make` makes of the mesh, made when first asked for; `None` if something of another type was prepared before.
+    /// Returns the cached result of `make`, computed at the first call; `None` if the cache holds a value of another type.
     pub(crate) fn prepared<T: Any + Send + Sync>(&self, make: fn(&Mesh) -> T) -> Option<&T> {
         self.prepared.0.get_or_init(|| Arc::new(make(self))).downcast_ref()
     }

@@ -1,4 +1,4 @@
-//! How the key nodes of a finger have moved.
+//! Motions of the key nodes of a finger.
 
 use crate::Vector;
 use crate::finger::{Finger, FingerPoint, MarkerPoints, NodeId};
@@ -9,25 +9,25 @@ use crate::frame::swing;
 pub struct NodeMotion {
     /// The node.
     pub node: NodeId,
-    /// Undeformed position, mm.
+    /// Undeformed position, mm, finger frame.
     pub position: Vector,
-    /// Displacement, mm.
+    /// Displacement, mm, finger frame.
     pub displacement: Vector,
-    /// Rotation, rad; at a hinge the plate's.
+    /// Rotation, rad; at a hinged rib, that of the plate.
     pub rotation: f64,
-    /// Undeformed position of the joint of its rib, mm: its own where no bracket holds the rib off the plate.
+    /// Undeformed position of the joint with its rib, mm; that of the node without bracket.
     pub hinge_position: Vector,
     /// Displacement of that joint, mm.
     pub hinge_displacement: Vector,
 }
 
 impl NodeMotion {
-    /// Undeformed position of the node's marker on a finger, mm.
+    /// Undeformed position of the node's marker, mm, finger frame.
     pub fn marker_position(&self, finger: &Finger) -> Vector {
         self.position + finger.marker_offset(self.node)
     }
 
-    /// Displacement of the node's marker on a finger, mm.
+    /// Displacement of the node's marker, mm, finger frame.
     pub fn marker_displacement(&self, finger: &Finger) -> Vector {
         match finger.description().markers_on {
             MarkerPoints::Junctions => self.displacement,
@@ -36,24 +36,24 @@ impl NodeMotion {
     }
 }
 
-/// The key nodes of a deformed finger, in their order.
+/// Motions of all key nodes of a finger, in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerShape {
     motions: Vec<NodeMotion>,
 }
 
 impl FingerShape {
-    /// The shape of all key nodes in their order.
+    /// The shape with the given motions, one per key node in order.
     pub(super) fn of_motions(motions: Vec<NodeMotion>) -> FingerShape {
         FingerShape { motions }
     }
 
-    /// The shape in which every key node has the displacement (mm) and rotation (rad) that `motion` gives it.
+    /// The shape with the displacement (mm) and rotation (rad) of every key node given by `motion`; brackets rotate exactly.
     pub fn new(finger: &Finger, motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
         FingerShape::turning(finger, motion, false)
     }
 
-    /// The same where rotations are small: brackets turn linearly.
+    /// The shape for small rotations: as [`new`](FingerShape::new), with linearised rotation of brackets.
     pub fn of_linear(finger: &Finger, motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
         FingerShape::turning(finger, motion, true)
     }
@@ -74,17 +74,17 @@ impl FingerShape {
         FingerShape { motions: motions.collect() }
     }
 
-    /// All key nodes in their order.
+    /// Motions of all key nodes, in order.
     pub fn motions(&self) -> &[NodeMotion] {
         &self.motions
     }
 
-    /// One key node, which must be one of the finger's.
+    /// Motion of one key node. Panics if the finger does not have it.
     pub fn motion(&self, node: NodeId) -> &NodeMotion {
         &self.motions[node.0 - 1]
     }
 
-    /// Position of a point, mm.
+    /// Deformed position of a point, mm, finger frame.
     pub fn point(&self, point: FingerPoint) -> Vector {
         match point {
             FingerPoint::Node(node) => self.motion(node).position + self.motion(node).displacement,

@@ -1,10 +1,10 @@
-//! Sections of the elements of a plate that tapers, or has zones of other modulus.
+//! Sections of elements in tapered plates and in zones with a different modulus.
 
 use super::Mesh;
 use crate::finger::{Finger, Part, Plate, Zone};
 use crate::frame::Section;
 
-/// Where the elements of a plate member begin and end, mm from the base.
+/// Positions of the elements along a plate member, mm from the base.
 pub(super) struct ElementPositions {
     free: [f64; 2],
     elements: usize,
@@ -16,12 +16,12 @@ impl ElementPositions {
         ElementPositions { free: [positions[0] + arms_mm[0], positions[1] - arms_mm[1]], elements }
     }
 
-    /// Where the elastic part begins and ends.
+    /// Start and end of the elastic part, mm from the base.
     pub(super) fn free(&self) -> [f64; 2] {
         self.free
     }
 
-    /// Where element `i` begins. The last one ends where the member does, not rounded: a load at the tip must find it.
+    /// Start of element `i`, mm from the base. The end of the last element is exact, without rounding, so that a load at the tip is found.
     pub(super) fn start(&self, i: usize) -> f64 {
         let [from, to] = self.free;
         if i == self.elements { to } else { from + (to - from) * i as f64 / self.elements as f64 }
@@ -29,7 +29,7 @@ impl ElementPositions {
 }
 
 impl Finger {
-    /// Section of a piece of plate: of its mean compliances, those of its zones included.
+    /// Section with the mean compliances of a plate segment, including those of its zones.
     pub(super) fn plate_section(&self, plate: Plate, from_mm: f64, to_mm: f64) -> Section {
         let d = self.description();
         let zones: Vec<Zone> = d.zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
@@ -44,14 +44,14 @@ impl Finger {
         }
     }
 
-    /// Mean of t_0 / t over a piece of plate, t_0 the thickness at the base: ln(b / a) / (b - a), for linear t from a to b.
+    /// Mean of t_0 / t over a plate segment: t_0 ln(b / a) / (b - a) for a thickness t linear from a to b, with t_0 at the base. Dimensionless.
     fn stretching(&self, plate: Plate, from_mm: f64, to_mm: f64) -> f64 {
         let [base_mm, a, b] = self.thicknesses_mm(plate, from_mm, to_mm);
         let growth = (b - a) / a;
         base_mm / a * if growth == 0.0 { 1.0 } else { growth.ln_1p() / growth }
     }
 
-    /// Mean of (t_0 / t)^3: (a + b) / (2 a^2 b^2).
+    /// Mean of (t_0 / t)^3 over a plate segment: (a + b) / (2 a^2 b^2) for linear t / t_0 from a to b. Dimensionless.
     fn bending(&self, plate: Plate, from_mm: f64, to_mm: f64) -> f64 {
         let [base_mm, a, b] = self.thicknesses_mm(plate, from_mm, to_mm);
         let (a, b) = (a / base_mm, b / base_mm);
@@ -63,8 +63,8 @@ impl Finger {
     }
 }
 
-/// Sum of length times relative compliance, its mean between two positions, / (product of the zones' factors) over the parts of a section whose
-/// middle is `counted`.
+/// Integral of the relative compliance over a plate segment, mm. `relative` is its mean between two positions, divided by the product of the zones'
+/// factors. Only sections whose middle is `counted` contribute.
 fn compliance(
     zones: &[Zone],
     from_mm: f64,
@@ -92,9 +92,8 @@ fn covers(zone: &Zone, position_mm: f64) -> bool {
 }
 
 impl Mesh {
-    /// How far the stiffness of the members follows the factor of one of the finger's zones (counted from 0):
-    /// d ln(stiffness) / d ln(factor) of each member that the zone touches, which is the zone's share of its compliance; where a plate tapers, of that in
-    /// bending.
+    /// Sensitivity of the members' stiffness to the factor of a zone, numbered from 0: pairs of a member and its d ln(stiffness) / d ln(factor), 0..1. This is
+    /// the zone's share of the member's compliance, in bending if the plate is tapered. Members outside the zone are omitted.
     pub fn zone_shares(&self, zone: usize) -> Vec<(usize, f64)> {
         let description = self.finger.description();
         let Some(chosen) = description.zones.get(zone) else { return Vec::new() };
@@ -103,7 +102,7 @@ impl Mesh {
         let positions = self.finger.plate_positions_mm(plate);
         let lines = self.lines.iter().filter(|line| line.part == chosen.part).enumerate();
         let shares = lines.flat_map(|(nth, line)| {
-            // Ribs have no positions along a plate; their share does not need them.
+            // The share of a rib does not depend on arms along a plate.
             let arms_mm = if chosen.part == Part::Ribs { [0.0; 2] } else { self.finger.member_arms_mm(plate, nth) };
             let elements = ElementPositions::new([positions[nth], positions[nth + 1]], arms_mm, line.members.len());
             let share = |i: usize| match chosen.part {

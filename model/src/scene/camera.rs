@@ -1,4 +1,4 @@
-//! The camera that sees the finger and the markers that it sees: `[camera]` and `[markers]`.
+//! The camera and the markers: `[camera]`, `[markers]` and `[base]`.
 
 use super::SceneError;
 use super::reader::TableReader;
@@ -8,58 +8,58 @@ use crate::finger::MarkerPoints;
 use crate::keys::{BASE, CAMERA, Key, Kind, MARKERS, Number, REFERENCE, SceneTable};
 use crate::measurement::{BaseUncertainty, MarkerErrors};
 
-/// The camera as the scene has it.
+/// The camera of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraDescription {
-    /// Its lens and sensor.
+    /// Lens and image sensor.
     pub lens: Lens,
-    /// Where the finger stands before it, where the scene says so.
+    /// Pose of the finger frame relative to the camera; `None` if the scene does not state it.
     pub pose: Option<Pose>,
 }
 
-/// A colour: red, green and blue, 0 to 255 each, as an image file has them.
+/// A colour as red, green and blue, 0 to 255 each, as stored in an image file.
 pub type Rgb = [u8; 3];
 
 /// Discs or rings on the key nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Markers {
-    /// Radius, mm; of rings the outer one.
+    /// Radius, mm; for rings, the outer radius.
     pub radius_mm: f64,
     /// Height above the plane of the beams, mm, along z = x cross y of the finger frame.
     pub height_mm: f64,
-    /// How they are told from what is around them.
+    /// How markers are distinguished from the background.
     pub look: MarkerLook,
 }
 
-/// What makes a marker one.
+/// Appearance that distinguishes markers from the background.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MarkerLook {
-    /// Colours that nothing else has.
+    /// Two colours that occur nowhere else in the image.
     Coloured {
-        /// On the front plate, the tip and its clamped node included.
+        /// Colour on the front plate, including the tip and the clamped node.
         front_rgb: Rgb,
-        /// On the back plate.
+        /// Colour on the back plate.
         back_rgb: Rgb,
     },
-    /// A rim against which the surroundings are darker, or lighter.
+    /// A rim between the marker and darker or brighter surroundings.
     Grey {
-        /// Brightness of the marker.
+        /// Brightness of the marker relative to its surroundings.
         shade: Shade,
-        /// Radius of what is inside a ring, mm: it may look like anything; zero for discs.
+        /// Inner radius of a ring, mm; zero for discs. The area inside a ring may have any appearance.
         inner_radius_mm: f64,
     },
 }
 
-/// Brightness against the surroundings.
+/// Brightness relative to the surroundings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shade {
-    /// Brighter.
+    /// Brighter than the surroundings.
     Bright,
-    /// Darker.
+    /// Darker than the surroundings.
     Dark,
 }
 
-/// The standard deviation of a measured coordinate, mm, and the camera.
+/// Reads the standard deviation of a measured coordinate, mm, and the camera.
 pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<CameraDescription>), SceneError> {
     let noise_mm = table.optional(&CAMERA.noise_mm)?;
     let pose = [CAMERA.rotation_vector_rad.name, CAMERA.translation_mm.name];
@@ -85,7 +85,7 @@ pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<Ca
     Ok((noise_mm, Some(CameraDescription { lens, pose })))
 }
 
-/// `[markers]`: what they are on and, unless displacements are given otherwise, how they look.
+/// Contents of `[markers]`: positions, errors and, for images, appearance.
 #[derive(Default)]
 pub(super) struct MarkersRead {
     pub on: MarkerPoints,
@@ -97,7 +97,7 @@ pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneErro
     let on = table.word(&MARKERS.on, [MarkerPoints::Junctions, MarkerPoints::Hinges])?;
     let errors =
         MarkerErrors { noise_factor: table.get(&MARKERS.noise_factor)?, model_mm: table.get(&MARKERS.model_error_mm)? };
-    // A table that is there but empty lacks markers, too.
+    // An empty table lacks the required keys, too.
     let lookless = [MARKERS.on.name, MARKERS.noise_factor.name, MARKERS.model_error_mm.name];
     let of_look: Vec<_> =
         MARKERS.entries().iter().map(|entry| entry.name).filter(|name| !lookless.contains(name)).collect();
@@ -126,7 +126,7 @@ fn read_look(table: &TableReader, radius_mm: f64) -> Result<MarkerLook, SceneErr
     Ok(MarkerLook::Grey { shade: table.word(&MARKERS.shade, SHADES)?, inner_radius_mm })
 }
 
-/// As the keys' words name them.
+/// Shades in the order of the key's words.
 const SHADES: [Shade; 2] = [Shade::Bright, Shade::Dark];
 
 fn inner_radius_mm(table: &TableReader, key: &Key<Number>, radius_mm: f64) -> Result<f64, SceneError> {
@@ -141,23 +141,23 @@ fn inner_radius_mm(table: &TableReader, key: &Key<Number>, radius_mm: f64) -> Re
 /// A mark on the finger's base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reference {
-    /// Its place, mm, finger frame.
+    /// Position of its centre, mm, finger frame.
     pub at: Vector,
-    /// How it looks, and its height above the plane of the beams.
+    /// Appearance, size and height above the plane of the beams.
     pub markers: Markers,
 }
 
-/// A base that is not where the camera's pose has it: it moves from image to image.
+/// A base that moves between images, so that the camera's pose does not determine its position.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Base {
-    /// Marks that move with it; two or more show where it is.
+    /// Marks that move with the base; two or more determine its pose.
     pub references: Vec<Reference>,
-    /// How well the base is where the references have it, or without references where the scene has it, if the scene says so.
+    /// Uncertainty of the base relative to the references or, without references, to the camera's pose; `None` if the scene does not state it.
     pub uncertainty: Option<BaseUncertainty>,
 }
 
 impl Base {
-    /// Whether it stands about where the camera's pose has it, no references showing where.
+    /// Whether only the camera's pose, with an uncertainty, determines the base, because there are no references.
     pub fn is_of_pose(&self) -> bool {
         self.references.is_empty() && self.uncertainty.is_some()
     }

@@ -1,4 +1,4 @@
-//! How objects meet the finger: `[contact]`.
+//! Contact between objects and the finger: `[contact]`.
 
 use super::SceneError;
 use super::reader::TableReader;
@@ -6,18 +6,18 @@ use crate::finger::{Finger, Plate};
 use crate::keys::{CONTACT, Key, Number, ROD_RADIUS_MM};
 use crate::sensing::{Lean, Normal, Pad};
 
-/// What an object meets, and how a contact force leans.
+/// Geometry and friction of contacts with the finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactDescription {
-    /// Radius of the rods that an object meets, mm.
+    /// Radius of the rods that objects touch, mm.
     pub rod_radius_mm: f64,
-    /// By how much friction turns a force that is sensed, where the scene says so.
+    /// Angle of sensed forces from the normal, caused by friction; `None` if the scene states no friction.
     pub lean: Option<Lean>,
-    /// The normal from which forces lean, also where friction is yet to be calibrated.
+    /// The normal from which forces deviate by friction; also used while friction is calibrated.
     pub normal: Normal,
-    /// Share by which sensed forces err beyond what is known otherwise: standard deviation.
+    /// Relative standard deviation of sensed forces beyond all other causes, dimensionless.
     pub force_error: f64,
-    /// What lies between an object and the front plate where forces are sensed.
+    /// Pad between objects and the front plate, for sensed forces.
     pub pad: Pad,
 }
 

@@ -6,43 +6,43 @@ use crate::Vector;
 use crate::gripper::Gripper;
 use crate::keys::GRASP;
 
-/// What an object lies on before it is grasped.
+/// Support of an object before it is grasped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Support {
     /// Rails before and behind the fingers, which pass between them.
     Rails,
-    /// A table, which fingers must not touch.
+    /// A table that the fingers must not touch.
     Table,
 }
 
-/// What a gripper does to a free object.
+/// How a gripper grasps a free object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspDescription {
-    /// Motor angles, degrees: where it starts, and where it stops at the latest.
+    /// Motor angles at the start and at the latest stop, degrees.
     pub motor_deg: [f64; 2],
     /// Motor angle between two settled steps, degrees, above zero.
     pub step_deg: f64,
-    /// Sensed total of a finger, N, at which it stops closing.
+    /// Sensed total force of a finger at which closing stops, N; `None` to close up to the last motor angle.
     pub until_force_n: Option<f64>,
-    /// Whether the motor goes on to hold that total on the way.
+    /// Whether the motor keeps that force along the path.
     pub holds: bool,
-    /// Corners of the way of the gripper from where it starts, mm; the frame is that of the gripper where it starts.
+    /// Corners of the gripper's path from its start, mm, in the frame of the gripper at the start.
     pub path_mm: Vec<Vector>,
-    /// Settled steps on that way.
+    /// Number of settled steps along the path.
     pub path_steps: usize,
-    /// Whether it opens at the end.
+    /// Whether the gripper opens at the end.
     pub opens: bool,
-    /// What the object lies on at first; nothing for one in mid-air.
+    /// Support of the object at the start; `None` for an object in mid-air.
     pub support: Option<Support>,
-    /// Gravity, m/s^2, in the frame of the gripper where it starts.
+    /// Acceleration of gravity, m/s^2, in the frame of the gripper at the start.
     pub gravity_m_s2: Vector,
-    /// Speed of the motor, degrees a second.
+    /// Speed of the motor, degrees/s.
     pub motor_deg_per_s: f64,
-    /// Frames of the camera a second, where steps follow the camera instead of the motor angle.
+    /// Frame rate of the camera, 1/s, if steps follow the camera instead of the motor angle.
     pub frames_per_s: Option<f64>,
-    /// By how many frames sensing is late.
+    /// Delay of sensing, in frames.
     pub delay_frames: usize,
-    /// Whether the scene's camera stands on the gripper and sees its frame, instead of standing before each finger.
+    /// Whether the scene's camera is fixed to the gripper and its pose refers to the gripper's frame, rather than to each finger's.
     pub camera_on_gripper: bool,
 }
 

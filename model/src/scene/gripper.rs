@@ -1,4 +1,4 @@
-//! The gripper's linkage: `[gripper]`.
+//! Linkage of the gripper: `[gripper]`.
 
 use super::SceneError;
 use super::reader::TableReader;

@@ -6,72 +6,72 @@ use crate::Vector;
 use crate::finger::{Finger, Plate};
 use crate::keys::{Kind, OBJECT};
 
-/// Outline of an object, about the point that is moved.
+/// Outline of an object relative to its reference point, which the motion refers to.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outline {
-    /// A round object, by its axis.
+    /// A disc about its centre.
     Disc {
         /// Radius, mm.
         radius_mm: f64,
     },
-    /// A rectangle, by its centre.
+    /// A rectangle about its centre.
     Box {
-        /// Side along x before the object is turned, mm.
+        /// Side along x before rotation, mm.
         width_mm: f64,
-        /// Side along y before the object is turned, mm.
+        /// Side along y before rotation, mm.
         height_mm: f64,
     },
-    /// A polygon, by the origin of its points.
+    /// A polygon about the origin of its coordinates.
     Polygon {
-        /// Name of the CSV file with its corners in order, as written in the scene.
+        /// Name of the CSV file with its corners in order, as in the scene.
         points_csv: String,
     },
 }
 
-/// How the object moves. Where a hand moves it, it never turns.
+/// Motion of the object. A prescribed motion does not rotate it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ObjectMotion {
-    /// It is free, for a gripper to grasp.
+    /// Free motion, for a gripper to grasp the object.
     Free {
-        /// Its mass, g.
+        /// Mass, g.
         mass_g: f64,
-        /// Where its point is at first, mm, in the frame of the gripper where it starts. Its centre of mass is the centre of its area.
+        /// Initial position of its reference point, mm, in the frame of the gripper at the start. Its centre of mass is the centroid of its area.
         centre_mm: Vector,
     },
-    /// Along a straight line, from where it touches the undeformed finger.
+    /// Motion along a straight line from first touch of the undeformed finger.
     Press {
         /// Position on the front plate that the line meets, mm from its base.
         at_mm: f64,
         /// Direction of the line, degrees from the undeformed inward normal, positive towards the tip.
         direction_deg: f64,
-        /// How far.
+        /// End of the motion.
         until: Until,
     },
-    /// Through points of the finger frame, mm.
+    /// Motion through points of the finger frame, mm.
     Path(Vec<Vector>),
 }
 
-/// What ends a press.
+/// Condition that ends a press.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Until {
-    /// A travel from first touch, mm.
+    /// Travel from first touch, mm.
     Travel(f64),
-    /// A force along the line, N; across it the object is guided.
+    /// Force along the line, N; the object is guided across the line.
     Force(f64),
 }
 
-/// An object that is pressed onto the finger.
+/// An object that is pressed onto the finger or grasped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectDescription {
-    /// Its outline.
+    /// Outline.
     pub outline: Outline,
-    /// How far the outline is turned, degrees from x to y.
+    /// Rotation of the outline, degrees, positive from x to y.
     pub rotation_deg: f64,
-    /// Coefficient of Coulomb friction against the finger.
+    /// Coefficient of Coulomb friction against fingers and support, dimensionless.
     pub friction: f64,
-    /// How it moves.
+    /// Motion.
     pub motion: ObjectMotion,
-    /// In how many equal steps.
+    /// Number of equal steps of a press.
     pub steps: usize,
 }
 
@@ -85,7 +85,7 @@ pub(super) fn read_object(table: &TableReader, finger: &Finger) -> Result<Object
     })
 }
 
-/// Reads the keys of one shape.
+/// Function that reads the keys of one shape.
 type OutlineReader = fn(&TableReader) -> Result<Outline, SceneError>;
 
 fn read_outline(table: &TableReader) -> Result<Outline, SceneError> {

@@ -1,4 +1,4 @@
-//! An object of known shape that touches the plate where forces are sensed: `[contact.object]`.
+//! An object of known shape that touches the plate while forces are sensed: `[contact.object]`.
 
 use super::SceneError;
 use super::reader::TableReader;
@@ -7,39 +7,40 @@ use crate::keys::TOUCHED;
 use crate::sensing::{ObjectShape, TouchedObject};
 use nalgebra::Isometry2;
 
-/// An object that touches the plate, as a scene has it.
+/// An object of known shape that touches the plate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TouchedDescription {
-    /// Its outline.
+    /// Outline.
     pub shape: ObjectShape,
-    /// Where it is, if that is known.
+    /// Pose with its uncertainty; `None` if the scene does not state it.
     pub place: Option<ObjectPlace>,
 }
 
-/// Where an object is.
+/// Pose of an object with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectPlace {
-    /// Origin of its outline, mm, and its turn.
+    /// Pose of the outline: position of its origin, mm, and rotation.
     pub pose: Isometry2<f64>,
     /// Standard deviation of each coordinate of the origin, mm.
     pub sd_mm: f64,
-    /// Standard deviation of the turn, rad.
+    /// Standard deviation of the rotation, rad.
     pub sd_rad: f64,
-    /// In which frame.
+    /// Frame of the pose.
     pub frame: ObjectFrame,
 }
 
-/// The frame of an object's pose.
+/// Frame of an object's pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObjectFrame {
-    /// That of the finger, where the image has its base.
+    /// The finger frame at the base's position in the image.
     Base,
-    /// That of the camera's pose, in which bases move from image to image.
+    /// The frame of the camera's pose, in which bases move between images.
     Plane,
 }
 
 impl TouchedDescription {
-    /// The object as a measurement has it whose base is at `base` in the frame of the camera's pose; `None` where its pose is not known.
+    /// The object in the finger frame of a measurement with the given pose of the base in the frame of the camera's pose; `None` if the object's pose is
+    /// unknown.
     pub fn seen_from(&self, base: &Isometry2<f64>) -> Option<TouchedObject> {
         let ObjectPlace { pose, sd_mm, sd_rad, frame } = self.place?;
         let pose = match frame {
@@ -64,7 +65,7 @@ pub(super) fn read_touched(table: &TableReader) -> Result<TouchedDescription, Sc
     Ok(TouchedDescription { shape, place })
 }
 
-/// Reads the keys of one shape.
+/// Function that reads the keys of one shape.
 type ShapeReader = fn(&TableReader) -> Result<ObjectShape, SceneError>;
 
 fn read_shape(table: &TableReader) -> Result<ObjectShape, SceneError> {

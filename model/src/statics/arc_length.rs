@@ -1,52 +1,52 @@
-//! Equilibrium paths past limit points, by arc length.
+//! Equilibrium paths through limit points, by the arc-length method.
 
 use super::{Assembly, StaticsError};
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::{Kinematics, Vector};
 use finray_numerics::linear::{Bordered, Direction, IndefiniteFactor};
 
-/// First step along the path, in the measure of [`ArcLength`]: about a degree.
+/// Length of the first step, in the norm of [`ArcLength`] (dimensionless): about one degree of rotation.
 const FIRST_STEP: f64 = 0.02;
-/// Longest step: the points of a path are close enough to draw it.
+/// Longest step, in the same norm: the points of a path are then close enough to draw it.
 const LONGEST_STEP: f64 = 0.1;
-/// A path that cannot be followed by this much is lost.
+/// Shortest step, in the same norm: a path that needs a shorter one is lost.
 const SHORTEST_STEP: f64 = 1e-10;
-/// Turn of the tangent in one step, rad, that steps are adapted to.
+/// Turn of the tangent per step, rad, that the step length is adapted to.
 const INTENDED_TURN: f64 = 0.15;
-/// Larger turns, rad, are taken in smaller steps: another branch might have been met.
+/// Largest turn of the tangent per step, rad; a larger one may mean another branch, so the step is shortened.
 const LARGEST_TURN: f64 = 0.5;
-/// Newton's method has converged when its next correction, known from the last two, will be below this.
+/// Newton's method has converged when the predicted norm of its next correction is below this. The last two corrections predict it.
 const CORRECTION_TOLERANCE: f64 = 1e-12;
-/// Corrections above this are too large to conclude the next one from.
+/// Largest correction, in norm, from which the next one is predicted.
 const QUADRATIC_RANGE: f64 = 1e-3;
-/// A correction this small, and small against the step, that no longer shrinks is rounding noise.
+/// A correction below this norm, and below [`STAGNATION_SHARE`] of the step, that no longer shrinks counts as rounding noise.
 const STAGNATION_TOLERANCE: f64 = 1e-8;
-/// See [`STAGNATION_TOLERANCE`].
+/// Largest share of the step that counts as rounding noise; see [`STAGNATION_TOLERANCE`].
 const STAGNATION_SHARE: f64 = 1e-2;
-/// More iterations than this mean that the step was too long.
+/// Largest number of Newton iterations in a step; a step that needs more is shortened.
 const MAX_ITERATIONS: usize = 10;
-/// A limit point is found when the load changes along the path by less than this per unit of the measure. The error of
-/// the limit load is of the order of its square.
+/// A limit point is accepted when the load's component of the unit tangent is below this. The error of the limit load is of the order
+/// of its square.
 const LIMIT_TOLERANCE: f64 = 1e-7;
-/// Trials to find a limit point between two points of the path.
+/// Largest number of iterations that locate a limit point between two points of the path.
 const MAX_LIMIT_TRIALS: usize = 40;
-/// Corrections may leave the tangent by this share of the step; further away another branch might be met.
+/// Largest sum of Newton corrections, as a share of the step; a larger one may lead to another branch.
 const LARGEST_DEPARTURE: f64 = 0.5;
-/// Where the number of negative pivots and the slope of the load disagree, the path has either met a bifurcation or
-/// been left: a bifurcation is believed when steps have shrunk until the multiple changes by no more than this share.
+/// If negative pivots and slope of the load disagree, the path has met a bifurcation or left its branch. A bifurcation is accepted
+/// when the steps have shrunk until the load multiple changes by at most this share.
 const BIFURCATION_SHARE: f64 = 1e-3;
-/// Several bifurcations between two points are believed when the multiple changes by no more than this share.
+/// Several bifurcations between two points are accepted when the load multiple changes by at most this share.
 const MULTIPLE_BIFURCATION_SHARE: f64 = 1e-6;
 
-/// An equilibrium on a path.
+/// An equilibrium on a path, stable or unstable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathPoint {
-    /// The loads act this many times.
+    /// Factor on the loads, dimensionless.
     pub multiple: f64,
-    /// Displacements and rotations.
+    /// Displacements (mm) and rotations (rad).
     pub motion: FrameMotion,
-    /// Number of negative eigenvalues of the tangent stiffness: ways in which the frame can leave this shape while it
-    /// releases energy. It changes by one at a limit point, and at a bifurcation without one.
+    /// Number of negative eigenvalues of the tangent stiffness, 0 for a stable equilibrium. Changes by one at a simple limit point and at a
+    /// simple bifurcation.
     pub negative_pivots: usize,
 }
 
@@ -57,43 +57,42 @@ impl PathPoint {
     }
 }
 
-/// A point of the path at which the load is larger or smaller than at all points nearby.
+/// A limit point: the load multiple is a local maximum or minimum along the path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitPoint {
-    /// The loads act this many times.
+    /// Factor on the loads, dimensionless.
     pub multiple: f64,
-    /// Displacements and rotations.
+    /// Displacements (mm) and rotations (rad).
     pub motion: FrameMotion,
-    /// Index of the last point of the path before it.
+    /// Index of the last point of the path before the limit point.
     pub after: usize,
 }
 
-/// An equilibrium path from rest.
+/// An equilibrium path that starts at rest.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EquilibriumPath {
-    /// Points in the order of the path, the first one at rest.
+    /// Points in the order of the path; the first is the frame at rest.
     pub points: Vec<PathPoint>,
     /// Limit points in the order of the path.
     pub limits: Vec<LimitPoint>,
 }
 
-/// Follows equilibria of any plane frame from rest through limit points, where the load must fall (snap-through) or the
-/// loaded point turn back (snap-back), on stable and unstable branches alike.
+/// Follows equilibria of any plane frame from rest through limit points, on stable and unstable branches. At a limit point the load falls
+/// (snap-through) or the loaded point turns back (snap-back).
 ///
-/// A step leaves along the tangent of the path; Newton's method then returns to the path within the plane across that
-/// tangent, unknowns and load multiple together. So nothing special happens where the load turns. Steps adapt to how
-/// fast the tangent turns. Limit points, where the load's share of the tangent is zero, are found between two points
-/// by the regula falsi (Illinois) on the length of the step.
+/// A step leaves along the tangent of the path. Newton's method then returns to the path within the plane normal to that tangent; its
+/// unknowns include the load multiple, so limit points need no special treatment. The turn of the tangent sets the step length. A limit
+/// point has a tangent without a load component. The regula falsi (Illinois) on the step length finds it between two points.
 ///
-/// Lengths along the path are the same in any unit and for any mesh. Displacements count as shares of the frame's size
-/// (half the diagonal of its outline), rotations in rad, and the mean square over all unknowns is taken; the multiple
-/// counts as the motion that it causes at rest. Energy would be a measure free of units too, but against the stiffness
-/// at rest a slender beam that merely turns counts as stretched, thousands of times more than one that bends.
+/// The length of a step does not depend on units or mesh. It is the root mean square over all unknowns: displacements divided by the
+/// frame's size (half the diagonal of its outline), and rotations in rad. The load multiple is scaled by the motion it causes at rest.
+/// An energy norm would be free of units, too. But measured by the stiffness at rest, a slender beam that only rotates seems to
+/// elongate and dominates one that bends.
 ///
 /// # Requirements
-/// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple; at a bifurcation
-/// the path goes straight on, and [`PathPoint::negative_pivots`] shows it. No element bends by much more than a radian: at
-/// half a turn of an end against its chord their energy has a kink.
+/// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple. At a bifurcation the path keeps
+/// its branch, and [`PathPoint::negative_pivots`] shows the change of stability. No element bends by much more than a radian: at half a
+/// turn of an end against its chord the energy has a kink.
 ///
 /// # Reference
 /// E. Riks, Int. J. Solids Struct. 15 (1979) 529-551; H. B. Keller, Numerical solution of bifurcation and nonlinear
@@ -105,7 +104,7 @@ pub struct EquilibriumPath {
 /// use finray_model::statics::ArcLength;
 /// use finray_model::{Kinematics, Vector};
 ///
-/// // A shallow toggle under a load at its apex snaps through.
+/// // A shallow toggle frame snaps through under a load at its apex.
 /// let mut frame = PlaneFrame::new();
 /// let nodes = [(-100.0, 0.0), (0.0, 5.0), (100.0, 0.0)].map(|(x, y)| frame.add_node(Vector::new(x, y)));
 /// let section = Section { axial_rigidity_n: 1e5, bending_rigidity_nmm2: 1e3 };
@@ -127,14 +126,14 @@ pub struct ArcLength<'f> {
     measure: Measure,
 }
 
-/// Weights of the squares in the length of a [`Direction`].
+/// Weights of the squared components in the norm of a [`Direction`].
 #[derive(Debug, Clone)]
 struct Measure {
     unknowns: Vec<f64>,
     multiple: f64,
 }
 
-/// A point of the path with its tangent, of length one.
+/// A point of the path with its tangent of unit norm.
 #[derive(Debug, Clone)]
 struct Station {
     point: PathPoint,
@@ -142,7 +141,7 @@ struct Station {
 }
 
 impl<'f> ArcLength<'f> {
-    /// Prepares the equations of a frame.
+    /// Prepares the equations of a frame; the path is found with the given kinematics.
     pub fn new(frame: &'f PlaneFrame, kinematics: Kinematics) -> ArcLength<'f> {
         let assembly = Assembly::new(frame, kinematics);
         let size = half_diagonal(frame);
@@ -151,12 +150,12 @@ impl<'f> ArcLength<'f> {
         ArcLength { assembly, factor: IndefiniteFactor::default(), measure: Measure { unknowns, multiple: 1.0 } }
     }
 
-    /// Follows the path of the loads from rest, where their multiple begins to grow, to the first point that `until`
-    /// accepts or until there are `most_points`.
+    /// Follows the path from rest, with the load multiple growing at first. Stops at the first point that `until` accepts, or after
+    /// `most_points` points.
     ///
     /// # Errors
-    /// [`StaticsError::NotHeld`] if the frame can move without deforming; [`StaticsError::NoEquilibrium`] with the last
-    /// multiple if the path is lost, as where several branches meet.
+    /// [`StaticsError::NotHeld`] if the frame can move without deforming; [`StaticsError::LoadNotFinite`] for a load that is not finite;
+    /// [`StaticsError::NoEquilibrium`] with the last multiple if the path is lost, for instance where several branches meet.
     pub fn follow(
         &mut self,
         loads: &[FrameLoad],
@@ -197,7 +196,7 @@ impl<'f> ArcLength<'f> {
         Ok(path)
     }
 
-    /// The frame at rest; fixes the weight of the multiple by the linear motion.
+    /// The frame at rest. Sets the weight of the load multiple from the linear motion; `None` if the stiffness is not positive definite.
     fn at_rest(&mut self, loads: &[FrameLoad]) -> Option<Station> {
         let motion = FrameMotion::at_rest(self.assembly.frame());
         self.assembly.evaluate(&motion, loads, 0.0);
@@ -209,13 +208,13 @@ impl<'f> ArcLength<'f> {
         self.measure.multiple = 0.0;
         let mut tangent = Direction { unknowns, multiple: 1.0 };
         let moved = self.measure.product(&tangent, &tangent);
-        // Loads that move nothing: the multiple alone is followed.
+        // Loads that cause no motion: the multiple alone measures the path.
         self.measure.multiple = if moved > 0.0 { moved } else { 1.0 };
         tangent = tangent.scaled(1.0 / self.measure.length(&tangent));
         Some(Station { point: PathPoint { multiple: 0.0, motion, negative_pivots: 0 }, tangent })
     }
 
-    /// The point of the path where it crosses the plane that lies `length` away along the tangent.
+    /// Finds the point where the path crosses the plane normal to the tangent at distance `length`; `None` without convergence.
     fn step(&mut self, from: &Station, loads: &[FrameLoad], length: f64) -> Option<Station> {
         let constraint = self.measure.dual(&from.tangent);
         let mut point = from.point.clone();
@@ -233,7 +232,7 @@ impl<'f> ArcLength<'f> {
             if converged {
                 let tangent = equations.solve(&vec![0.0; forces.len()], 1.0)?;
                 let tangent = tangent.scaled(1.0 / self.measure.length(&tangent));
-                // The equations are there anyway: the last correction costs nothing.
+                // The equations are already factored, so one more correction is cheap.
                 self.advance(&mut point, &correction);
                 return Some(Station { point, tangent });
             }
@@ -252,7 +251,7 @@ impl<'f> ArcLength<'f> {
         None
     }
 
-    /// Moves a point by a change of unknowns and multiple.
+    /// Adds a change of unknowns and load multiple to a point.
     fn advance(&self, point: &mut PathPoint, by: &Direction) {
         let linear = self.assembly.kinematics() == Kinematics::Linear;
         self.assembly.equations().advance(self.assembly.frame(), &mut point.motion, &by.unknowns, linear);
@@ -266,7 +265,7 @@ impl<'f> ArcLength<'f> {
         2.0 * (0.5 * self.measure.length(&difference)).min(1.0).asin()
     }
 
-    /// The point between two neighbours at which the load turns, by the regula falsi with Illinois' modification.
+    /// Finds the limit point between two neighbouring points by the regula falsi with Illinois' modification.
     fn limit_between(&mut self, from: &Station, to: &Station, loads: &[FrameLoad], length: f64) -> Station {
         let load_share = self.measure.multiple.sqrt();
         let slope = |station: &Station| load_share * station.tangent.multiple;
@@ -296,7 +295,7 @@ impl<'f> ArcLength<'f> {
 }
 
 impl Measure {
-    /// Inner product of two directions.
+    /// Weighted inner product of two directions.
     fn product(&self, a: &Direction, b: &Direction) -> f64 {
         let unknowns = self.unknowns.iter().zip(&a.unknowns).zip(&b.unknowns);
         unknowns.map(|((w, a), b)| w * a * b).sum::<f64>() + self.multiple * a.multiple * b.multiple
@@ -306,33 +305,33 @@ impl Measure {
         self.product(direction, direction).sqrt()
     }
 
-    /// The row whose plain product with a direction is the inner product with `of`.
+    /// The direction whose unweighted product with another direction equals their weighted inner product.
     fn dual(&self, of: &Direction) -> Direction {
         let unknowns = self.unknowns.iter().zip(&of.unknowns).map(|(w, u)| w * u).collect();
         Direction { unknowns, multiple: self.multiple * of.multiple }
     }
 }
 
-/// Whether the load grows at one point and falls at the other.
+/// Whether the load grows at one point and falls at the other, so that a limit point lies between them.
 fn turns_back(from: &Station, to: &Station) -> bool {
     from.tangent.multiple * to.tangent.multiple < 0.0
 }
 
-/// Whether two points can be neighbours without a bifurcation between them: there the bordered matrix keeps the sign of
-/// its determinant, so one eigenvalue of the tangent stiffness changes sign where the load turns; no other does.
+/// Whether the stability of two neighbours agrees with a path without bifurcation between them. The bordered matrix then keeps the sign of
+/// its determinant, so one eigenvalue of the tangent stiffness changes sign at a limit point and none elsewhere.
 fn is_regular(from: &Station, to: &Station) -> bool {
     let changed = from.point.negative_pivots.abs_diff(to.point.negative_pivots);
     changed == usize::from(turns_back(from, to))
 }
 
-/// Whether two points are so near to each other that only a bifurcation can explain their stability.
+/// Whether two points are so close that only a bifurcation explains their difference in stability.
 fn is_bifurcation(from: &Station, to: &Station) -> bool {
     let share = ((to.point.multiple - from.point.multiple) / to.point.multiple).abs();
     let changed = from.point.negative_pivots.abs_diff(to.point.negative_pivots);
     share <= if changed <= 1 { BIFURCATION_SHARE } else { MULTIPLE_BIFURCATION_SHARE }
 }
 
-/// Half the diagonal of the outline of the undeformed nodes, mm; one for a frame without extent.
+/// Half the diagonal of the bounding box of the undeformed nodes, mm; 1 for a frame without extent.
 fn half_diagonal(frame: &PlaneFrame) -> f64 {
     let positions = (0..frame.node_count()).map(|node| frame.position(node));
     let (low, high) = positions

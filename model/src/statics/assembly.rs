@@ -1,15 +1,15 @@
-//! From the elements to the energy, residual and tangent stiffness of the frame.
+//! Assembly of element responses into energy, residual and tangent stiffness of the frame.
 
 use crate::Vector;
 use crate::element::{Kinematics, Response};
 use crate::frame::{BeamEnd, Equations, FrameLoad, FrameMotion, MEMBER_COORDINATES, PlaneFrame};
 use sprs::{CsMat, TriMat};
 
-/// Position in the value array of each entry of a member's matrix; `ABSENT` where a coordinate is held.
+/// Index of each entry of a member's matrix in the sparse value array; `ABSENT` for a fixed coordinate.
 type Slots = [[u32; MEMBER_COORDINATES]; MEMBER_COORDINATES];
 const ABSENT: u32 = u32::MAX;
 
-/// Energy, residual and tangent stiffness of a frame; the sparsity pattern is found once.
+/// Energy, residual and tangent stiffness of a frame. The sparsity pattern is computed once.
 #[derive(Debug, Clone)]
 pub struct Assembly<'f> {
     frame: &'f PlaneFrame,
@@ -23,7 +23,7 @@ pub struct Assembly<'f> {
 }
 
 impl<'f> Assembly<'f> {
-    /// Numbers the unknowns and lays out the matrix.
+    /// Numbers the unknowns and builds the sparsity pattern.
     pub fn new(frame: &'f PlaneFrame, kinematics: Kinematics) -> Assembly<'f> {
         let equations = Equations::of(frame);
         let count = equations.count();
@@ -46,12 +46,12 @@ impl<'f> Assembly<'f> {
         Assembly { frame, kinematics, equations, stiffness, slots, gradient, load_vector, energy: 0.0 }
     }
 
-    /// The frame that is assembled.
+    /// The assembled frame.
     pub fn frame(&self) -> &'f PlaneFrame {
         self.frame
     }
 
-    /// The kinematics it is assembled with.
+    /// The kinematics of the elements.
     pub fn kinematics(&self) -> Kinematics {
         self.kinematics
     }
@@ -61,18 +61,18 @@ impl<'f> Assembly<'f> {
         &self.equations
     }
 
-    /// Tangent stiffness of the last [`evaluate`](Assembly::evaluate), N/mm, N and N mm; full and symmetric.
+    /// Tangent stiffness of the last [`evaluate`](Assembly::evaluate), n x n for n unknowns, full and symmetric; entries in N/mm, N or N mm.
     pub fn stiffness(&self) -> &CsMat<f64> {
         &self.stiffness
     }
 
-    /// Internal minus external forces of the last [`evaluate`](Assembly::evaluate), by equation.
+    /// Internal minus external forces of the last [`evaluate`](Assembly::evaluate), by equation; N or N mm.
     pub fn residual(&self) -> &[f64] {
         &self.gradient
     }
 
-    /// Forces of the loads, taken once, at the motion of the last [`evaluate`](Assembly::evaluate), by equation: the
-    /// residual falls by them when the factor grows by one.
+    /// Forces of the loads at factor 1 and at the motion of the last [`evaluate`](Assembly::evaluate), by equation; N or N mm. The residual
+    /// falls by them when the factor grows by one.
     pub fn load_vector(&self) -> &[f64] {
         &self.load_vector
     }
@@ -86,7 +86,7 @@ impl<'f> Assembly<'f> {
         self.kinematics == Kinematics::Linear
     }
 
-    /// Evaluates elastic energy, residual and tangent at a motion, under `factor` times the loads.
+    /// Evaluates elastic energy, residual and tangent stiffness at a motion, under `factor` times the loads.
     pub fn evaluate(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
         self.gradient.fill(0.0);
         self.stiffness.data_mut().fill(0.0);
@@ -107,7 +107,7 @@ impl<'f> Assembly<'f> {
         }
     }
 
-    /// Adds the potential of a load to residual and tangent.
+    /// Adds the potential of a load to residual and tangent stiffness.
     fn add_load(&mut self, motion: &FrameMotion, load: &FrameLoad) {
         let frame = self.frame;
         match *load {
@@ -127,7 +127,7 @@ impl<'f> Assembly<'f> {
         let potential = self.frame.end_load(motion, end, force, moment_nmm, self.linear());
         let nodes = ends.map(|end| end.node);
         let (gradient, tangent) = self.frame.carry_over_links(motion, nodes, &potential, self.linear());
-        // Only the diagonal of the tangent is there: the point moves on circles.
+        // The point moves on circles, so the tangent has diagonal entries only.
         for (k, equation) in self.equations.of_ends(self.frame, &ends).iter().enumerate() {
             if let Some(e) = *equation {
                 self.gradient[e] += gradient[k];

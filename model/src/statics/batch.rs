@@ -1,12 +1,11 @@
-//! Equilibria of one finger under many loads, several at once.
+//! Equilibria of one finger under many loads, computed several at a time in SIMD lanes.
 //!
-//! The loads share the mesh, so they share every instruction: each goes through Newton's method in a lane of the machine's
-//! registers. A lane has its own load and its own end; where one has ended, the next load takes its place. No lane sees
-//! another, and each computes what [`Statics::equilibrium`] computes, operation by operation. So a result is the same, bit
-//! for bit, alone or in any batch, for any number of threads and on any machine.
+//! All loads share the mesh and hence the sequence of operations, so each goes through Newton's method in a lane of the SIMD registers. A
+//! lane that has converged takes the next load. Lanes do not depend on each other, and each repeats [`Statics::equilibrium`] operation
+//! by operation. A result is therefore bitwise the same alone or in any batch, for any number of threads and on any machine.
 //!
-//! Lanes take the whole load in one step. What needs more steps, or has no equilibrium, is left to the single path, and so
-//! is the first correction: from rest it needs no stiffness but the one that the mesh keeps.
+//! Lanes apply the whole load in one step. The scalar solver handles loads that need more steps or have no equilibrium. It also makes the
+//! first correction, because from rest the stored stiffness of the mesh suffices.
 
 use super::ladder::{Balance, Factor};
 use super::load_step::{CORRECTION_TOLERANCE, LoadStep};
@@ -19,15 +18,15 @@ use crate::number::{Lanes, Number};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Loads that one thread takes at a time: many against those at the end, which leave lanes empty, and few against a study's.
+/// Loads per thread and piece: enough to keep the lanes full until near the end, few compared with the loads of a study.
 const LOADS_A_PIECE: usize = 256;
 
-/// Equilibria under dead loads, each followed from rest: those of [`Statics::equilibrium`], in the order of the loads.
+/// Equilibria under dead loads, each followed from rest, in the order of the loads. Equal to those of [`Statics::equilibrium`].
 ///
-/// Co-rotational fingers go several at a time, and in pieces on rayon's threads.
+/// Co-rotational equilibria are computed several at a time in SIMD lanes, and in pieces on rayon's threads.
 ///
 /// # Errors
-/// Each load has its own [`StaticsError`].
+/// Each load has its own result, with the [`StaticsError`] of [`Statics::equilibrium`].
 pub fn equilibria<L: AsRef<[FrameLoad]>>(
     mesh: &Mesh,
     kinematics: Kinematics,
@@ -43,7 +42,7 @@ fn in_pieces(mesh: &Mesh, kinematics: Kinematics, loads: &[&[FrameLoad]]) -> Vec
     found.collect()
 }
 
-/// Some loads, for one thread.
+/// The loads of one thread.
 struct Piece<'a> {
     mesh: &'a Mesh,
     kinematics: Kinematics,
@@ -57,7 +56,7 @@ impl WithSimd for Piece<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Piece { mesh, kinematics, loads } = self;
         let mut single = Statics::ladder(mesh, kinematics);
-        // The linear factor is kept between loads, which leaves lanes nothing to share; and one load fills no register.
+        // Lanes bring nothing to a single load, nor to linear loads, which share one factor.
         if kinematics == Kinematics::Linear || loads.len() == 1 {
             return loads.iter().map(|loads| single.equilibrium(loads)).collect();
         }
@@ -69,31 +68,31 @@ impl WithSimd for Piece<'_> {
             batch.judge(&mut waiting);
             batch.fill(&mut waiting);
         }
-        // No load is left without a result.
+        // Every load has a result here.
         waiting.results.into_iter().flatten().collect()
     }
 }
 
 type Found = Result<Equilibrium, StaticsError>;
 
-/// Loads that wait for a lane, and what has been found.
+/// Loads that wait for a lane, and the results so far.
 struct PendingLoads<'a, I> {
-    /// For all that lanes do not do.
+    /// The scalar solver, for everything that lanes do not compute.
     single: Statics<Ladder<'a>>,
     loads: I,
     results: Vec<Option<Found>>,
 }
 
-/// A load on its way, after its first correction.
+/// A load in a lane, after its first correction.
 struct Path<'a> {
-    /// Its position among the loads.
+    /// Index of the load in the batch.
     index: usize,
     loads: &'a [FrameLoad],
     step: LoadStep,
 }
 
 impl<'a, I: Iterator<Item = (usize, &'a &'a [FrameLoad])>> PendingLoads<'a, I> {
-    /// The next load that one correction from rest does not solve; leaves the corrected motion behind.
+    /// Takes the next load that needs more than one correction from rest; `motion` then holds the corrected motion.
     fn next(&mut self, motion: &mut FrameMotion, at_rest: &FrameMotion) -> Option<Path<'a>> {
         while let Some((index, &loads)) = self.loads.next() {
             if !loads.iter().all(FrameLoad::is_finite) {
@@ -116,27 +115,27 @@ impl<'a, I: Iterator<Item = (usize, &'a &'a [FrameLoad])>> PendingLoads<'a, I> {
         None
     }
 
-    /// Leaves a load to the single path.
+    /// Solves a load with the scalar solver.
     fn leave(&mut self, index: usize, loads: &[FrameLoad]) {
         self.results[index] = Some(self.single.equilibrium(loads));
     }
 }
 
-/// As many loads on their way as there are lanes.
+/// The loads in the lanes, at most one each.
 struct Batch<'a, R: Number> {
     balance: Balance<'a, R>,
     stiffness: Factor<R>,
-    /// In each lane, if it is in use.
+    /// The load of each lane; `None` for an idle lane.
     paths: Vec<Option<Path<'a>>>,
     motion: FrameMotion<R>,
-    /// Rotations that the first correction predicts.
+    /// Rotations that the first correction predicts, rad.
     predicted: Vec<R>,
-    /// Of the last correction: work, scale and turn as in [`LoadStep::judge`].
+    /// Work of the last correction, N mm; with scale and turn as in [`LoadStep::judge`].
     work: R,
     scale: R,
     turn: R,
     at_rest: FrameMotion,
-    /// Room for the motion of one lane.
+    /// Buffer for the motion of one lane.
     of_lane: FrameMotion,
 }
 
@@ -162,12 +161,12 @@ impl<'a, R: Number> Batch<'a, R> {
         self.paths.iter().any(Option::is_some)
     }
 
-    /// Puts waiting loads into free lanes.
+    /// Assigns waiting loads to idle lanes.
     fn fill(&mut self, waiting: &mut PendingLoads<'a, impl Iterator<Item = (usize, &'a &'a [FrameLoad])>>) {
         for (lane, path) in self.paths.iter_mut().enumerate().filter(|(_, path)| path.is_none()) {
             *path = waiting.next(&mut self.of_lane, &self.at_rest);
             if path.is_none() {
-                // What an empty lane holds must not slow the others down.
+                // An idle lane rests, so that its numbers do not slow the others down.
                 self.of_lane.clone_from(&self.at_rest);
             }
             self.motion.set_lane(lane, &self.of_lane);
@@ -177,7 +176,7 @@ impl<'a, R: Number> Batch<'a, R> {
         }
     }
 
-    /// One correction by Newton's method in each lane.
+    /// Makes one Newton correction in each lane.
     #[inline(always)]
     fn iterate(&mut self) {
         self.apply_loads();
@@ -195,7 +194,7 @@ impl<'a, R: Number> Batch<'a, R> {
         self.balance.take_off_loads();
         for (lane, path) in self.paths.iter().enumerate() {
             let Some(path) = path else { continue };
-            // What a load on a node does, does not depend on how the node moves.
+            // The forces of a load on a node do not depend on the motion.
             if path.loads.iter().any(|load| !matches!(load, FrameLoad::Node { .. })) {
                 self.motion.copy_lane(lane, &mut self.of_lane);
             }
@@ -203,7 +202,7 @@ impl<'a, R: Number> Batch<'a, R> {
         }
     }
 
-    /// Decides in each lane how to go on; where the path has ended, its result is kept and the lane is free.
+    /// Decides how each lane continues. Stores the result of a lane that has ended and frees the lane.
     fn judge(&mut self, waiting: &mut PendingLoads<'a, impl Iterator<Item = (usize, &'a &'a [FrameLoad])>>) {
         for (lane, place) in self.paths.iter_mut().enumerate() {
             let Some(path) = place else { continue };

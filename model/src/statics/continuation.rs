@@ -1,7 +1,7 @@
-//! The way from one equilibrium to another, in load steps that adapt themselves.
+//! Continuation from one equilibrium to another in adaptive load steps.
 //!
-//! A step is as long as the rules of Newton's method allowed the one before it to be. Where the branch of stable
-//! equilibria ends, it is approached in steps that its predicted end sets ([`limit`](super::limit)).
+//! Each step is as long as the previous one would have been allowed to be. Near the predicted end of the stable branch, the prediction
+//! limits the steps ([`limit`](super::limit)).
 
 use super::limit::Approach;
 use super::load_path::{LoadPath, LoadTransition, ProportionalLoading, TrialTransition};
@@ -11,33 +11,33 @@ use super::{EquilibriumEquations, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// Of what the rules allow, steps are made to use this share.
+/// Share of the allowed step length that a step aims at.
 const AIM: f64 = 0.75;
-/// A step is at most so many times as long as the one before it.
+/// Largest ratio of a step to the previous step.
 const GROWTH: f64 = 3.0;
-/// A step whose rejection says how much too long it was is shortened to no less than this share.
+/// Smallest ratio of a shortened step to the rejected one, if the rejection states the excess.
 const LEAST_SHARE: f64 = 0.01;
-/// Where a step as short as this share of the way fails, it may be for too fine a mesh.
+/// Share of the path below which a failed step may be caused by rounding in too fine a mesh.
 const SHORT_STEP: f64 = 1e-3;
-/// Smallest step that is tried where the end of the branch is unknown, as a share of the whole way.
+/// Shortest step while the end of the branch is unknown, as a share of the path.
 const LEAST_STEP: f64 = 1e-7;
-/// The same of a way that is a trial.
+/// Shortest step of a trial path, as a share of the path.
 const LEAST_TRIED_STEP: f64 = 0.02;
-/// A path that has taken so many steps is given up.
+/// Largest number of load steps along a path.
 const MOST_STEPS: usize = 2000;
 
 impl<E: EquilibriumEquations> Statics<E> {
-    /// Equilibrium under dead loads, followed from rest.
+    /// Solves for the equilibrium under dead loads, followed from rest.
     ///
     /// # Errors
-    /// See [`StaticsError`].
+    /// [`StaticsError`] if a load is not finite, the branch of stable equilibria ends before the full load, or rounding leaves too few digits.
     pub fn equilibrium(&mut self, loads: &[FrameLoad]) -> Result<Equilibrium, StaticsError> {
         self.continued(&self.equations.at_rest(), loads, 0.0, 1.0)
     }
 
-    /// Equilibria under growing multiples of the loads, each followed from the one before it; the first from rest.
+    /// Equilibria under the given multiples of the loads. Each is followed from the previous one, the first from rest.
     ///
-    /// The list ends before the first multiple that has no equilibrium; the second part says why.
+    /// Stops at the first multiple without an equilibrium and returns its error beside the equilibria before it.
     pub fn path(&mut self, loads: &[FrameLoad], multiples: &[f64]) -> (Vec<Equilibrium>, Option<StaticsError>) {
         let mut found: Vec<Equilibrium> = Vec::with_capacity(multiples.len());
         let mut motion = self.equations.at_rest();
@@ -55,10 +55,10 @@ impl<E: EquilibriumEquations> Statics<E> {
         (found, None)
     }
 
-    /// Equilibrium under `to` times the loads, followed from one under `from` times the loads.
+    /// Equilibrium under `to` times the loads, followed from `start`, an equilibrium under `from` times the loads.
     ///
     /// # Errors
-    /// See [`StaticsError`]; the converged fraction refers to `to`.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium); its converged fraction is a fraction of `to`.
     pub fn continued(
         &mut self,
         start: &FrameMotion,
@@ -75,10 +75,10 @@ impl<E: EquilibriumEquations> Statics<E> {
         Err(StaticsError::NoEquilibrium { converged_fraction: loading.multiple(converged_fraction) / to })
     }
 
-    /// Equilibrium under the loads `to`, followed from one under `from` while the first fade and the second grow.
+    /// Equilibrium under the loads `to`, followed from `start`, an equilibrium under `from`, while `from` fades and `to` grows linearly.
     ///
     /// # Errors
-    /// See [`StaticsError`]; the converged fraction is that of the way.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium); its converged fraction is the share of the path.
     pub fn shifted(
         &mut self,
         start: &FrameMotion,
@@ -91,11 +91,11 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.follow(start, LoadTransition { from, to, loads: Vec::with_capacity(from.len() + to.len()) })
     }
 
-    /// As [`shifted`](Statics::shifted), for a caller who shortens the way where it fails: the end of a branch is not sought
-    /// closely, and the way is also given up at an equilibrium that is not worth going on from.
+    /// Follows the path of [`shifted`](Statics::shifted) as a trial, for a caller who shortens the path if it fails. The end of a branch
+    /// is not located exactly. The path is given up after `most_rejected` rejected steps, or at an equilibrium that `goes_on` rejects.
     ///
     /// # Errors
-    /// See [`StaticsError`]; the converged fraction is that of the way.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium); its converged fraction is the share of the path.
     pub(crate) fn tried(
         &mut self,
         start: &FrameMotion,
@@ -110,16 +110,16 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.follow(start, TrialTransition { transition, goes_on, most_rejected })
     }
 
-    /// Follows equilibria from `start` to the end of the way.
+    /// Follows equilibria from `start` to the end of the path.
     fn follow(&mut self, start: &FrameMotion, mut path: impl LoadPath) -> Result<Equilibrium, StaticsError> {
         let linear = self.equations.kinematics() == Kinematics::Linear;
         let least_step = if path.is_trial() { LEAST_TRIED_STEP } else { LEAST_STEP };
         let mut motion = start.clone();
-        // The last equilibrium on the way, if it is not the start.
+        // The last equilibrium on the path; `None` at the start.
         let mut before: Option<FrameMotion> = None;
         let (mut done, mut step) = (0.0, 1.0);
         let (mut iterations, mut load_steps) = (0, 0);
-        // Where every step succeeds, nobody asks for the end.
+        // Created at the first rejected step: only then does the predicted end matter.
         let mut approach: Option<Approach> = None;
         let (mut failed_since, mut digits_checked, mut rejected) = (false, false, 0);
         while done < 1.0 {

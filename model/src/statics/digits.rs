@@ -1,7 +1,7 @@
-//! Digits of a solution that survive rounding.
+//! Correct digits of a solution after rounding.
 //!
-//! Elements of length h have stiffnesses that grow as 1 / h^3 and deformations that shrink with h, so finer meshes cancel
-//! more digits. Newton's corrections win back what the factored tangent loses; what the residual lost stays.
+//! The stiffness of an element grows as 1 / h^3 with its length h, and its deformation shrinks with h. Finer meshes therefore lose more
+//! digits to cancellation. Newton's corrections recover the digits lost in the factored tangent, but not those lost in the residual.
 
 use super::load_step::FEWEST_DIGITS;
 use super::newton::share;
@@ -9,21 +9,21 @@ use super::{Equilibrium, EquilibriumEquations, Statics, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// A last correction this small leaves one digit more than the fewest: the next one may be larger.
+/// A last correction below this leaves one digit more than required, since the error may exceed the correction.
 const SMALL_CORRECTION: f64 = 1e-5;
-/// Digits of a number in double precision.
+/// Decimal digits of a number in double precision.
 const ALL_DIGITS: f64 = 15.65;
-/// With fewer digits no correction of Newton's gets below what counts as rounding noise, 1e-6 of the solution.
+/// Digits below which no Newton correction falls below the threshold of rounding noise, 1e-6 of the solution.
 const FEWEST_NEWTON_DIGITS: f64 = 5.0;
-/// Share of the load under which any frame is linear to all digits: under 1e-12 of 1 N a plate of 0.01 mm was not.
+/// Load factor at which every frame is linear to all digits. At 1e-12 times 1 N, a plate of 0.01 mm is not.
 const HARDLY_ANY_LOAD: f64 = 1e-20;
 
 impl<E: EquilibriumEquations> Statics<E> {
-    /// Equilibrium under dead loads, followed from rest, that has kept at least four digits. Where nothing else shows
-    /// so many, it linearises once more than [`equilibrium`](Statics::equilibrium).
+    /// Equilibrium under dead loads, followed from rest, with at least four correct digits. Linearises once more than
+    /// [`equilibrium`](Statics::equilibrium) unless the solution already shows its digits.
     ///
     /// # Errors
-    /// See [`StaticsError`].
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium), and [`StaticsError::TooFewDigits`] for fewer than four digits.
     pub fn accurate_equilibrium(&mut self, loads: &[FrameLoad]) -> Result<Equilibrium, StaticsError> {
         let found = self.equilibrium(loads)?;
         let linear = self.equations().kinematics() == Kinematics::Linear;
@@ -34,17 +34,17 @@ impl<E: EquilibriumEquations> Statics<E> {
         if digits < FEWEST_DIGITS { Err(StaticsError::TooFewDigits { digits }) } else { Ok(found) }
     }
 
-    /// Decimal digits of an equilibrium, up to 15.65: the share that a further correction changes, by energy or size.
+    /// Correct decimal digits of an equilibrium, 0 to 15.65, from the relative change that one more correction makes in energy norm or displacement.
     ///
-    /// An estimate: for linear solutions, which are known otherwise, it was at most 0.3 digits too high. The energy norm
-    /// sees noise of single elements that hardly moves any node, and may state three or four digits too few.
+    /// This is an estimate. For linear solutions with known error it is at most 0.3 digits too high. The energy norm includes noise of single
+    /// elements that barely moves any node, so it may be three or four digits too low.
     ///
-    /// Source: corrections as estimates of errors, Higham, Accuracy and Stability of Numerical Algorithms, ch. 12.
+    /// Source: corrections as error estimates, Higham, Accuracy and Stability of Numerical Algorithms, ch. 12.
     pub fn digits_left(&mut self, motion: &FrameMotion, loads: &[FrameLoad]) -> f64 {
         self.digits_under(motion, loads, 1.0)
     }
 
-    /// An error if rounding leaves Newton's method too few digits to converge even where the frame is linear.
+    /// Fails if rounding leaves Newton's method too few digits to converge even under a load at which the frame is linear.
     pub(super) fn require_digits_at_rest(&mut self, loads: &[FrameLoad]) -> Result<(), StaticsError> {
         let mut motion = self.equations().at_rest();
         if !self.equations_mut().linearise(&motion, loads, HARDLY_ANY_LOAD) {

@@ -1,41 +1,41 @@
-//! Where a branch of stable equilibria ends, predicted from the determinant of the tangent stiffness.
+//! Prediction of the end of a branch of stable equilibria from the determinant of the tangent stiffness.
 //!
-//! At the end the tangent loses its last positive pivot, so its determinant D goes to zero there: like (1 - s / s*)^p in the share s of the way, with
-//! p = 1/2 at a fold (limit load, snap-through) and p = 1 at a bifurcation (a straight rib that buckles). Where the path only comes close to a fold
-//! and goes on, p is 2/3 for a while. Three equilibria give s* and p.
+//! At the end of the branch one pivot of the tangent reaches zero, and so does its determinant D. Along the share s of the path, D falls as
+//! (1 - s / s*)^p. The exponent p is 1/2 at a fold (limit load, snap-through) and 1 at a bifurcation (a straight rib that buckles). A path that
+//! only passes close to a fold shows p = 2/3 for a while. Three equilibria determine s* and p.
 
-/// Powers with which the determinant goes to zero.
+/// Exponents p of the determinant at the end of a branch.
 const FOLD: f64 = 0.5;
 const BIFURCATION: f64 = 1.0;
-/// Halvings of the range between them: to 1e-3, which is finer than predictions are.
+/// Bisections of the interval of exponents, to 1e-3, which is finer than the predictions.
 const HALVINGS: usize = 9;
-/// A step towards the end goes this share of the way left at a fold. There displacements go with the root of what is left, and
-/// a tangent that is asked to predict 84 % of it is off by half, which is as much as a load step may be.
+/// Share of the remaining distance to a fold that a step covers. Displacements follow the square root of that distance. Over 8/9 of it the
+/// tangent's prediction is off by half, the limit for a load step.
 const REACH_AT_FOLD: f64 = 0.8;
-/// The same at a bifurcation, where the path is smooth.
+/// Share of the remaining distance to a bifurcation that a step covers; the path is smooth there.
 const REACH_AT_BIFURCATION: f64 = 0.95;
-/// A step is no shorter than this share of the last: a determinant that falls by powers of ten predicts nothing.
+/// Shortest step as a share of the last one: a determinant that falls by powers of ten gives no useful prediction.
 const LEAST_REACH: f64 = 0.01;
-/// A power up to this is a fold's: the others that there are, 2/3 and 1, are as far from it as rounding and secants allow.
+/// Largest exponent that counts as a fold. The other exponents, 2/3 and 1, exceed it by more than rounding and secants cause.
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;
-/// The end is reached when this share of the load is left to a fold.
+/// A fold counts as reached when the remaining distance is below this share of the predicted end.
 const GAP_TO_FOLD: f64 = 1e-4;
-/// The same with other powers, where a branch may still turn and go on.
+/// The same share for other exponents, where the branch may still turn and continue.
 const GAP_TO_OTHERS: f64 = 1e-6;
-/// The last two predictions may differ by this share of the way left.
+/// Largest difference between the last two predictions, as a share of the remaining distance, at which they agree.
 const AGREEMENT: f64 = 0.5;
 
-/// Equilibria on the way to the end of the branch.
+/// The last three equilibria on the path, and the predicted end of the branch.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Approach {
-    /// Share of the way and logarithm of the determinant, oldest first.
+    /// Share of the path and logarithm of the determinant, oldest first.
     points: [Option<[f64; 2]>; 3],
     predicted: Option<End>,
-    /// From the equilibria before the last.
+    /// Prediction before the last equilibrium was added.
     predicted_before: Option<End>,
 }
 
-/// The predicted end of the branch.
+/// The predicted end of the branch: share of the path, and exponent p.
 #[derive(Debug, Clone, Copy)]
 struct End {
     share: f64,
@@ -43,12 +43,12 @@ struct End {
 }
 
 impl Approach {
-    /// Whether an equilibrium is not known yet.
+    /// Whether the equilibrium at a share of the path has not been added yet.
     pub(super) fn asks_for(&self, share: f64) -> bool {
         self.points[2].is_none_or(|[known, _]| known != share)
     }
 
-    /// Takes the next equilibrium; without its determinant nothing is predicted.
+    /// Adds the next equilibrium and predicts the end; ignores an equilibrium without determinant.
     pub(super) fn add(&mut self, share: f64, log_determinant: Option<f64>) {
         let Some(log) = log_determinant else { return };
         self.points = [self.points[1], self.points[2], Some([share, log])];
@@ -56,7 +56,7 @@ impl Approach {
         self.predicted = self.end();
     }
 
-    /// The farthest share that is worth a step: short of the end, unless that is much nearer than the last equilibrium.
+    /// Target of the next step, a share of the path: before the predicted end, unless the last step was long against the remaining distance.
     pub(super) fn near(&self) -> Option<f64> {
         let End { share: end, power } = self.predicted?;
         let [_, Some([before, _]), Some([at, _])] = self.points else { return None };
@@ -64,12 +64,12 @@ impl Approach {
         Some(at + f64::max(reach * (end - at), LEAST_REACH * (at - before)))
     }
 
-    /// Whether an equilibrium disproves the prediction.
+    /// Whether an equilibrium lies beyond the predicted end and so disproves the prediction.
     pub(super) fn is_disproved_by(&self, share: f64) -> bool {
         self.predicted.is_some_and(|end| share > end.share)
     }
 
-    /// Whether two predictions agree that the branch ends before a share, by as much as is left to the end.
+    /// Whether the last two predictions agree that the branch ends before a share of the path, with a margin of the remaining distance.
     pub(super) fn ends_before(&self, share: f64) -> bool {
         let (Some(End { share: end, .. }), Some(at)) = (self.predicted, self.at()) else { return false };
         self.predictions_agree() && end + (end - at) < share
@@ -82,7 +82,8 @@ impl Approach {
         (before.share - end.share).abs() <= AGREEMENT * (end.share - at)
     }
 
-    /// A share as far behind the end as the last equilibrium is before it, if near enough: no branch gets there.
+    /// Share of the path as far beyond the predicted end as the last equilibrium is before it; `None` while the end is not close. The branch should
+    /// not reach that share.
     pub(super) fn beyond(&self) -> Option<f64> {
         let (End { share: end, power }, at) = (self.predicted?, self.at()?);
         let left = end - at;
@@ -97,7 +98,7 @@ impl Approach {
     fn end(&self) -> Option<End> {
         let [first, Some(second), Some(third)] = self.points else { return None };
         let end = |power: f64| end_of_interval(second, third, power);
-        // How much faster than with this power the determinant falls between the first two equilibria.
+        // Excess fall of the log determinant between the first two equilibria over the fall that the exponent implies.
         let excess = |power: f64| {
             let ([first, log_first], [second, log_second]) = (first?, second);
             let end = end(power)?;
@@ -105,7 +106,7 @@ impl Approach {
         };
         let [mut low, mut high] = [FOLD, BIFURCATION];
         let power = match (excess(low), excess(high)) {
-            // A single interval tells nothing of the power.
+            // A single interval does not determine the exponent.
             (None, _) | (_, None) => BIFURCATION,
             (Some(at_low), Some(at_high)) if at_low * at_high > 0.0 => {
                 if at_low.abs() < at_high.abs() {
@@ -127,7 +128,7 @@ impl Approach {
     }
 }
 
-/// Where a determinant that falls like (1 - s / s*)^p between two equilibria is zero; `None` if it does not fall.
+/// Share at which a determinant that falls as (1 - s / s*)^p between two equilibria becomes zero; `None` if it does not fall.
 fn end_of_interval([from, log_from]: [f64; 2], [to, log_to]: [f64; 2], power: f64) -> Option<f64> {
     let ratio = ((log_from - log_to) / power).exp();
     let left = (to - from) / (ratio - 1.0);

@@ -1,36 +1,36 @@
-//! Loads along the way from one equilibrium to another.
+//! Load paths between two equilibria.
 
 use super::load_step::CORRECTION_TOLERANCE;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// Tolerance of equilibria on the way: the next step corrects what is left, which must not count beside a short step.
+/// Convergence tolerance at intermediate equilibria. The next step corrects the remaining error, which must be small against a short step.
 const STATION_TOLERANCE: f64 = 1e-8;
-/// Tolerance of all equilibria on a way that is a trial: Newton's corrections shrink by so much at once that these are good to 1e-9.
+/// Convergence tolerance at all equilibria of a trial path. Newton's quadratic convergence makes these accurate to 1e-9.
 const TRIED_TOLERANCE: f64 = 1e-6;
-/// A way that is a trial ends no earlier than after so many rejected steps where none was taken yet.
+/// Smallest number of rejected steps before a trial path without any accepted step ends.
 const MOST_REJECTED_AT_START: usize = 4;
 
-/// Loads that change along a way, from share 0 to share 1.
+/// Loads that vary along a path, from share 0 to share 1.
 pub(super) trait LoadPath {
-    /// The loads at a share of the way, and their common multiple.
+    /// The loads at a share of the path, and the factor common to all of them.
     fn at(&mut self, share: f64) -> (&[FrameLoad], f64);
 
-    /// Whether an equilibrium on the way, at this share of it, is worth going on from.
+    /// Whether the path continues from an intermediate equilibrium at the given share.
     fn goes_on(&mut self, _share: f64, _motion: &FrameMotion) -> bool {
         true
     }
 
-    /// Whether a step that was rejected is tried again, shorter; `rejected` counts those of the whole way.
+    /// Whether to repeat a rejected step with a shorter one; `rejected` counts all rejected steps of the path.
     fn tries_again(&self, _share: f64, _rejected: usize) -> bool {
         true
     }
 
-    /// Tolerance of the equilibrium at a share of it.
+    /// Convergence tolerance of the equilibrium at a share of the path.
     fn tolerance(&self, share: f64) -> f64 {
         if share < 1.0 { STATION_TOLERANCE } else { CORRECTION_TOLERANCE }
     }
 
-    /// Whether the caller shortens the way where it fails: where exactly does not matter then.
+    /// Whether the path is a trial: its caller shortens it if it fails, so the exact share of failure does not matter.
     fn is_trial(&self) -> bool {
         false
     }
@@ -40,7 +40,9 @@ pub(super) trait LoadPath {
 #[derive(Clone, Copy)]
 pub(super) struct ProportionalLoading<'l> {
     pub loads: &'l [FrameLoad],
+    /// Factor on the loads at share 0 of the path.
     pub from: f64,
+    /// Factor on the loads at share 1 of the path.
     pub to: f64,
 }
 
@@ -56,11 +58,11 @@ impl LoadPath for ProportionalLoading<'_> {
     }
 }
 
-/// Loads that fade while others grow.
+/// Loads that fade linearly while others grow.
 pub(super) struct LoadTransition<'l> {
     pub from: &'l [FrameLoad],
     pub to: &'l [FrameLoad],
-    /// Room for both.
+    /// Buffer for both sets of loads.
     pub loads: Vec<FrameLoad>,
 }
 
@@ -75,11 +77,11 @@ impl LoadPath for LoadTransition<'_> {
     }
 }
 
-/// Loads that fade while others grow, for a caller who shortens the way where it fails.
+/// A [`LoadTransition`] as a trial path: its caller shortens it if it fails.
 pub(super) struct TrialTransition<'l, W> {
     pub transition: LoadTransition<'l>,
     pub goes_on: W,
-    /// The way ends at so many rejected steps.
+    /// Number of rejected steps at which the path ends.
     pub most_rejected: usize,
 }
 

@@ -1,49 +1,50 @@
-//! The decisions of Newton's method in one load step: has it converged, is the step taken.
+//! Decisions of Newton's method in one load step: convergence, acceptance, rejection.
 //!
-//! They are apart from the equations so that one load, and each lane of a [batch](super::equilibria), follow the same.
+//! They are separate from the equations so that the scalar solver and each lane of a [batch](super::equilibria) share them.
 
-/// Solutions with fewer digits are refused: 0.01 % is what the finest results are compared to.
+/// Smallest number of correct decimal digits of an accepted solution: the finest results are compared to 0.01 %.
 pub(super) const FEWEST_DIGITS: f64 = 4.0;
-/// Newton has converged when the energy norm of its *next* correction would be below this share of the solution's. The
-/// next correction is known from the last two: near the solution Newton squares the error, e' = c e^2.
+/// Newton has converged when the predicted energy norm of its *next* correction is below this share of the solution's. The last two
+/// corrections predict it, since Newton's method squares the error near the solution, e' = c e^2.
 pub(super) const CORRECTION_TOLERANCE: f64 = 1e-11;
-/// A linear solution that its residual corrects by less than this share has all its digits after that correction.
+/// A linear solution whose last correction is below this share of it has all its digits after that correction.
 const LINEAR_TOLERANCE: f64 = 1e-8;
-/// Corrections above this share of the solution are too large to conclude anything from.
+/// Largest correction, as a share of the solution, from which the next one is predicted.
 const QUADRATIC_RANGE: f64 = 1e-2;
-/// Two corrections this small, of which neither is a fourth of the one before it, are rounding noise of a fine mesh or of
-/// a needle. One alone may be large by chance: of needles it left errors of 1e-7 where noise is 1e-9.
+/// Two successive corrections below this count as rounding noise if each exceeds a quarter of the previous one. Very fine meshes and needle
+/// shapes show such noise. A single one may be large by chance and leave an error of 1e-7 where noise is 1e-9.
 const STAGNATION_TOLERANCE: f64 = 1e-6;
-/// More iterations than this mean that the step was too long.
+/// Largest number of Newton iterations in a load step; a step that needs more is rejected as too long.
 const MAX_ITERATIONS: usize = 20;
-/// Rotation of a node in one load step, rad, beyond which another branch might be met.
+/// Largest rotation of a node in one load step, rad; a larger one may lead to another branch.
 const MAX_STEP_ROTATION: f64 = 0.8;
-/// A load step may turn no node further from what the tangent at its start predicts than this share of the largest
-/// rotation predicted. On a smooth path that holds for every step that is short enough; a snap to another branch hardly
-/// ever passes: of 9715 random loads that random fingers carry, arc length finds 22 to be beyond a limit load.
+/// Largest deviation of a rotation from the prediction of the tangent at the start, as a share of the largest predicted rotation. On a
+/// smooth path every sufficiently short step meets this limit; a snap to another branch rarely does. For random fingers under random
+/// loads, arc length finds 22 of 9715 accepted equilibria beyond a limit load.
 const MAX_PREDICTION_ERROR: f64 = 0.5;
-/// Rotations, rad, that count as none: a frame that only stretches turns by rounding alone.
+/// Rotations below this, rad, count as zero: a frame that only elongates rotates by rounding alone.
 const ROTATION_NOISE: f64 = 1e-9;
-/// A load step whose prediction is off by so many times what is allowed will not come back to it.
+/// Ratio of prediction error to its limit beyond which an iteration is abandoned.
 const HOPELESS: f64 = 1.25;
 
-/// A load step that was taken.
+/// Result of an accepted load step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Taken {
+    /// Number of Newton corrections.
     pub iterations: usize,
-    /// How near it came to what a step may turn, and to how far it may end from its prediction: 0..1.
+    /// Largest of rotation and prediction error, each divided by its limit; 0..1.
     pub used: f64,
-    /// Energy norm of the last correction, as a share of the solution's; `None` if it was the last that was allowed.
+    /// Energy norm of the last correction, as a share of the solution's; `None` if the iterations ran out.
     pub correction: Option<f64>,
 }
 
-/// Why a load step was not taken.
+/// Reason for a rejected load step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rejected {
     NotPositiveDefinite,
-    /// Holds how many times too far, where that is known.
+    /// The step is too long. Holds the ratio of its rotation or prediction error to the limit, if known.
     TooFar(Option<f64>),
-    /// Linear corrections do not shrink: too few digits are left. Holds their number.
+    /// Linear corrections do not shrink. Holds the number of correct digits, which is too small.
     Rounding(f64),
 }
 
@@ -51,15 +52,15 @@ pub(super) enum Rejected {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoadStep {
     linear: bool,
-    /// It has converged when the next correction would be below this share of the solution.
+    /// Convergence tolerance for the predicted next correction, as a share of the solution.
     tolerance: f64,
-    /// Corrections judged.
+    /// Number of corrections judged so far.
     iterations: usize,
     /// Energy norm of the last correction, as a share of the solution's.
     previous: f64,
-    /// Whether it was rounding noise, by its size.
+    /// Whether the last correction was small enough and shrank too little, as rounding noise does.
     stagnated: bool,
-    /// Largest turn of a node by the first correction, rad: what the tangent at the start predicts.
+    /// Largest rotation of a node by the first correction, rad: the prediction of the tangent at the start.
     predicted_turn: f64,
 }
 
@@ -73,9 +74,9 @@ impl LoadStep {
         self.iterations == 0
     }
 
-    /// Judges a correction: goes on (`None`), or ends the step. `work` is the correction's squared energy norm, `scale` the
-    /// solution's; `turn` is how far any node is from where it was before the first correction (at the first one), or from
-    /// where that has brought it (later), rad. `keeps_digits` says whether a linear correction loses none.
+    /// Judges a correction: `None` to continue, else the end of the step. `work` is the correction's squared energy norm and `scale` the
+    /// solution's, both N mm. `turn` is the largest rotation of a node, rad: from the start for the first correction, from the prediction for
+    /// later ones. `keeps_digits` states whether a linear correction loses no digits.
     #[inline(always)]
     pub(super) fn judge(
         &mut self,
@@ -104,7 +105,7 @@ impl LoadStep {
         let relative = (work / scale).max(0.0).sqrt();
         let next = relative.powi(3) / (previous * previous);
         let converges = previous.max(relative) <= QUADRATIC_RANGE && next <= self.tolerance;
-        // One correction by the residual is all that a linear solution needs, if any.
+        // A linear solution needs at most one correction by the residual.
         let converges = converges || (linear && (relative <= LINEAR_TOLERANCE || keeps_digits()));
         let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
         if work <= 0.0 || converges || (stagnates && self.stagnated) {

@@ -1,4 +1,4 @@
-//! The whole frame in equilibrium: assembly, the linear solution and the path to a nonlinear one.
+//! Static equilibrium of a frame: assembly, linear solution, and nonlinear solution in load steps.
 
 mod arc_length;
 mod assembly;
@@ -25,90 +25,91 @@ use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::mesh::{FingerShape, Load, LoadError, Mesh};
 
-/// Why no equilibrium was found.
+/// Reasons why a solver returns no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum StaticsError {
-    /// The frame can move without deforming, or its stiffness is not a number.
+    /// The frame has a motion without deformation, or its stiffness is not a finite number.
     #[error(
         "the linear equations have no solution in double precision: the frame can move without deforming, its mesh is too \
          fine, or its stiffness or displacements are beyond the largest number"
     )]
     NotHeld,
-    /// The load is not on the finger.
+    /// A load does not act on a valid point of the finger.
     #[error(transparent)]
     Load(#[from] LoadError),
     /// A load is infinite or not a number.
     #[error("a load is not a finite number")]
     LoadNotFinite,
-    /// Rounding has left too few digits.
+    /// Rounding leaves too few correct digits.
     #[error(
         "rounding leaves {digits:.1} digits of the solution, and 4 are the fewest that are given (5 with large rotations): use \
          a coarser mesh (or parts that differ less in stiffness)"
     )]
     TooFewDigits {
-        /// Decimal digits left.
+        /// Estimated number of correct decimal digits.
         digits: f64,
     },
-    /// No stable equilibrium follows from the last one found on the way from rest to the full load.
+    /// The branch of stable equilibria ends before the full load.
     #[error(
         "no stable equilibrium was found beyond {:.4} % of the load: the finger snaps through, buckles or folds there",
         100.0 * converged_fraction
     )]
     NoEquilibrium {
-        /// Share of the load, 0..1, at which an equilibrium was last found.
+        /// Share of the load, 0..1, at the last equilibrium found.
         converged_fraction: f64,
     },
 }
 
-/// The equilibrium equations of a structure, as Newton's method sees them.
+/// The equilibrium equations of a structure in the form that Newton's method needs.
 pub trait EquilibriumEquations {
-    /// The structure at rest.
+    /// The undeformed motion: all displacements and rotations zero.
     fn at_rest(&self) -> FrameMotion;
 
-    /// How displacements become deformations.
+    /// The kinematic relation between displacements and strains.
     fn kinematics(&self) -> Kinematics;
 
-    /// Evaluates energy and residual under `factor` times the loads, factors the tangent; `false` if not definite.
+    /// Evaluates energy and residual under `factor` times the loads and factors the tangent stiffness. Returns `false` if the tangent is not positive
+    /// definite.
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool;
 
-    /// Whether no pivot of the last factorisation lost more than three of its digits to cancellation, so that a correction
-    /// by the residual would change nothing that counts. `false` where that is not known.
+    /// Whether every pivot of the last factorisation lost at most three digits to cancellation; a correction by the residual then changes
+    /// nothing significant. `false` if unknown.
     fn keeps_digits(&self) -> bool {
         false
     }
 
-    /// Natural logarithm of the determinant of the last factored tangent, up to a constant; `None` where it is not known.
+    /// Natural logarithm of the determinant of the last factored tangent, up to an additive constant; `None` if unknown.
     fn log_determinant(&mut self) -> Option<f64>;
 
-    /// Drops a factor that is kept because it never changes: the linear one.
+    /// Drops the factor that the solver keeps between loads; only the linear stiffness keeps one, since it never changes.
     fn forget_factor(&mut self);
 
     /// Elastic energy at the last linearised motion, N mm.
     fn elastic_energy(&self) -> f64;
 
-    /// Adds Newton's correction -K^-1 r to the linearised motion; returns its squared energy norm r K^-1 r, N mm.
+    /// Adds Newton's correction -K^-1 r to the linearised motion. Returns the correction's squared energy norm r K^-1 r, N mm.
     fn correct(&mut self, motion: &mut FrameMotion) -> f64;
 
-    /// Largest displacement in the last correction of the key nodes, mm; infinite where that is not known.
+    /// Largest displacement of a key node in the last correction, mm; infinite if unknown.
     fn largest_correction(&self) -> f64 {
         f64::INFINITY
     }
 }
 
-/// Shape of a finger under loads, from rest to the full load, to at least four digits.
+/// Solves for the shape of a finger under dead loads, followed from rest to the full load, accurate to at least four digits.
 ///
 /// # Errors
-/// [`StaticsError`] if there is no equilibrium to be found, or rounding leaves fewer digits of it.
+/// [`StaticsError`] if a load is invalid, no stable equilibrium exists on the path, or rounding leaves fewer than four digits.
 pub fn solve(mesh: &Mesh, loads: &[Load], kinematics: Kinematics) -> Result<FingerShape, StaticsError> {
     let loads = loads.iter().map(|load| mesh.frame_load(load)).collect::<Result<Vec<_>, _>>()?;
     let equilibrium = Statics::ladder(mesh, kinematics).accurate_equilibrium(&loads)?;
     Ok(mesh.shape(&equilibrium.motion))
 }
 
-/// Motion of any plane frame under loads; see [`solve`].
+/// Solves for the motion of any plane frame under dead loads, accurate to at least four digits; [`solve`] does this for a finger.
 ///
 /// # Errors
-/// [`StaticsError`] if there is no equilibrium to be found.
+/// [`StaticsError`] if a load is not finite, no stable equilibrium exists on the path, or rounding leaves fewer than four digits.
 pub fn solve_frame(
     frame: &PlaneFrame,
     loads: &[FrameLoad],

@@ -1,7 +1,7 @@
-//! Newton's method: the equilibrium under one load, near the one before it.
+//! Newton's method for the equilibrium under one load, from a nearby equilibrium.
 //!
-//! Every load step must keep the rotations small and end in a stable equilibrium (positive definite tangent), so the solution stays on the branch
-//! that starts at rest. [`LoadStep`] decides that; how long the steps are is decided in [`continuation`](super::continuation).
+//! Every load step keeps the rotations small and ends in a stable equilibrium (positive definite tangent). The solution therefore stays on the branch
+//! that starts at rest. [`LoadStep`] accepts or rejects steps; [`continuation`](super::continuation) sets their length.
 
 use super::load_step::{LoadStep, Rejected, Taken};
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};
@@ -12,33 +12,33 @@ use crate::mesh::Mesh;
 /// Equilibrium of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
-    /// Displacements and rotations.
+    /// Displacements (mm) and rotations (rad).
     pub motion: FrameMotion,
-    /// Newton iterations spent, over all load steps.
+    /// Number of Newton iterations over all load steps.
     pub iterations: usize,
-    /// Load steps taken.
+    /// Number of accepted load steps.
     pub load_steps: usize,
 }
 
-/// Solver for one structure and one kinematics; what can be prepared once is kept between loads.
+/// Solver for one structure and one kinematics. It keeps everything that does not depend on the loads.
 #[derive(Debug, Clone)]
 pub struct Statics<E> {
     pub(super) equations: E,
-    /// Rotations that the tangent at the start of a load step predicts for its end.
+    /// Rotations that the tangent at the start of a load step predicts for its end, rad.
     predicted: Vec<f64>,
-    /// The last correction of the last load step over the solution, by energy norm or displacement, whichever is more.
+    /// Ratio of the last correction to the solution, by energy norm or displacement, whichever is larger.
     pub(super) last_correction: f64,
 }
 
 impl<'f> Statics<SparseEquations<'f>> {
-    /// Prepares the equations of any frame: the general sparse path.
+    /// Prepares the equations of any frame for the sparse solver.
     pub fn sparse(frame: &'f PlaneFrame, kinematics: Kinematics) -> Self {
         Statics::new(SparseEquations::new(frame, kinematics))
     }
 }
 
 impl<'m> Statics<Ladder<'m>> {
-    /// Prepares the equations of a finger: block elimination along the ladder.
+    /// Prepares the equations of a finger for block elimination along its ladder of plates and ribs.
     pub fn ladder(mesh: &'m Mesh, kinematics: Kinematics) -> Self {
         Statics::new(Ladder::new(mesh, kinematics))
     }
@@ -49,28 +49,28 @@ impl<E: EquilibriumEquations> Statics<E> {
         Statics { equations, predicted: Vec::new(), last_correction: f64::INFINITY }
     }
 
-    /// The equations that are solved.
+    /// The equilibrium equations.
     pub fn equations(&self) -> &E {
         &self.equations
     }
 
-    /// The same, for sensitivities, which need room.
+    /// The equilibrium equations, mutable because sensitivities use their buffers.
     pub fn equations_mut(&mut self) -> &mut E {
         &mut self.equations
     }
 
-    /// Makes the next linear solution factorise again, for timing: the stiffness never changes, so one factor serves.
+    /// Makes the next linear solution factorise again, for timing. Otherwise the factor is kept, since the linear stiffness never changes.
     pub fn forget_factor(&mut self) {
         self.equations.forget_factor();
     }
 
-    /// Linearises the equations at a motion under loads; `false` if it is not a stable shape.
+    /// Linearises the equations at a motion under loads. Returns `false` if the tangent stiffness is not positive definite.
     pub fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad]) -> bool {
         self.equations.linearise(motion, loads, 1.0)
     }
 
-    /// One correction by Newton's method from a motion near the equilibrium under loads: the largest turn of a node, rad,
-    /// or `None` if the motion is no stable shape. Leaves the factored tangent of the motion before the correction behind.
+    /// Makes one Newton correction of a motion near the equilibrium under loads. Returns the largest rotation of a node, rad, or `None` if the
+    /// shape is not stable. The factored tangent of the uncorrected motion remains available.
     pub fn corrected(&mut self, motion: &mut FrameMotion, loads: &[FrameLoad]) -> Option<f64> {
         if !self.equations.linearise(motion, loads, 1.0) {
             return None;
@@ -80,8 +80,8 @@ impl<E: EquilibriumEquations> Statics<E> {
         work.is_finite().then(|| largest_difference(&motion.rotations, &self.predicted))
     }
 
-    /// Newton's iteration at one load level, from the equilibrium before it, until the next correction would be below
-    /// `tolerance`. Leaves the factored tangent of the last iterate behind, and `motion` anywhere if the step is rejected.
+    /// Iterates Newton's method at one load level, from the previous equilibrium, until the predicted next correction is below `tolerance`. The
+    /// factored tangent of the last iterate remains available. After a rejected step `motion` is undefined.
     pub(super) fn load_step(
         &mut self,
         motion: &mut FrameMotion,
@@ -103,7 +103,7 @@ impl<E: EquilibriumEquations> Statics<E> {
             let work = self.equations.correct(motion);
             let turn = if linear { 0.0 } else { largest_difference(&motion.rotations, &self.predicted) };
             if step.is_first() && !linear {
-                // The first correction is what the tangent at the start predicts.
+                // The first correction is the prediction of the tangent at the start.
                 self.predicted.clone_from(&motion.rotations);
             }
             let Some(end) = step.judge(work, scale, turn, || self.equations.keeps_digits()) else { continue };
@@ -115,10 +115,10 @@ impl<E: EquilibriumEquations> Statics<E> {
         }
     }
 
-    /// Motions of the linear structure under each load alone: columns of its compliance.
+    /// Motions of the structure under each load alone; with linear kinematics and unit loads, columns of its compliance.
     ///
     /// # Errors
-    /// [`StaticsError::NotHeld`] if the structure has no stiffness against some motion.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium), for instance [`StaticsError::NotHeld`] if the structure is a mechanism.
     pub fn unit_motions(&mut self, loads: &[FrameLoad]) -> Result<Vec<FrameMotion>, StaticsError> {
         loads.iter().map(|load| self.equilibrium(std::slice::from_ref(load)).map(|found| found.motion)).collect()
     }
@@ -128,7 +128,7 @@ pub(super) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Part of a whole; nothing is no part even of nothing, as in a frame without loads. What is no number counts as all.
+/// Ratio of a part to a whole: 0 if the part is 0, even of 0 as in an unloaded frame; 1 if the ratio is not a number.
 pub(super) fn share(part: f64, whole: f64) -> f64 {
     match part / whole {
         _ if part == 0.0 => 0.0,

@@ -1,4 +1,4 @@
-//! Results of an equilibrium: elastic energy, and the support forces.
+//! Results derived from an equilibrium: elastic energy and support reactions.
 
 use super::FrameLoad;
 use crate::Vector;
@@ -10,20 +10,20 @@ pub fn elastic_energy(frame: &PlaneFrame, motion: &FrameMotion, kinematics: Kine
     frame.members().iter().map(|member| member.response(motion, kinematics).energy).sum()
 }
 
-/// Force and moment that a support puts on the frame.
+/// Force and moment that a support exerts on the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reaction {
     /// The supported node.
     pub node: NodeIndex,
-    /// Force, N.
+    /// Force, N, in the frame's coordinates.
     pub force: Vector,
-    /// Moment, N mm.
+    /// Moment, N mm, positive from x to y.
     pub moment_nmm: f64,
 }
 
-/// What must act on a node from outside, beside the loads, for equilibrium: a support's reaction, else nothing.
+/// Force and moment that a node needs for equilibrium beside the loads: the reaction of a support, zero at a free node.
 ///
-/// Beams are summed, also those of nodes that are tied to it, so the node must not belong to a rigid link.
+/// Sums the beams of the node and of nodes tied to it, so the node must not belong to a rigid link.
 pub fn reaction(
     frame: &PlaneFrame,
     motion: &FrameMotion,
@@ -54,7 +54,7 @@ pub fn reaction(
         } else {
             let (end, force, moment_nmm) = load.at_end(frame);
             let potential = frame.end_load(motion, end, force, moment_nmm, kinematics == Kinematics::Linear);
-            // The second end of the pair carries nothing.
+            // The potential has no gradient at the second end.
             add(&[end, end], &potential.gradient);
         }
     }

@@ -1,4 +1,4 @@
-//! The general path: any frame, assembled into a sparse matrix (sprs) and factored by Cholesky (faer).
+//! Solver for any frame: sparse assembly (sprs) and Cholesky factorisation (faer).
 
 use super::EquilibriumEquations;
 use super::assembly::Assembly;
@@ -6,18 +6,18 @@ use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use finray_numerics::linear::{Cholesky, IndefiniteFactor};
 
-/// Sparse equilibrium equations of any frame; pattern and order of the equations are found once.
+/// Sparse equilibrium equations of any frame. Sparsity pattern and ordering are computed once.
 #[derive(Debug, Clone)]
 pub struct SparseEquations<'f> {
     assembly: Assembly<'f>,
     factor: Cholesky,
-    /// The same with pivots to be seen, where they are asked for.
+    /// Factorisation of the same matrix that exposes its pivots; computed on demand.
     pivots: IndefiniteFactor,
     correction: Vec<f64>,
 }
 
 impl<'f> SparseEquations<'f> {
-    /// Numbers the unknowns and lays out the matrix.
+    /// Numbers the unknowns and builds the sparsity pattern.
     pub fn new(frame: &'f PlaneFrame, kinematics: Kinematics) -> SparseEquations<'f> {
         let assembly = Assembly::new(frame, kinematics);
         let correction = vec![0.0; assembly.equations().count()];
@@ -41,8 +41,8 @@ impl EquilibriumEquations for SparseEquations<'_> {
 
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
         self.assembly.evaluate(motion, loads, factor);
-        // The linear stiffness never changes. Its solution is refined by the residual, which is formed from the
-        // deformations of the elements and keeps digits that the factor of a fine mesh loses.
+        // The linear stiffness never changes, so its factor is kept. Newton refines by the residual, which comes from the
+        // element deformations and keeps digits that the factor of a fine mesh loses.
         let keep = self.kinematics() == Kinematics::Linear && self.factor.is_there();
         if !keep && !self.factor.factorise(self.assembly.stiffness()) {
             return false;

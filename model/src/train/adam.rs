@@ -1,16 +1,16 @@
 //! Trained tensors, and the steps of Adam on them.
 //!
-//! Reference: Kingma, Ba, Adam: a method for stochastic optimization, ICLR 2015, algorithm 1, both corrections in one (end of sec. 2).
+//! Reference: Kingma, Ba, Adam: a method for stochastic optimization, ICLR 2015, algorithm 1, with both bias corrections combined (end of sec. 2).
 
 use super::TrainError;
 use burn_tensor::{Device, Gradients, Tensor, TensorData};
 
-/// Decay rates of the moments, as the paper recommends.
+/// Decay rates of the two moments, as recommended in the paper.
 const DECAY: [f32; 2] = [0.9, 0.999];
-/// Guard against division by zero: far below the gradients of losses of order one.
+/// Guard against division by zero, far below the gradients of losses of order one.
 const EPSILON: f32 = 1e-8;
 
-/// A tensor that is trained, its numbers in row-major order, and the moments of its gradients.
+/// A trained tensor, its numbers in row-major order, and the two moments of its gradients.
 #[derive(Debug)]
 pub(super) struct Parameter<const D: usize> {
     value: Tensor<D>,
@@ -19,7 +19,7 @@ pub(super) struct Parameter<const D: usize> {
 }
 
 impl<const D: usize> Parameter<D> {
-    /// On a device with autodiff its gradients are kept.
+    /// A parameter with the given numbers; its gradients are recorded on a device with autodiff.
     pub(super) fn new(numbers: &[f32], shape: [usize; D], device: &Device) -> Parameter<D> {
         let moments = [0, 1].map(|_| vec![0.0; numbers.len()]);
         Parameter { value: tracked(numbers.to_vec(), shape, device), numbers: numbers.to_vec(), moments }
@@ -29,12 +29,12 @@ impl<const D: usize> Parameter<D> {
         self.value.clone()
     }
 
-    /// Takes a step; none if the loss does not depend on the parameter.
+    /// Makes one step. Does nothing if the loss does not depend on the parameter.
     pub(super) fn step(&mut self, gradients: &mut Gradients, step: &Step) -> Result<(), TrainError> {
         let Some(gradient) = self.value.grad_remove(gradients) else { return Ok(()) };
         let [first, second] = &mut self.moments;
         let moments = first.iter_mut().zip(second);
-        // In one loop over plain numbers: as tensors each of these twelve operations would be a pass of its own.
+        // One loop over plain numbers: with tensors, each of these twelve operations would be a separate pass.
         for ((number, (first, second)), gradient) in self.numbers.iter_mut().zip(moments).zip(numbers(gradient)?) {
             *first = *first * DECAY[0] + gradient * (1.0 - DECAY[0]);
             *second = *second * DECAY[1] + gradient * gradient * (1.0 - DECAY[1]);
@@ -47,32 +47,32 @@ impl<const D: usize> Parameter<D> {
     }
 }
 
-/// As a tensor, whose gradients are kept on a device with autodiff.
+/// A tensor with the given numbers; its gradients are recorded on a device with autodiff.
 fn tracked<const D: usize>(numbers: Vec<f32>, shape: [usize; D], device: &Device) -> Tensor<D> {
     let tensor = Tensor::from_data(TensorData::new(numbers, shape), device);
     if device.is_autodiff() { tensor.require_grad() } else { tensor }
 }
 
-/// Row-major numbers of a tensor.
+/// Numbers of a tensor in row-major order.
 ///
 /// # Errors
-/// [`TrainError::Backend`].
+/// [`TrainError::Backend`] if the library cannot read the tensor.
 pub(super) fn numbers<const D: usize>(tensor: Tensor<D>) -> Result<Vec<f32>, TrainError> {
     let data = tensor.try_into_data().map_err(|error| TrainError::Backend(format!("{error:?}")))?;
     data.try_into_vec::<f32>().map_err(|error| TrainError::Backend(format!("{error:?}")))
 }
 
-/// One step for all parameters.
+/// Step size and bias corrections of one step for all parameters.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
     rate: f32,
-    /// `1 - decay^number` of the first moment, and its square root of the second.
+    /// `1 - decay^number` for the first moment; its square root for the second.
     first_correction: f32,
     second_correction: f32,
 }
 
 impl Step {
-    /// Step `number`, from 1, of this learning rate.
+    /// Step `number`, from 1, with a learning rate.
     pub(super) fn new(number: usize, rate: f64) -> Step {
         let [first_correction, second] = DECAY.map(|decay| 1.0 - decay.powi(number as i32));
         Step { rate: rate as f32, first_correction, second_correction: second.sqrt() }

@@ -1,4 +1,4 @@
-//! Ridge forces on the linear finger for any subset of contacts: where a network for subsets starts from.
+//! Ridge forces on the linear finger for any subset of contacts, the start of a network for subsets.
 
 use crate::compliance::Compliance;
 use crate::samples::Samples;
@@ -6,9 +6,9 @@ use crate::sensing::network::ridge_gain;
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 
-/// Ridge gains of every subset that the samples have.
+/// Ridge gains of every subset that occurs in the samples.
 pub(super) struct RidgeForces {
-    /// n x contacts, mm/N.
+    /// Compliance, n x contacts for n displacement coordinates, mm/N.
     compliance: DMatrix<f64>,
     ridge_mm_per_n: f64,
     prior_n: f64,
@@ -44,7 +44,7 @@ impl RidgeForces {
         ridge_gain(&self.compliance, touching, self.ridge_mm_per_n)
     }
 
-    /// Force of each contact, N; zero where it does not touch.
+    /// Force of each contact, N; zero for contacts that do not touch.
     pub(super) fn forces_n(&self, touching: &[bool], displacements: &DVector<f64>) -> DVector<f64> {
         match self.gains.get(touching) {
             Some(gain) => gain * displacements,
@@ -52,7 +52,7 @@ impl RidgeForces {
         }
     }
 
-    /// Root mean square of what the ridge forces leave of each touching contact's force, N.
+    /// Root mean square difference between true and ridge force of each contact, N, over the cases in which it touches.
     pub(super) fn left_over_n(&self, samples: &Samples) -> Vec<f64> {
         let contacts = self.contact_count();
         let (mut squares, mut counts) = (vec![0.0; contacts], vec![0_usize; contacts]);

@@ -1,4 +1,4 @@
-//! Load cases as a network sees them: inputs, and forces in units of what a linear fit leaves over.
+//! Load cases as a network's inputs and targets; targets are forces in units of a linear fit's residual.
 
 use super::TrainError;
 use super::any_of::RidgeForces;
@@ -14,15 +14,15 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// A unit of force below this share of the largest force would ask for digits that single precision does not have.
+/// Smallest unit of force as a share of the largest force; smaller units exceed single precision.
 const LEAST_UNIT: f64 = 1e-4;
 
-/// What turns samples into tables of inputs and targets.
+/// Conversion of samples to tables of inputs and targets.
 pub(super) struct Cases {
     normalisation: Normalisation,
     noise_mm: f64,
     regression: Option<Regression>,
-    /// Where any of the contacts may touch.
+    /// Present if any subset of the contacts may touch.
     ridge: Option<RidgeForces>,
     units_n: Vec<f64>,
 }
@@ -53,40 +53,40 @@ impl Cases {
         Ok(Cases { normalisation, noise_mm: recipe.noise_mm, regression, ridge: None, units_n })
     }
 
-    /// Inputs of the first layer.
+    /// Number of inputs of the first layer.
     pub(super) fn input_count(&self) -> usize {
         self.normalisation.noise.len() + self.ridge.as_ref().map_or(0, |ridge| 2 * ridge.contact_count())
     }
 
-    /// Unit of each force, N.
+    /// Unit of each force target, N.
     pub(super) fn units_n(&self) -> &[f64] {
         &self.units_n
     }
 
-    /// How displacements become inputs, as a network stores it.
+    /// The normalisation of displacements to inputs, as a network stores it.
     pub(super) fn inputs(&self, training: &Samples) -> Inputs {
         self.normalisation.stored(&self.normalisation.inputs_of(training))
     }
 
-    /// Displacements of the linear finger under unit forces, where ridge forces are among the inputs.
+    /// Displacements of the linear finger under unit forces, n x contacts, mm/N, if ridge forces are among the inputs.
     pub(super) fn compliance(&self) -> Option<&DMatrix<f64>> {
         self.ridge.as_ref().map(RidgeForces::compliance)
     }
 
-    /// Whether something linear stands beside the layers, which then start at nothing.
+    /// Whether a linear estimate exists beside the layers; their output then starts at zero.
     pub(super) fn starts_from_least_squares(&self) -> bool {
         self.regression.is_some() || self.ridge.is_some()
     }
 
-    /// The linear branch at the start, inputs x contacts.
+    /// Initial weights of the linear branch, inputs x contacts.
     pub(super) fn first_skip(&self) -> Option<Vec<f32>> {
         let fit = self.regression.as_ref()?;
-        // The transpose has the numbers in the order of inputs, then contacts.
+        // The column-major transpose is ordered by input, then by contact.
         let gains = fit.gain.transpose();
         Some(gains.iter().zip(self.units_n.iter().cycle()).map(|(gain, unit_n)| (gain / unit_n) as f32).collect())
     }
 
-    /// The last layer's bias at the start: the mean forces, or none beside ridge forces.
+    /// Initial bias of the last layer: the mean forces, or zero beside ridge forces.
     pub(super) fn first_bias(&self, training: &Samples) -> Vec<f32> {
         match &self.regression {
             Some(fit) => self.in_units(fit.mean_n.iter()).collect(),
@@ -98,7 +98,7 @@ impl Cases {
         forces_n.zip(&self.units_n).map(|(force_n, unit_n)| (force_n / unit_n) as f32)
     }
 
-    /// Inputs and targets of every case, with camera noise from `rng` or without.
+    /// Inputs and targets of every case, with camera noise if `rng` is given.
     pub(super) fn table(&self, samples: &Samples, mut rng: Option<ChaCha8Rng>) -> Table {
         let widths = [self.input_count(), self.units_n.len()];
         let mut table = Table::with_room(samples.count(), widths, self.ridge.is_some());
@@ -120,7 +120,7 @@ impl Cases {
                 table.targets.extend(self.in_units(forces_n.iter()));
                 continue;
             };
-            // Ridge forces see the same noise as the inputs.
+            // Ridge forces have the same noise as the inputs.
             coordinates.copy_from(&samples.displacements.column(case));
             if let Some(rng) = &mut rng {
                 let noise: DVector<f64> =

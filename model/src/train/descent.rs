@@ -1,4 +1,4 @@
-//! Gradient descent with burn: Adam under a cosine-shaped learning rate, stopped early on a validation set.
+//! Training with burn: Adam with a cosine learning rate and early stopping on a validation set.
 
 use super::TrainError;
 use super::adam::{Parameter, Step, numbers};
@@ -9,16 +9,17 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 
-/// The step length ends at this share of its start.
+/// Final learning rate as a share of the initial one.
 const LEAST_RATE_SHARE: f64 = 1e-4;
 
-/// Inputs and wanted outputs, row-major, a row a case.
+/// Inputs and targets, row-major, one row per case.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Table {
+    /// Numbers of inputs and of targets per case.
     pub(super) widths: [usize; 2],
     pub(super) inputs: Vec<f32>,
     pub(super) targets: Vec<f32>,
-    /// 1 where a target counts, 0 elsewhere; empty if all do.
+    /// Mask of the targets: 1 to count, 0 to ignore; empty if all count.
     pub(super) counts: Vec<f32>,
 }
 
@@ -37,7 +38,7 @@ impl Table {
         self.inputs.len() / self.widths[0]
     }
 
-    /// Share of these cases' targets that count.
+    /// Share of the targets of these cases that count.
     fn counted_share(&self, cases: &[usize]) -> f64 {
         if self.counts.is_empty() {
             return 1.0;
@@ -61,32 +62,34 @@ impl Table {
     }
 }
 
-/// Some cases of a table.
+/// Some cases of a table as tensors.
 struct Batch {
     inputs: Tensor<2>,
     targets: Tensor<2>,
     counts: Option<Tensor<2>>,
 }
 
-/// Weights by layer, as plain numbers: row-major inputs x outputs, as burn has them.
+/// Weights of all layers as plain numbers, row-major inputs x outputs, as in burn.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Weights {
-    /// The dense layers; all but the last end in tanh.
+    /// The dense layers; tanh follows all but the last.
     pub(super) layers: Vec<LayerWeights>,
-    /// The linear branch beside them.
+    /// Weights of the linear branch, inputs x outputs; `None` without one.
     pub(super) skip: Option<Vec<f32>>,
 }
 
-/// Weights of one dense layer.
+/// Weights of one dense layer, row-major inputs x outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LayerWeights {
+    /// Number of inputs.
     pub(super) inputs: usize,
+    /// Number of outputs.
     pub(super) outputs: usize,
     pub(super) weights: Vec<f32>,
     pub(super) bias: Vec<f32>,
 }
 
-/// A dense layer: inputs x outputs, and the bias.
+/// A dense layer as tensors: weights, inputs x outputs, and bias.
 #[derive(Debug)]
 struct Dense {
     weight: Parameter<2>,
@@ -127,7 +130,7 @@ impl Perceptron {
         }
     }
 
-    /// Squared differences that count, cases x outputs.
+    /// Squared errors of the targets that count, zero for others; cases x outputs.
     fn squared_errors(&self, batch: Batch) -> Tensor<2> {
         let mut error = self.forward(batch.inputs) - batch.targets;
         if let Some(counts) = batch.counts {
@@ -157,29 +160,29 @@ impl Perceptron {
     }
 }
 
-/// One epoch's outcome.
+/// Losses of one epoch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Epoch {
-    /// Its number, from 1.
+    /// Number of the epoch, from 1.
     pub number: usize,
-    /// Mean squared error of its first batch where it counts, in units of what least squares leave over (or of the forces' spread).
+    /// Mean squared error of the first batch over the targets that count, in squared units of the linear fit's residual (or of the forces' spread).
     pub training_loss: f64,
-    /// The same on the validation set.
+    /// Mean squared error of the validation set, in the same units.
     pub validation_loss: f64,
 }
 
-/// What a descent needs.
+/// Inputs of a training run.
 pub(super) struct Descent<'a> {
     pub(super) recipe: &'a TrainingRecipe,
-    /// Table of an epoch: noise is drawn anew for each.
+    /// Training table of an epoch, with a new noise sample for each epoch.
     pub(super) training: &'a dyn Fn(usize) -> Table,
     pub(super) validation: &'a Table,
-    /// Shuffles the cases.
+    /// Generator that shuffles the cases.
     pub(super) rng: ChaCha8Rng,
 }
 
 impl Descent<'_> {
-    /// The weights with the smallest validation loss, and the epoch that they are from.
+    /// Trains, and returns the weights with the smallest validation loss and their epoch.
     pub(super) fn run(
         mut self,
         start: &Weights,
@@ -220,7 +223,7 @@ impl Descent<'_> {
     }
 }
 
-/// Mean over all outputs of the mean squared error.
+/// Mean squared error, averaged over the outputs.
 fn mean_loss(weights: &Weights, table: &Table) -> Result<f64, TrainError> {
     let errors = squared_errors(weights, table)?;
     Ok(errors.iter().sum::<f64>() / errors.len() as f64)

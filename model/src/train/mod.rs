@@ -1,7 +1,7 @@
 //! Training of sensing networks with burn.
 //!
-//! Random load cases ([`crate::samples`]) become inputs and wanted forces (`cases`); a linear branch starts from least squares (`regression`) and the
-//! layers beside it from random weights; Adam does the rest (`descent`). The same recipe and seed give the same weights on the same machine.
+//! Random load cases ([`crate::samples`]) become inputs and target forces (`cases`). A linear branch starts from least squares (`regression`), the layers
+//! beside it from random weights; Adam trains both (`descent`). The same recipe and seed give the same weights on the same machine.
 
 mod adam;
 mod any_of;
@@ -22,23 +22,23 @@ use cases::Cases;
 use descent::{Descent, LayerWeights, Weights};
 use rand::RngExt;
 
-/// Why no network was trained.
+/// Reason why no network was trained.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrainError {
-    /// A number of the recipe is impossible.
+    /// A value of the recipe is invalid.
     #[error("{key}: expected {expected}, found {found}")]
     Recipe {
-        /// The field of the recipe.
+        /// Field of the recipe.
         key: &'static str,
-        /// What is expected.
+        /// Expected value.
         expected: &'static str,
-        /// What was found.
+        /// Found value.
         found: String,
     },
-    /// No samples could be drawn.
+    /// Samples could not be drawn.
     #[error(transparent)]
     Samples(#[from] SamplesError),
-    /// The parts make no network: numbers have overflowed.
+    /// The trained network is invalid because numbers overflowed.
     #[error("training ended in a network that cannot be used: {0}")]
     Network(#[from] NetworkError),
     /// The training library failed.
@@ -46,10 +46,10 @@ pub enum TrainError {
     Backend(String),
 }
 
-/// Trains a network for a finger; `progress` is called after each epoch.
+/// Trains a network for a finger; calls `progress` after each epoch.
 ///
 /// # Errors
-/// [`TrainError`] for a recipe that is impossible for this finger.
+/// [`TrainError`] for a recipe that is invalid for this finger, samples that cannot be drawn, or a failed training.
 pub fn train(finger: &Finger, recipe: &TrainingRecipe, progress: &mut dyn FnMut(Epoch)) -> Result<Network, TrainError> {
     recipe.check(finger)?;
     let held_out = recipe.held_out();
@@ -97,8 +97,8 @@ pub fn train(finger: &Finger, recipe: &TrainingRecipe, progress: &mut dyn FnMut(
     Ok(Network::new(card, inputs, layers, skip, cases.compliance().cloned())?)
 }
 
-/// Random hidden layers, uniform within 1 / sqrt(inputs) as most frameworks start them, burn among them. The last layer
-/// starts at the mean forces where a linear branch stands beside it: training then starts from least squares.
+/// Initial weights: uniform within 1 / sqrt(inputs), as in most frameworks. If a linear estimate exists beside the layers, the last layer starts
+/// with zero weights and the mean forces as bias, so that training starts from least squares.
 fn first_weights(recipe: &TrainingRecipe, cases: &Cases, training: &Samples) -> Weights {
     let mut rng = Stream::Weights.rng(recipe.seed, 0);
     let contacts = recipe.samples.contacts.len();
@@ -119,7 +119,7 @@ fn first_weights(recipe: &TrainingRecipe, cases: &Cases, training: &Samples) -> 
     Weights { layers, skip: cases.first_skip() }
 }
 
-/// The layers and the linear branch with forces in N instead of units of what the linear branch leaves over; by rows.
+/// Layers and linear branch with row-major weights, outputs x inputs, scaled from units of force to N.
 fn in_newtons(weights: &Weights, cases: &Cases) -> (Vec<Dense>, Vec<f32>) {
     let units = cases.units_n();
     let last = weights.layers.len() - 1;
@@ -141,7 +141,7 @@ fn in_newtons(weights: &Weights, cases: &Cases) -> (Vec<Dense>, Vec<f32>) {
     (weights.layers.iter().enumerate().map(dense).collect(), weights.skip.as_ref().map(by_rows).unwrap_or_default())
 }
 
-/// Errors on cases that training has not seen.
+/// Errors on cases that were not used in training, N.
 fn test_errors(cases: &Cases, test: &Samples, weights: &Weights, seed: u64) -> Result<Vec<TestError>, TrainError> {
     let noisy = descent::squared_errors(weights, &cases.table(test, Some(Stream::TestNoise.rng(seed, 0))))?;
     let clean = descent::squared_errors(weights, &cases.table(test, None))?;

@@ -1,4 +1,4 @@
-//! Recipe of a network: training samples and schedule.
+//! Recipe of a network: training samples, architecture and schedule.
 
 use super::TrainError;
 use crate::Kinematics;
@@ -7,40 +7,40 @@ use crate::samples::{SampleRecipe, SamplesError};
 use crate::sensing::Contact;
 use crate::sensing::network::Scaling;
 
-/// Cases that are held out for validation, and again for the test, as a share of the training cases, and how many at most.
+/// Training cases per validation case, also per test case; and the largest number of each.
 const HELD_OUT_SHARE: usize = 5;
 const MOST_HELD_OUT: usize = 4000;
 
-/// Samples, network and schedule.
+/// Samples, architecture and training schedule of a network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrainingRecipe {
-    /// How load cases are drawn.
+    /// Distribution of the load cases.
     pub samples: SampleRecipe,
     /// Number of training cases.
     pub count: usize,
-    /// Standard deviation of one measured coordinate in training, mm; drawn anew in every epoch.
+    /// Standard deviation of one measured coordinate in training, mm; each epoch draws new noise.
     pub noise_mm: f64,
-    /// How displacements become inputs.
+    /// Normalisation of displacements to inputs.
     pub scaling: Scaling,
     /// Widths of the hidden layers.
     pub hidden_layers: Vec<usize>,
-    /// Whether a linear branch stands beside the layers, started from least squares.
+    /// Whether a linear branch, started from least squares, is added to the layers.
     pub linear_branch: bool,
-    /// Most passes through the training cases.
+    /// Largest number of passes through the training cases.
     pub epochs: usize,
-    /// Cases a step.
+    /// Number of cases per step.
     pub batch: usize,
-    /// Adam's first step length; it falls to zero along half a cosine.
+    /// Initial learning rate of Adam, dimensionless; it falls along half a cosine.
     pub learning_rate: f64,
-    /// Training stops when this many epochs in a row have not lowered the validation loss.
+    /// Number of consecutive epochs without a lower validation loss after which training stops.
     pub patience: usize,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
 impl TrainingRecipe {
-    /// The paper's network, 150-200-150 on 20 000 noise-free cases of the linear finger (sec. IV-A of Xu et al. 2021).
-    /// The paper names neither scaling nor schedule: here the largest displacement becomes 1, and the schedule is ours.
+    /// The paper's network: 150-200-150 on 20 000 noise-free cases of the linear finger (Xu et al. 2021, sec. IV-A). The paper states
+    /// neither scaling nor schedule. Here the largest displacement is scaled to 1, and the schedule is this project's.
     pub fn paper(contacts: Vec<Contact>) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe::paper(contacts, Kinematics::Linear),
@@ -57,13 +57,13 @@ impl TrainingRecipe {
         }
     }
 
-    /// The paper's network with the camera's noise on its inputs.
+    /// The paper's network with camera noise on its inputs, standard deviation in mm.
     pub fn paper_with_noise(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe { noise_mm, ..TrainingRecipe::paper(contacts) }
     }
 
-    /// The inverse of the nonlinear finger: co-rotational cases with noise, principal directions as inputs, a linear
-    /// branch. Two layers of 32 keep the error of the paper's three (see the report's curve of error against size).
+    /// Network for the nonlinear finger: co-rotational cases with noise, principal directions as inputs, a linear branch. Two layers of 32
+    /// reach the error of the paper's three (see the report's curve of error against size).
     pub fn nonlinear(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe::paper(contacts, Kinematics::Corotational),
@@ -77,7 +77,7 @@ impl TrainingRecipe {
         }
     }
 
-    /// As [`TrainingRecipe::nonlinear`], for any of the contacts: every subset is a question, so more cases, wider layers.
+    /// Same as [`TrainingRecipe::nonlinear`], for any subset of the contacts; more cases and wider layers cover all subsets.
     pub fn any_of(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe { any_of: true, ..SampleRecipe::paper(contacts, Kinematics::Corotational) },
@@ -88,12 +88,12 @@ impl TrainingRecipe {
         }
     }
 
-    /// Standard deviation of the forces that a subset's ridge forces assume, N: of forces spread evenly from zero.
+    /// Standard deviation of the forces that ridge regression assumes, N: root mean square of a uniform distribution from zero.
     pub(super) fn prior_n(&self) -> f64 {
         self.samples.largest_force_n / f64::sqrt(3.0)
     }
 
-    /// Number of cases for validation, and again for the test.
+    /// Number of validation cases, also of test cases.
     pub(super) fn held_out(&self) -> usize {
         (self.count / HELD_OUT_SHARE).clamp(1, MOST_HELD_OUT)
     }
@@ -111,7 +111,7 @@ impl TrainingRecipe {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let not_negative = |x: f64| x.is_finite() && x >= 0.0;
         require(not_negative(self.noise_mm), "noise_mm", "mm, zero or more", &self.noise_mm)?;
-        // One case has no spread to scale by.
+        // A single case has no spread for the scaling.
         require(self.count > 1, "count", "at least two cases", &self.count)?;
         require(!self.hidden_layers.contains(&0), "hidden_layers", "widths above zero", &self.hidden_layers)?;
         require(self.epochs > 0 && self.batch > 0, "epochs, batch", "at least one", &(self.epochs, self.batch))?;

@@ -1,22 +1,24 @@
-//! Principal directions of the training shapes, and the linear regression that the linear branch starts from.
+//! Principal directions of the training shapes, and the linear regression that starts the linear branch.
 
 use crate::samples::Samples;
 use crate::sensing::network::{Inputs, Scaling};
 use nalgebra::{DMatrix, DVector};
 
-/// Directions in which the shapes vary by less than this share of the noise (of its standard deviation) carry no information.
+/// Directions whose standard deviation is below this share of the noise carry no information.
 const LEAST_SHARE_OF_NOISE: f64 = 0.1;
-/// Without noise rounding is the limit: variances below this share of the largest are not distinguishable from it.
+/// Variances below this share of the largest are rounding errors; the limit without noise.
 const LEAST_SHARE_OF_LARGEST: f64 = 1e-14;
 
-/// How displacements become inputs, found from training shapes.
+/// Normalisation of displacements to inputs, computed from training shapes.
 #[derive(Debug, Clone)]
 pub(super) struct Normalisation {
+    /// Mean displacement coordinates, mm.
     pub(super) mean: DVector<f64>,
-    /// p x n, 1/mm.
+    /// Projection of n displacement coordinates onto p inputs, p x n, 1/mm.
     pub(super) projection: DMatrix<f64>,
+    /// Squared scale of the displacements along the direction of each input, mm^2.
     pub(super) variances: Vec<f64>,
-    /// Standard deviation of the camera's noise in each input; it is independent between them.
+    /// Standard deviation of the camera noise in each input, dimensionless; independent between inputs.
     pub(super) noise: Vec<f64>,
 }
 
@@ -41,7 +43,7 @@ impl Normalisation {
         Normalisation { mean, projection, variances, noise }
     }
 
-    /// Inputs of each case without noise, p x cases.
+    /// Noise-free inputs of each case, p x cases.
     pub(super) fn inputs_of(&self, samples: &Samples) -> DMatrix<f64> {
         let mut inputs = &self.projection * &samples.displacements;
         let offset = &self.projection * &self.mean;
@@ -49,7 +51,7 @@ impl Normalisation {
         inputs
     }
 
-    /// With the largest inputs that the training cases have, as a network stores it.
+    /// The normalisation as a network stores it, with the largest inputs of the training cases.
     pub(super) fn stored(&self, inputs: &DMatrix<f64>) -> Inputs {
         Inputs {
             mean: self.mean.iter().copied().collect(),
@@ -60,7 +62,7 @@ impl Normalisation {
     }
 }
 
-/// Eigenvectors of the covariance whose variance the noise does not hide, in falling order, and their variances.
+/// Eigenvectors of the covariance with variance above the noise limit, in descending order, and their variances, mm^2.
 fn principal_directions(covariance: DMatrix<f64>, noise_mm: f64) -> (DMatrix<f64>, Vec<f64>) {
     let eigen = covariance.symmetric_eigen();
     let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
@@ -72,18 +74,18 @@ fn principal_directions(covariance: DMatrix<f64>, noise_mm: f64) -> (DMatrix<f64
     (eigen.eigenvectors.select_columns(&order), order.iter().map(|&i| eigen.eigenvalues[i].max(0.0)).collect())
 }
 
-/// Least squares from noisy inputs to forces: forces = mean + gain^T inputs, and what it leaves over.
+/// Least squares from noisy inputs to forces: forces = mean + gain^T inputs.
 #[derive(Debug, Clone)]
 pub(super) struct Regression {
     pub(super) mean_n: Vec<f64>,
-    /// p x contacts, N.
+    /// Gain, p x contacts, N per unit input.
     pub(super) gain: DMatrix<f64>,
-    /// Residual of each force without noise, root mean square, N.
+    /// Root mean square residual of each force without noise, N.
     pub(super) left_over_n: Vec<f64>,
 }
 
 impl Regression {
-    /// Minimises E |mean + gain^T (z + noise) - f|^2 over cases, the noise in closed form. `None` if inputs depend.
+    /// Minimises E |mean + gain^T (z + noise) - f|^2 over cases, with the noise in closed form. `None` if inputs are linearly dependent.
     pub(super) fn new(inputs: &DMatrix<f64>, forces: &DMatrix<f64>, noise: &[f64]) -> Option<Regression> {
         let cases = inputs.ncols() as f64;
         let mean_n = forces.column_mean();

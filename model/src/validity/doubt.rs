@@ -1,48 +1,48 @@
-//! Assumptions of the beam model that an equilibrium does not keep, in words.
+//! Assumptions of the beam model that an equilibrium violates, in words.
 
 use super::{FibreStrain, FingerMember, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits, Validity};
 use crate::finger::Part;
 use std::fmt;
 
-/// An assumption that does not hold.
+/// A violated assumption of the beam model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Doubt {
     /// Strains are not small.
     Strain {
-        /// The part whose strain is the largest share of its limit.
+        /// The strain that is closest to, or furthest above, its limit.
         strain: FibreStrain,
-        /// The limit.
+        /// The limit, dimensionless.
         limit: f64,
-        /// Whether the scene states it.
+        /// Whether the scene states the limit.
         stated: bool,
     },
-    /// Shear, which Euler-Bernoulli beams leave out, counts.
+    /// Shear, which Euler-Bernoulli beams neglect, is significant.
     Shear {
         /// Shear energy over strain energy.
         share: f64,
-        /// The member that holds most of it.
+        /// Member with the most shear energy.
         member: FingerMember,
     },
     /// The finger bends more easily out of its plane than in it.
     OutOfPlane {
-        /// Depth over thickness.
+        /// Depth over thickness of the thickest part.
         depth_ratio: f64,
     },
 }
 
 impl Validity {
-    /// The assumptions that do not hold, by the limits of the material.
+    /// The violated assumptions, given the limits of the material.
     pub fn doubts(&self, limits: &StrainLimits) -> Vec<Doubt> {
         let strain = self.largest_strain(limits).and_then(|strain| {
             let part = strain.member.part;
             let limit = limits.of(part);
-            // A strain that is no number is not small either.
+            // A strain that is not a number is not small either.
             let small = strain.strain <= limit;
             (!small).then(|| Doubt::Strain { strain: *strain, limit, stated: limits.stated(part).is_some() })
         });
         let shear = self.shear_at.filter(|_| self.shear_share > LARGEST_SHEAR_SHARE);
         let shear = shear.map(|member| Doubt::Shear { share: self.shear_share, member });
-        // A strip as deep as thick is as stiff out of the plane as in it.
+        // A strip with equal depth and thickness is equally stiff in and out of the plane.
         let flat = (self.depth_ratio < 1.0).then_some(Doubt::OutOfPlane { depth_ratio: self.depth_ratio });
         strain.into_iter().chain(shear).chain(flat).collect()
     }
@@ -114,7 +114,7 @@ fn in_words(part: Part) -> &'static str {
     }
 }
 
-/// Two or three digits: more than such a limit is worth.
+/// A share in per cent with two or three digits; limits like these justify no more.
 fn percent(share: f64) -> String {
     match 100.0 * share {
         p if p >= 1000.0 => format!("{p:.1e}"),

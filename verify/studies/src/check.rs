@@ -1,61 +1,61 @@
-//! One row a check, everywhere the same.
+//! Checks: one row for each comparison of a computed figure with a reference.
 
 use serde::Serialize;
 
-/// Whether our figure is within the tolerance.
+/// Whether the computed figure is within the tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Within tolerance.
     Pass,
-    /// Not within tolerance, or not a number.
+    /// Not within tolerance, or NaN.
     Fail,
 }
 
 /// Origin of the reference of a check.
 ///
-/// External and analytical references verify solvers and kinematics: OpenSees, MuJoCo and rapier are given the same EA and EI as the
-/// beams, and the elastica has them in its equation. No reference here tests Euler-Bernoulli theory itself against a material.
+/// External and analytical references verify solvers and kinematics. OpenSees, MuJoCo and rapier use the same EA and EI as the beams, and the
+/// elastica has them in its equation. No reference here tests Euler-Bernoulli theory against a real material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// Figures of another program or author: exports from OpenSees and MuJoCo, shapes that rapier steps, tables of a publication.
+    /// Figures of another program or author: exports from OpenSees and MuJoCo, shapes computed by rapier, tables of a publication.
     External,
-    /// A closed form, a theoretical order, or a solution known from the literature, whoever evaluated it.
+    /// A closed form, a theoretical order of convergence, or a solution from the literature, whoever evaluated it.
     Analytical,
-    /// Our own other formulation, mesh, balance, bound or fit.
+    /// Another formulation, mesh, balance, bound or fit within this project.
     Internal,
 }
 
-/// A check: our figure lies within `tolerance` of the reference.
+/// A check: the computed figure lies within `tolerance` of the reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
     /// Origin of the reference.
     pub kind: Kind,
     /// The problem.
     pub problem: String,
-    /// Whose the reference is: "OpenSees", "closed form", ...
+    /// Source of the reference: "OpenSees", "closed form", ...
     pub source: String,
     /// The quantity, with its unit.
     pub quantity: String,
-    /// Their figure.
+    /// Figure of the reference, in the unit of the quantity.
     pub reference: f64,
-    /// Our figure.
+    /// Figure computed by finray, in the unit of the quantity.
     pub ours: f64,
     /// Largest difference that passes, in the unit of the quantity.
     pub tolerance: f64,
     /// Whether it passes.
     pub verdict: Verdict,
-    /// Difference from an independent reference, external or analytical, as a share of it; where that is 0 the figure itself, which then
-    /// is a ratio or in radians. Internal checks have none: many are balances, counts or multiples of a standard deviation.
+    /// Difference relative to an external or analytical reference, dimensionless. For a reference of 0 it is the figure itself, which is then a
+    /// ratio or in radians. `None` for internal checks: many are balances, counts or multiples of a standard deviation.
     pub disagreement: Option<f64>,
 }
 
 impl Kind {
-    /// Every kind, those with the most distance from us first.
+    /// Every kind, the most independent first.
     pub const ALL: [Kind; 3] = [Kind::External, Kind::Analytical, Kind::Internal];
 
-    /// As it is written, in tables and `summary.json`.
+    /// Name in tables and `summary.json`.
     pub fn name(self) -> &'static str {
         match self {
             Kind::External => "external",
@@ -65,29 +65,29 @@ impl Kind {
     }
 }
 
-/// Source of the rows whose reference is a shape of our spring lattice that rapier2d steps until it rests. The program is another's, the
-/// springs are ours. Forces that are sensed on the lattice are compared with the true ones and have another source.
+/// Source of rows whose reference is a shape of finray's spring lattice, stepped to rest by rapier2d. The program is independent, the springs
+/// are not. Forces sensed on the lattice are compared with the true forces and have another source.
 pub const SETTLED_LATTICE: &str = "rapier2d lattice";
 
-/// Whose figures checks are counted against.
+/// Group of references by which checks are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Against {
-    /// Other programs with models of their own: [`Kind::External`] but for the lattice.
+    /// Other programs with independent models: [`Kind::External`] except the lattice.
     OtherPrograms,
-    /// Our lattice, settled by a physics engine: [`SETTLED_LATTICE`].
+    /// finray's lattice, settled by a physics engine: [`SETTLED_LATTICE`].
     SettledLattice,
-    /// [`Kind::Analytical`].
+    /// Closed forms and literature: [`Kind::Analytical`].
     Literature,
-    /// [`Kind::Internal`].
+    /// Results of finray itself: [`Kind::Internal`].
     Ourselves,
 }
 
 impl Against {
-    /// All, those with the most distance from us first.
+    /// Every group, the most independent first.
     pub const ALL: [Against; 4] =
         [Against::OtherPrograms, Against::SettledLattice, Against::Literature, Against::Ourselves];
 
-    /// Within a sentence, after the number of checks.
+    /// Phrase that follows the number of checks in a sentence.
     pub fn in_words(self) -> &'static str {
         match self {
             Against::OtherPrograms => "against other programs",
@@ -98,18 +98,18 @@ impl Against {
     }
 }
 
-/// Checks against one reference: how many there are, and how many pass.
+/// Numbers of checks against one group of references.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tally {
-    /// The reference.
+    /// The group of references.
     pub against: Against,
-    /// How many pass.
+    /// Number of checks that pass.
     pub passed: usize,
-    /// How many there are.
+    /// Number of all checks.
     pub all: usize,
 }
 
-/// The checks counted by reference, references without checks left out: 50 comparisons with ourselves weigh less than one with another program.
+/// Checks counted by group of references; groups without checks are omitted. Internal checks are many, but less independent than the others.
 pub fn tallies<'c>(checks: impl Iterator<Item = &'c Check> + Clone) -> Vec<Tally> {
     let tally = |against| {
         let counted = checks.clone().filter(move |check| check.against() == against);
@@ -119,7 +119,7 @@ pub fn tallies<'c>(checks: impl Iterator<Item = &'c Check> + Clone) -> Vec<Tally
 }
 
 impl Check {
-    /// Compares our figure with a reference.
+    /// Compares a computed figure with a reference; `reference`, `ours` and `tolerance` have the unit of the quantity.
     pub fn new(
         kind: Kind,
         problem: impl Into<String>,
@@ -129,7 +129,7 @@ impl Check {
         ours: f64,
         tolerance: f64,
     ) -> Check {
-        // A figure that is not a number fails: it compares as false.
+        // NaN fails: its comparison is false.
         let verdict = if (ours - reference).abs() <= tolerance { Verdict::Pass } else { Verdict::Fail };
         let scale = if reference == 0.0 { 1.0 } else { reference.abs() };
         Check {
@@ -145,12 +145,12 @@ impl Check {
         }
     }
 
-    /// The check of a difference that is counted in the uncertainties which the reference states, and so says nothing of its size.
+    /// The check without its disagreement: a difference counted in stated uncertainties has no meaningful relative size.
     pub fn in_stated_uncertainties(self) -> Check {
         Check { disagreement: None, ..self }
     }
 
-    /// The check over cases of which some were refused, counted with the quantity: it fails, as no answer keeps no tolerance.
+    /// The check over `drawn` cases with `refused` of them refused. It fails if any is refused, and the quantity states how many.
     pub fn with_refused(mut self, refused: usize, drawn: usize) -> Check {
         if refused > 0 {
             self.verdict = Verdict::Fail;
@@ -159,7 +159,7 @@ impl Check {
         self
     }
 
-    /// Whose figures it is counted against.
+    /// Group of references that the check counts in.
     pub fn against(&self) -> Against {
         match self.kind {
             Kind::External if self.source == SETTLED_LATTICE => Against::SettledLattice,
@@ -175,7 +175,7 @@ impl Check {
     }
 }
 
-/// What is checked, and against whom; makes the checks of its quantities.
+/// Subject of checks: problem, kind and source of the reference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Subject {
     kind: Kind,
@@ -184,49 +184,49 @@ pub struct Subject {
 }
 
 impl Kind {
-    /// A problem, and whose the reference of this kind is.
+    /// Subject of a problem whose reference is of this kind and from this source.
     pub fn on(self, problem: impl Into<String>, source: impl Into<String>) -> Subject {
         Subject { kind: self, problem: problem.into(), source: source.into() }
     }
 }
 
 impl Subject {
-    /// Our figure is the reference's within a tolerance.
+    /// Checks that a figure equals the reference within a tolerance; all three in the unit of the quantity.
     pub fn is(&self, quantity: impl Into<String>, reference: f64, ours: f64, tolerance: f64) -> Check {
         Check::new(self.kind, self.problem.as_str(), self.source.as_str(), quantity, reference, ours, tolerance)
     }
 
-    /// An error is nothing within a tolerance.
+    /// Checks that an error is zero within a tolerance, both in the unit of the quantity.
     pub fn vanishes(&self, quantity: impl Into<String>, ours: f64, tolerance: f64) -> Check {
         self.is(quantity, 0.0, ours, tolerance)
     }
 
-    /// There are just so many of something.
+    /// Checks an exact count.
     pub fn counts(&self, quantity: impl Into<String>, reference: usize, ours: usize) -> Check {
         self.is(quantity, reference as f64, ours as f64, EXACT_COUNT)
     }
 }
 
-/// Tolerance of a count that must be met.
+/// Tolerance of an exact count, dimensionless: any value between 0 and 1 admits only the exact number.
 pub const EXACT_COUNT: f64 = 0.5;
 
-/// The largest of some figures; not a number if one of them is not, or there is none: a check over nothing must not pass.
+/// The largest of some figures, in their unit. NaN if a figure is NaN or `figures` is empty, so that an empty check cannot pass.
 pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
     let larger = |worst: f64, figure: f64| if worst.is_nan() || worst >= figure { worst } else { figure };
     figures.into_iter().reduce(larger).unwrap_or(f64::NAN)
 }
 
-/// Two figures side by side where a difference is expected, or is the residual of a fit: no check.
+/// A computed figure beside a reference, without a verdict: their difference is expected, or is the residual of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// The problem.
     pub problem: String,
-    /// Whose the reference is.
+    /// Source of the reference.
     pub source: String,
     /// The quantity, with its unit.
     pub quantity: String,
-    /// Their figure.
+    /// Figure of the reference, in the unit of the quantity.
     pub reference: f64,
-    /// Our figure.
+    /// Figure computed by finray, in the unit of the quantity.
     pub ours: f64,
 }

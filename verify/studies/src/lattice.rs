@@ -1,4 +1,4 @@
-//! Error of the lattice against converged beams by its fineness ([`accuracy`]), and what it comes from ([`causes`]).
+//! Error of the lattice against converged beams by its fineness ([`accuracy`]), and the causes of that error ([`causes`]).
 
 pub mod accuracy;
 pub mod causes;

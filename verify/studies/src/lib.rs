@@ -1,9 +1,9 @@
-//! What is asked of force sensing with fin-ray fingers, and what came out.
+//! Studies of force sensing with fin-ray fingers: true fingers, sampling, reference problems, experiments and checks.
 //!
-//! Arrows run down: [`settings`], [`check`] and [`statistics`] are the floor; [`lattice`] measures the lattice's own error, [`mujoco`] has the
-//! finger's shapes in MuJoCo; [`truths`] are the fingers that sensing is tested on, [`finray_model::estimators`] what is tested, [`sampling`] how;
-//! [`problems`] have known answers; [`experiments`] ask, [`study`] runs them all for a scene, [`claims`] holds the paper's sentences against the
-//! results.
+//! Modules depend downwards only. [`settings`], [`check`] and [`statistics`] use no other module of this crate.
+//! [`lattice`] measures the lattice's own error; [`mujoco`] holds the finger's shapes from MuJoCo. [`truths`] holds the fingers that sensing is
+//! tested on, [`finray_model::estimators`] the estimators under test, and [`sampling`] the test procedure. [`problems`] have known solutions.
+//! [`experiments`] produce the results, [`study`] runs them all for one scene, and [`claims`] compares the paper's statements with them.
 #![forbid(unsafe_code)]
 
 pub mod check;

@@ -1,28 +1,28 @@
-//! Shapes of three fingers from MuJoCo, read from exported tables: another formulation (discrete elastic rods between rigid
-//! rods) and other code. `fixtures/mujoco/README.md` says how they were made and how far they can be trusted.
+//! Shapes of three fingers computed by MuJoCo, read from exported tables. MuJoCo uses another formulation (discrete elastic rods between rigid
+//! rods) and independent code. `fixtures/mujoco/README.md` describes the export and its accuracy.
 
 use crate::prelude::*;
 
-/// A shipped table that is not what it should be.
+/// Why a shipped table from MuJoCo could not be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// A table that cannot be read.
+    /// The table cannot be read.
     #[error("MuJoCo's table: {0}")]
     Table(#[from] csv::Error),
-    /// A scene that cannot be read.
+    /// The scene of the exported finger cannot be read.
     #[error("MuJoCo's scene: {0}")]
     Scene(String),
-    /// A case that does not list every key node in order.
+    /// A case does not list every key node in order.
     #[error("MuJoCo's table: {case} does not list the finger's {key_nodes} key nodes in order")]
     Nodes {
-        /// The case.
+        /// The case, in words.
         case: String,
-        /// Key nodes of the finger.
+        /// Number of key nodes of the finger.
         key_nodes: usize,
     },
 }
 
-/// A finger whose shapes under single forces were exported.
+/// A finger whose shapes under single forces were exported from MuJoCo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExportedFinger {
     /// Name of the table.
@@ -46,50 +46,50 @@ pub const FINGERS: [ExportedFinger; 3] = [
     },
 ];
 
-/// The equilibrium of a finger under one dead force on a node.
+/// Equilibrium of a finger under one dead force on a node, by MuJoCo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StaticCase {
     /// The loaded node.
     pub node: NodeId,
     /// Direction of the force, degrees from the undeformed inward normal, positive towards the tip.
     pub angle_deg: f64,
-    /// Size of the force, N.
+    /// Magnitude of the force, N.
     pub force_n: f64,
-    /// The force, N.
+    /// Force vector, N, finger frame.
     pub force: Vector,
-    /// Where the key nodes are.
+    /// Displacements and rotations of the key nodes.
     pub shape: FingerShape,
-    /// Stated uncertainty of a displacement, mm.
+    /// Uncertainty of a displacement stated by the export, mm.
     pub uncertainty_mm: f64,
-    /// Stated uncertainty of a rotation, rad.
+    /// Uncertainty of a rotation stated by the export, rad.
     pub uncertainty_rad: f64,
 }
 
-/// A rod that the cylinder touches.
+/// A rigid rod of the finger that the cylinder touches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TouchedRod {
-    /// The rod's node.
+    /// Key node of the rod.
     pub node: NodeId,
-    /// Force on the rod, N.
+    /// Force on the rod, N, finger frame.
     pub force: Vector,
-    /// Moment of the force about the rod's centre, N mm; 0 without friction but for rounding.
+    /// Moment of the force about the rod's centre, N mm; zero up to rounding without friction.
     pub moment_nmm: f64,
 }
 
-/// The equilibrium of the paper's finger with a rigid cylinder pushed into it.
+/// Equilibrium of the paper's finger with a rigid cylinder pushed into it, by MuJoCo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactStep {
-    /// Number of the push.
+    /// Number of the push, a series of steps with one cylinder.
     pub push: usize,
-    /// How far the cylinder was pushed in, mm.
+    /// Displacement of the cylinder towards the finger since first contact, mm.
     pub depth_mm: f64,
-    /// Coefficient of friction.
+    /// Coefficient of friction between cylinder and finger, dimensionless.
     pub friction: f64,
-    /// Where the key nodes are.
+    /// Displacements and rotations of the key nodes.
     pub shape: FingerShape,
-    /// The rods that carry force, from tip to base.
+    /// Rods that carry a contact force, from tip to base.
     pub touched: Vec<TouchedRod>,
-    /// Stated uncertainty of a displacement, mm.
+    /// Uncertainty of a displacement stated by the export, mm.
     pub uncertainty_mm: f64,
 }
 
@@ -125,24 +125,24 @@ struct ContactRow {
 }
 
 impl ExportedFinger {
-    /// The export of a finger, if there is one: what counts is the finger, not its name.
+    /// The export of a finger equal to this one, under any name; `None` if there is none.
     pub fn of(finger: &Finger) -> Option<&'static ExportedFinger> {
         FINGERS.iter().find(|exported| exported.finger().is_ok_and(|known| known == *finger))
     }
 
-    /// The finger itself.
+    /// The exported finger.
     ///
     /// # Errors
-    /// [`ExportError`] never in practice: the scene ships.
+    /// [`ExportError`] if the shipped scene cannot be read.
     pub fn finger(&self) -> Result<Finger, ExportError> {
         let scene = Scene::from_toml(self.scene).map_err(|error| ExportError::Scene(error.to_string()))?;
         Ok(scene.finger)
     }
 
-    /// All cases, by node, then direction, then growing force.
+    /// All exported cases, by node, direction, and ascending force.
     ///
     /// # Errors
-    /// [`ExportError`] never in practice: the table ships.
+    /// [`ExportError`] if the shipped table cannot be read.
     pub fn cases(&self) -> Result<Vec<StaticCase>, ExportError> {
         let finger = self.finger()?;
         let rows: Vec<StaticRow> = rows(self.csv)?;
@@ -167,7 +167,7 @@ impl ExportedFinger {
 /// All steps of all pushes of a cylinder into the paper's finger.
 ///
 /// # Errors
-/// [`ExportError`] never in practice: the table ships.
+/// [`ExportError`] if the shipped table cannot be read.
 pub fn contact_steps() -> Result<Vec<ContactStep>, ExportError> {
     let finger = FINGERS[0].finger()?;
     let rows: Vec<ContactRow> = rows(finray_fixtures::MUJOCO_CONTACT)?;

@@ -1,4 +1,4 @@
-//! What studies are written with: the model's fingers, meshes, contacts and estimators, the lattice, checks, settings, and work in parallel.
+//! Imports shared by all studies: fingers, meshes, contacts and estimators of the model, the lattice, checks, settings, parallel iterators.
 
 pub(crate) use crate::check::{Check, Comparison, Kind, worst};
 pub(crate) use crate::settings::{

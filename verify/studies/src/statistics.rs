@@ -1,17 +1,17 @@
-//! Some figures in one: means, spans, percentiles.
+//! Summary statistics: means, medians, percentiles and spans.
 
-/// Mean; `None` of nothing.
+/// Arithmetic mean, in the unit of the figures; `None` without figures.
 pub fn mean(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     let figures: Vec<f64> = figures.into_iter().collect();
     (!figures.is_empty()).then(|| figures.iter().sum::<f64>() / figures.len() as f64)
 }
 
-/// Root mean square; `None` of nothing.
+/// Root mean square, in the unit of the figures; `None` without figures.
 pub fn rms(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     mean(figures.into_iter().map(|x| x * x)).map(f64::sqrt)
 }
 
-/// The middle one, or the mean of the two in the middle; `None` of nothing.
+/// Median, in the unit of the figures; the mean of the two middle figures if their number is even; `None` without figures.
 pub fn median(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = figures.into_iter().collect();
     sorted.sort_by(f64::total_cmp);
@@ -20,26 +20,26 @@ pub fn median(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(if sorted.len() % 2 == 1 { upper } else { (sorted[middle - 1] + upper) / 2.0 })
 }
 
-/// Percentile by nearest rank; not a number of nothing.
+/// Percentile (`percent` from 0 to 100) by nearest rank, in the unit of the figures; NaN without figures. Sorts `figures`.
 pub fn percentile(figures: &mut [f64], percent: f64) -> f64 {
     figures.sort_by(f64::total_cmp);
     let rank = (percent / 100.0 * figures.len() as f64).ceil() as usize;
     figures.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
 }
 
-/// Mean, least and greatest of some figures, as of networks that differ in their seed alone.
+/// Mean, least and greatest of some figures, in their unit.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Span {
-    /// Mean.
+    /// Arithmetic mean, in the unit of the figures.
     pub mean: f64,
-    /// Least.
+    /// Least figure, in the unit of the figures.
     pub least: f64,
-    /// Greatest.
+    /// Greatest figure, in the unit of the figures.
     pub greatest: f64,
 }
 
 impl Span {
-    /// `None` of no figures.
+    /// Span of some figures; `None` without figures.
     pub fn of(figures: impl IntoIterator<Item = f64>) -> Option<Span> {
         let figures: Vec<f64> = figures.into_iter().collect();
         let least = figures.iter().copied().reduce(f64::min)?;
@@ -47,7 +47,7 @@ impl Span {
         Some(Span { mean: mean(figures)?, least, greatest })
     }
 
-    /// Least and greatest.
+    /// Least and greatest figure, in this order.
     pub fn ends(self) -> [f64; 2] {
         [self.least, self.greatest]
     }

@@ -1,11 +1,11 @@
-//! Sentences as templates: what is said stands in a file beside the code, which computes the numbers.
+//! Templates of sentences: their text is in a file beside the code, which computes the numbers.
 
 use minijinja::{Environment, UndefinedBehavior};
 
-/// Templates by name, with filters for numbers: `plain`, and `fixed` with so many decimals. A missing number is an error.
+/// Templates by name, with two filters for numbers: `plain`, and `fixed`, which takes a number of decimals. A missing number is an error.
 ///
 /// # Errors
-/// [`minijinja::Error`] for what is no template.
+/// [`minijinja::Error`] for an invalid template.
 pub fn templates(texts: impl IntoIterator<Item = (String, String)>) -> Result<Environment<'static>, minijinja::Error> {
     let mut templates = Environment::new();
     templates.set_undefined_behavior(UndefinedBehavior::Strict);

@@ -1,7 +1,8 @@
-//! The inner corners of a chessboard: where two dark and two light squares meet.
+//! The inner corners of a chessboard, where two dark and two light squares meet.
 //!
-//! On a ring about such a corner light changes four times, opposite pixels are alike, and the middle has the mean of the ring's light: that tells a
-//! corner from an edge, a line and the gap between two dots. Its centre is the point to which the gradients about it are at right angles.
+//! On a ring about such a corner the light changes four times, opposite pixels are equal, and the centre has the mean light of the ring. This distinguishes
+//! a corner from an edge, a line and the gap between two dots. The corner's centre is the point at which the directions to nearby pixels are
+//! perpendicular to their gradients.
 //!
 //! # Reference
 //! S. Bennett, J. Lasenby, ChESS: quick and robust detection of chess-board features, Computer Vision and Image Understanding 118 (2014); W. Foerstner,
@@ -14,31 +15,31 @@ use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::Matrix2;
 
-/// Longer side of the image in which corners are sought, px: larger ones are made smaller.
+/// Longer side of the image in which corners are searched for, px; larger images are reduced.
 const LONGER_SIDE: u32 = 1100;
-/// Largest angle between an edge and the direction to the next corner along it, deg.
+/// Largest angle between an edge and the direction to the next corner along it, degrees.
 const OFF_EDGE_DEG: f64 = 15.0;
-/// Share of the squares that must be darker and lighter in turn.
+/// Smallest share of neighbouring squares that must alternate between dark and light.
 const LEAST_IN_TURN: f64 = 0.9;
-/// Radius about a corner in which gradients are looked at, as a share of the distance to the nearest other one, and its bounds, px.
+/// Radius of the window for gradients about a corner, as a share of the distance to the nearest other corner, and its limits, px.
 const WINDOW: f64 = 0.4;
 const WINDOW_PX: [f64; 2] = [3.0, 15.0];
-/// Steps of a corner's centre at most, and the one that is its last, px.
+/// Largest number of iterations of a corner's centre, and step size at which they end, px.
 const STEPS: usize = 20;
 const STILL_PX: f64 = 1e-4;
-/// Light in the middle of a corner, as a share of the way from dark to light.
+/// Range of the light at a corner's centre, relative to dark (0) and light (1).
 const MIDDLE: std::ops::Range<f64> = 0.25..0.75;
-/// How far from a corner dark and light squares are looked at, as a share of the way to their middles, and at least, px.
+/// Distance from a corner at which the light of its squares is sampled, as a share of the distance to their centres, and at least in px.
 const BESIDE: f64 = 0.25;
 const BESIDE_PX: f64 = 2.0;
-/// Dots that are looked at to tell them from squares, about.
+/// Approximate number of dots that are tested for being squares.
 const MOST_LOOKED: usize = 60;
 
-/// The corners of the largest chessboard in an image by their column and row.
+/// The corners of the largest chessboard in an image, with their column and row.
 pub(super) fn board(grey: &GrayImage) -> Vec<([i32; 2], Pixel)> {
     let first = grey.width().max(grey.height()).div_ceil(LONGER_SIDE).max(1);
     let mut best: Vec<([i32; 2], Pixel)> = Vec::new();
-    // Out of focus, corners are sharp in a smaller image; squares of a few pixels show in the whole image alone.
+    // Defocused corners are sharp only in a reduced image, squares of a few pixels only in the full image.
     for shrunk in [first, 2 * first, 1] {
         let found = board_in(grey, shrunk);
         if found.len() > best.len() {
@@ -69,12 +70,12 @@ fn board_in(grey: &GrayImage, shrunk: u32) -> Vec<([i32; 2], Pixel)> {
     board
 }
 
-/// Numbers of the four neighbours.
+/// Indices of the four neighbours in the lattice.
 fn neighbours(lattice: &Lattice, [i, k]: [i32; 2]) -> impl Iterator<Item = usize> {
     [[i + 1, k], [i - 1, k], [i, k + 1], [i, k - 1]].into_iter().filter_map(|index| lattice.get(&index).copied())
 }
 
-/// Whether a lattice of dots is one of squares that meet at their corners: between neighbours along one diagonal light is that of a corner.
+/// Whether the dots of a lattice are squares that meet at their corners: light between diagonal neighbours is then that of a corner.
 pub(super) fn are_squares(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
     let is_corner = |number: usize, next: [i32; 2], aside: [[i32; 2]; 2]| {
         let next = lattice.get(&next)?;
@@ -84,7 +85,7 @@ pub(super) fn are_squares(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> 
         let window = WINDOW * along.norm().min(across.norm());
         let corner = centre(grey, (from + to) / 2.0, window.clamp(WINDOW_PX[0], WINDOW_PX[1]))?;
         let [along, across] = [along, across].map(|way| way * BESIDE.max(BESIDE_PX / way.norm()));
-        // The mean of two opposite squares, and by how much they differ.
+        // Mean light of two opposite squares, and the difference between them.
         let both = |step: Pixel| {
             let lights = (light(grey, &(corner + step))?, light(grey, &(corner - step))?);
             Some(((lights.0 + lights.1) / 2.0, (lights.0 - lights.1).abs()))
@@ -105,7 +106,7 @@ pub(super) fn are_squares(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> 
     2 * looked.iter().filter(|is_corner| **is_corner).count() > looked.len()
 }
 
-/// Whether the squares of a lattice of corners are darker and lighter in turn.
+/// Whether the squares of a lattice of corners alternate between dark and light.
 fn is_in_turn(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
     let square = |[i, k]: [i32; 2]| {
         let corners = [[i, k], [i + 1, k], [i + 1, k + 1], [i, k + 1]].map(|index| lattice.get(&index));
@@ -113,7 +114,7 @@ fn is_in_turn(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
         let middle = [a, b, c, d].iter().map(|dot| dots[**dot].pixel).sum::<Pixel>() / 4.0;
         light(grey, &middle)
     };
-    // By how much a square is lighter than the next one, even columns and rows against odd ones.
+    // Difference in light between a square and the next one, with the sign of the chessboard pattern.
     let lighter = |&[i, k]: &[i32; 2], next: [i32; 2]| {
         let difference = square([i, k])? - square(next)?;
         Some(if (i + k).rem_euclid(2) == 0 { difference } else { -difference })
@@ -125,7 +126,7 @@ fn is_in_turn(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
     !differences.is_empty() && lighter.max(darker) as f64 >= LEAST_IN_TURN * differences.len() as f64
 }
 
-/// Corners with neighbours along both edges, on both sides.
+/// Corners with neighbours along both edges, on both sides, as seeds of a lattice.
 fn seeds(corners: &[Corner]) -> Vec<Seed> {
     let widest = OFF_EDGE_DEG.to_radians().cos();
     let seed = |(number, corner): (usize, &Corner)| {
@@ -142,7 +143,7 @@ fn seeds(corners: &[Corner]) -> Vec<Seed> {
     corners.iter().enumerate().filter_map(seed).collect()
 }
 
-/// The point to which the gradients about it are at right angles, with Gaussian weights; `None` where it is not near.
+/// Centre of a corner by weighted least squares of the gradients in a window, px; `None` if it lies outside the window.
 fn centre(grey: &GrayImage, from: Pixel, window: f64) -> Option<Pixel> {
     let mut centre = from;
     let reach = window.ceil();
@@ -165,7 +166,7 @@ fn centre(grey: &GrayImage, from: Pixel, window: f64) -> Option<Pixel> {
                 if far2 >= 1.0 {
                     continue;
                 }
-                // A Gaussian of half the window, taken to zero at its end: a pixel that comes in does not jolt the centre.
+                // A Gaussian of half the window's radius that falls to zero at its border, so that the centre changes smoothly as pixels enter.
                 let weight = (-2.0 * far2).exp() - (-2.0_f64).exp();
                 let gradient = Pixel::new(value(u + 1, v) - value(u - 1, v), value(u, v + 1) - value(u, v - 1));
                 let product = gradient * gradient.transpose() * weight;
@@ -185,7 +186,7 @@ fn centre(grey: &GrayImage, from: Pixel, window: f64) -> Option<Pixel> {
     Some(centre)
 }
 
-/// Light at a pixel, between the four about it; `None` outside the image.
+/// Light at a position between pixels by bilinear interpolation, grey levels; `None` outside the image.
 fn light(grey: &GrayImage, at: &Pixel) -> Option<f64> {
     let inside = at.x >= 0.0 && at.y >= 0.0;
     let (u, v) = (at.x as u32, at.y as u32);

@@ -1,25 +1,25 @@
-//! The dots of a lattice, measured by their light.
+//! Centres and radii of the dots of a lattice, from their light.
 //!
-//! A dot's own light is that of the pixels about it that are nearer to its rim than to any other: where neighbours are so near that the blurred edges
-//! meet, what one loses of its edge to the other it gains of the other's. The ground is seen where no dot is.
+//! The light of a dot is that of the pixels nearer to its rim than to any other dot's. If neighbours are so close that their blurred edges overlap, a dot
+//! gains as much light from its neighbour's edge as it loses of its own. Pixels away from all dots show the background.
 
 use super::patches::Dot;
 use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::{Matrix3, Vector3};
 
-/// How far beyond its rim light belongs to a dot, and how far the ground is looked at, in its radii and px: first as much as a lone dot has, then
-/// what is left between dots that lie close.
+/// Extent of a dot's light beyond its rim, and extent of the background, each in radii plus px. The first pair suits an isolated dot, the others dots that
+/// lie close together.
 const ABOUT: [[(f64, f64); 2]; 3] = [[(0.15, 2.5), (0.35, 4.5)], [(0.0, 2.0), (0.5, 6.0)], [(0.0, 1.0), (1.0, 8.0)]];
-/// Fewest pixels of the ground.
+/// Smallest number of pixels of the background.
 const LEAST_GROUND: usize = 24;
-/// Part of a dot within which its light is even, in its radii.
+/// Inner part of a dot, with even light, in radii.
 const INNER: f64 = 0.6;
-/// Largest distance of the middle of a dot's light from that of its patch, in its radii, and ratio of their areas.
+/// Largest distance of the centre of a dot's light from that of its patch, in radii; and range of the ratio of their areas.
 const LARGEST_SHIFT: f64 = 0.5;
 const AREAS: std::ops::Range<f64> = 0.5..2.0;
 
-/// The middle of a dot's light and the radius of a disc of its area, px; `None` where its surroundings are not in the image or hidden by others.
+/// Centre of a dot's light, px, and radius of a disc of equal area, px; `None` if its surroundings are outside the image or hidden by other dots.
 pub(super) fn measured(grey: &GrayImage, dot: &Dot, others: &[Dot]) -> Option<(Pixel, f64)> {
     ABOUT.iter().find_map(|[own, ground]| {
         let px = |(radii, px): (f64, f64)| radii * dot.radius_px + px;
@@ -27,12 +27,12 @@ pub(super) fn measured(grey: &GrayImage, dot: &Dot, others: &[Dot]) -> Option<(P
     })
 }
 
-/// The same with the pixels up to `own` px from the rim as the dot's, those from there to `reach` px as its ground.
+/// Same as [`measured`], with the dot's light up to `own` px beyond the rim and the background from there to `reach` px.
 fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2]) -> Option<(Pixel, f64)> {
     let half = dot.longer_px() + reach;
     let middle = dot.pixel;
     let (width, height) = (f64::from(grey.width()) - 1.0, f64::from(grey.height()) - 1.0);
-    // Without its surroundings a dot at the border would be measured by half.
+    // A dot at the image border lacks part of its surroundings, which would bias its centre.
     if middle.x < half || middle.y < half || middle.x > width - half || middle.y > height - half {
         return None;
     }
@@ -70,7 +70,7 @@ fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2])
     let (mut mass, mut moment) = (0.0, Pixel::zeros());
     let (mut inner, mut depth) = (0.0, 0.0);
     for (step, light) in of_dot {
-        // As a share of the light there: light that falls off makes one side of a dot darker, and would shift its middle.
+        // Relative to the local background: uneven light would otherwise shift the centre to the darker side.
         let ground = plane.dot(&Vector3::new(1.0, step.x, step.y));
         let lacking = light / ground.max(1.0) - 1.0;
         mass += lacking;
@@ -81,7 +81,7 @@ fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2])
         }
     }
     let shift = moment / mass;
-    // The threshold lies anywhere on the blurred edge; light that is missing over its depth in the middle is the area.
+    // The threshold's position on the blurred edge is arbitrary; missing light over its central depth gives the area.
     let radius_px = (mass * inner / depth / std::f64::consts::PI).sqrt();
     let is_good = shift.norm() < LARGEST_SHIFT * dot.radius_px && AREAS.contains(&(radius_px / dot.radius_px).powi(2));
     is_good.then(|| (middle + shift, radius_px))

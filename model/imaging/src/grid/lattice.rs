@@ -1,31 +1,31 @@
-//! Which dots are neighbours: a lattice that grows from a dot, step by step, along with its slant.
+//! Neighbourhood of dots: a lattice that grows from one dot in steps that adapt to perspective.
 
 use super::patches::Dot;
 use finray_model::camera::Pixel;
 use std::collections::{HashMap, VecDeque};
 
-/// Dots from which a lattice is grown, those with the most regular surroundings first.
+/// Largest number of dots from which a lattice is grown, those with the most regular surroundings first.
 const SEEDS: usize = 40;
-/// A share of the dots that ends the search for a larger lattice.
+/// Share of the dots in a lattice at which the search for a larger one ends.
 const ENOUGH: f64 = 0.8;
-/// Largest distance of a dot from where its neighbours put it, as a share of the step.
+/// Largest distance of a dot from its predicted position, as a share of the step.
 const OFF: f64 = 0.2;
-/// Ratio of the two steps of a square grid, and smallest sine of the angle between them, seen so that its dots are round: a diagonal step
-/// is sqrt(2) times as long.
+/// Largest ratio of the two steps of a square grid, and smallest sine of the angle between them, in coordinates in which the dots are round. The ratio
+/// excludes diagonal steps, which are sqrt(2) times as long.
 const STEPS: f64 = 1.25;
 const LEAST_SINE: f64 = 0.9;
-/// Ratio of the radii of neighbours.
+/// Largest ratio of the radii of neighbours.
 const ALIKE: f64 = 1.6;
-/// Room that a dot needs to be seen as one before the border of the image, in its longer half axes and px.
+/// Distance from the image border that a dot needs to be detected, in longer half axes plus px.
 const ROOM: (f64, f64) = (1.2, 4.0);
 
-/// Numbers of dots by their column and row, counted from some dot.
+/// Index of the dot at each column and row, relative to an arbitrary dot.
 pub(super) type Lattice = HashMap<[i32; 2], usize>;
 
-/// How irregular the surroundings of a dot are, its number, and the steps to two of its neighbours.
+/// A seed: irregularity of a dot's surroundings (0 is regular), its index, and the steps to two of its neighbours, px.
 pub(super) type Seed = (f64, usize, [Pixel; 2]);
 
-/// The largest lattice among dots.
+/// The largest lattice among the dots.
 pub(super) fn largest(dots: &[Dot], mut seeds: Vec<Seed>) -> Lattice {
     seeds.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best = Lattice::new();
@@ -44,14 +44,14 @@ pub(super) fn largest(dots: &[Dot], mut seeds: Vec<Seed>) -> Lattice {
     best
 }
 
-/// Dots from which a lattice may grow.
+/// Dots that a lattice can grow from.
 pub(super) fn seeds(dots: &[Dot]) -> Vec<Seed> {
     let seed = |seed| steps_at(dots, seed).map(|(off, steps)| (off, seed, steps));
     (0..dots.len()).filter_map(seed).collect()
 }
 
-/// The steps from a dot to two neighbours that have counterparts on the other side, and how far these are off. Slant is taken out by the
-/// shape of the dot.
+/// Irregularity of a dot's surroundings, and the steps to two neighbours that have counterparts on the opposite side, px. The shape of the dot
+/// corrects for its slant.
 fn steps_at(dots: &[Dot], seed: usize) -> Option<(f64, [Pixel; 2])> {
     let Dot { pixel: from, upright, .. } = dots[seed];
     let mut near: Vec<(f64, Pixel)> = dots
@@ -69,7 +69,7 @@ fn steps_at(dots: &[Dot], seed: usize) -> Option<(f64, [Pixel; 2])> {
     near.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0));
     near.truncate(count);
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // How far the nearest dot is from the mirrored step.
+    // Distance of the nearest dot from the mirrored step, relative to the step.
     let off =
         |step: &Pixel| near.iter().map(|(_, other)| (other + step).norm()).fold(f64::INFINITY, f64::min) / step.norm();
     let first = near.iter().map(|(_, step)| *step).find(|step| off(step) < OFF)?;
@@ -87,7 +87,7 @@ fn is_alike(a: &Dot, b: &Dot) -> bool {
     a.radius_px < ALIKE * b.radius_px && b.radius_px < ALIKE * a.radius_px
 }
 
-/// The lattice from a dot and its two steps.
+/// Grows a lattice from a dot and its two steps.
 fn grown(dots: &[Dot], seed: usize, steps: [Pixel; 2]) -> Lattice {
     let mut at = Lattice::from([([0, 0], seed)]);
     let mut is_taken = vec![false; dots.len()];
@@ -115,8 +115,8 @@ fn grown(dots: &[Dot], seed: usize, steps: [Pixel; 2]) -> Lattice {
     at
 }
 
-/// Dots of a lattice's outline, where the image would show more of it: those that lack one neighbour, as along a row, and those that lack two which are
-/// not opposite, as along a diagonal.
+/// Counts the dots on the outline of a lattice whose missing neighbours would lie in the image. The first count is of dots that lack one neighbour, as along
+/// a row; the second of those that lack two adjacent neighbours, as along a diagonal.
 pub(super) fn outline(dots: &[Dot], lattice: &Lattice, size_px: [u32; 2]) -> [usize; 2] {
     let mut counts = [0; 2];
     for (&[i, k], &number) in lattice {
@@ -124,7 +124,7 @@ pub(super) fn outline(dots: &[Dot], lattice: &Lattice, size_px: [u32; 2]) -> [us
         let room = ROOM.0 * dot.longer_px() + ROOM.1;
         let is_inside =
             |at: Pixel| (0..2).all(|axis| (room..f64::from(size_px[axis]) - 1.0 - room).contains(&at[axis]));
-        // Whether one of two opposite neighbours is missing where the other one says that it would be in the image; `None` where that is not known.
+        // Whether one of two opposite neighbours is missing although the image would show it, judged by the other one; `None` if unknown.
         let lacks_one = |ends: [[i32; 2]; 2]| match ends.map(|end| lattice.get(&end)) {
             [Some(_), Some(_)] => Some(false),
             [Some(&other), None] | [None, Some(&other)] => {

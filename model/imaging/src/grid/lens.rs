@@ -1,47 +1,47 @@
-//! The lens that sees plane grids.
+//! Estimation of a lens from images of plane grids.
 
 use super::{Grid, GridDot};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Lens, LensFit, LensFitError, Pixel, Pose, fit_lens};
 
-/// Residuals beyond so many medians of their size are no dots of the grid.
+/// Residuals beyond this multiple of their median size are outliers.
 const OUTLIER: f64 = 6.0;
-/// Largest residual of a grid, as a share of the distance between neighbours: what is farther off is no plane grid.
+/// Largest root mean square residual of a plane grid, as a share of the distance between neighbours.
 const LARGEST_RESIDUAL: f64 = 0.1;
-/// Rounds in which the centres of the dots' images are corrected for perspective.
+/// Number of rounds that correct the centres of the dots' images for perspective.
 const ROUNDS: usize = 3;
-/// Corners by which a dot's outline is projected.
+/// Number of points on a dot's projected outline.
 const OUTLINE: usize = 48;
 
-/// Why grids give no lens.
+/// Reason why grids do not determine a lens.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LensOfGridsError {
     /// No lens fits.
     #[error(transparent)]
     Fit(#[from] LensFitError),
-    /// The dots of one image are no grid before any lens.
+    /// The dots of one image do not lie on a plane grid for any lens.
     #[error(
         "image {image}: expected a plane grid, found dots that are off it by {residual_px:.1} px (root mean square) where neighbours are \
          {pitch_px:.0} px apart"
     )]
     Uneven {
-        /// Its number, from 1.
+        /// Number of the image, from 1.
         image: usize,
-        /// Root mean square distance of the dots from where the lens projects them, px.
+        /// Root mean square distance of the dots from their projected positions, px.
         residual_px: f64,
-        /// Distance of neighbours, px.
+        /// Distance of neighbouring dots, px.
         pitch_px: f64,
     },
-    /// Grids of two kinds.
+    /// Some images show a chessboard and others a grid of dots.
     #[error("expected images of one board, found some of a chessboard and some of dots")]
     Kinds,
 }
 
-/// The lens that sees grids of a pitch (mm) in images of one size. A slanted dot's middle is not where its centre is seen; that is
-/// corrected, with the dots taken for discs. Returns the fit and the dots left out as no dots of their grid. `pitch_mm`: see [`GridKind`](super::GridKind).
+/// Fits a lens to grids in images of one size; `pitch_mm` as in [`GridKind`](super::GridKind). The centre of a slanted disc's image differs from the image
+/// of its centre; the fit corrects this. Returns the fit and the number of dots that were dropped as outliers.
 ///
 /// # Errors
-/// [`LensOfGridsError`].
+/// [`LensOfGridsError`] for grids of different kinds, dots off a plane grid, or no lens that fits.
 pub fn lens_of_grids(size_px: [u32; 2], pitch_mm: f64, grids: &[Grid]) -> Result<(LensFit, usize), LensOfGridsError> {
     let kind = Grid::common_kind(grids).ok_or(LensOfGridsError::Kinds)?;
     let position = |dot: &GridDot| kind.position(dot.index) * pitch_mm;
@@ -84,12 +84,12 @@ pub fn lens_of_grids(size_px: [u32; 2], pitch_mm: f64, grids: &[Grid]) -> Result
     Ok((fit, left_out))
 }
 
-/// How far a dot is from where a camera projects its position in the plane.
+/// Distance of a dot from the projection of its position in the plane, px; infinite if it has no projection.
 fn residual_px(camera: &Camera, dot: &GridDot, position: Vector) -> f64 {
     camera.project(&position.push(0.0)).map_or(f64::INFINITY, |pixel| (pixel - dot.pixel).norm())
 }
 
-/// Mean distance of neighbours along the rows; infinite where a grid has none.
+/// Mean distance of neighbours along the rows, px; infinite without neighbours.
 fn pitch_px(grid: &[GridDot]) -> f64 {
     let at: std::collections::HashMap<[i32; 2], Pixel> = grid.iter().map(|dot| (dot.index, dot.pixel)).collect();
     let next = |dot: &GridDot| Some((at.get(&[dot.index[0] + 1, dot.index[1]])? - dot.pixel).norm());
@@ -108,7 +108,7 @@ fn drop_outliers(grid: &mut Vec<GridDot>, lens: &Lens, pose: &Pose, position: im
     before - grid.len()
 }
 
-/// How far the middle of a disc's image is from the image of its centre, px; `None` for a corner, which has no extent.
+/// Offset of the centre of a disc's image from the image of the disc's centre, px; `None` for a corner, which has no extent.
 fn shift_of_middle(lens: &Lens, pose: &Pose, centre: &Vector, radius_px: f64) -> Option<Pixel> {
     if radius_px == 0.0 {
         return None;

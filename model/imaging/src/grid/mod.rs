@@ -1,6 +1,6 @@
-//! A plane grid in an image, found without a guess: dots or holes, or the corners of a chessboard, and which are neighbours.
+//! Detection of a plane grid in an image without initial guess: dots, holes or chessboard corners, and their neighbourhood.
 //!
-//! Dots may be dark or light, unevenly lit, and partly hidden; the grid may be seen at a slant and through a lens that bends it.
+//! Dots may be dark or light, unevenly lit and partly hidden. The grid may be slanted and the lens distorted.
 
 mod corners;
 mod dots;
@@ -17,29 +17,29 @@ use image::{GrayImage, RgbImage};
 use lattice::Lattice;
 use patches::{Dot, Patches, patches};
 
-/// Dots that a grid must have.
+/// Smallest number of dots of a grid.
 const LEAST_DOTS: usize = 12;
-/// Half the side of the blocks over which brightness is averaged for the threshold, px: a dot and its surroundings, for small and large ones.
+/// Half the side of the blocks that average brightness for the threshold, px; the sizes suit small to large dots with their surroundings.
 const BLOCKS_PX: [u32; 4] = [10, 25, 60, 120];
 
-/// Fewest dots of an outline along the diagonals, and how many of them there must be for one of an outline along rows and columns: a rectangle
-/// has four at its corners.
+/// Smallest number of dots on outlines along the diagonals, and smallest ratio of that number to the one along rows and columns, for an asymmetric
+/// grid. A rectangle already has four diagonal dots, at its corners.
 const LEAST_DIAGONAL: usize = 3;
 const DIAGONAL: usize = 2;
 
-/// What a grid is made of.
+/// Type of a grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GridKind {
     /// Dots or holes in rows and columns, a pitch apart.
     Dots,
-    /// Dots or holes in rows a pitch apart, every other row displaced by a pitch, dots of a row two pitches apart: neighbours are diagonal.
+    /// Dots or holes in rows one pitch apart; dots of a row are two pitches apart, and every other row is displaced by one pitch. Neighbours are diagonal.
     AsymmetricDots,
     /// The inner corners of a chessboard; the pitch is the side of a square.
     Chessboard,
 }
 
 impl GridKind {
-    /// Its name, with an article.
+    /// Name with an article, for messages.
     pub fn name(self) -> &'static str {
         match self {
             GridKind::Dots => "a grid",
@@ -48,7 +48,7 @@ impl GridKind {
         }
     }
 
-    /// Where a dot is, in pitches.
+    /// Position of a dot on the grid, in pitches.
     fn position(self, [column, row]: [i32; 2]) -> Vector {
         let [column, row] = [column, row].map(f64::from);
         match self {
@@ -58,19 +58,19 @@ impl GridKind {
     }
 }
 
-/// The grid of an image.
+/// The grid in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Its dots, or the corners of its squares.
+    /// Dots, or corners of the squares.
     pub dots: Vec<GridDot>,
     is_chessboard: bool,
-    /// Dots where it ends along its rows and columns, and along its diagonals.
+    /// Number of dots on the outline along rows and columns, and along diagonals.
     outline: [usize; 2],
 }
 
 impl Grid {
-    /// What grids of one board are made of; `None` if some are chessboards and some are not. Where a grid of dots ends tells whether it is asymmetric:
-    /// one image may not show that, so all are asked.
+    /// Common type of the grids of one board; `None` if some are chessboards and others are not. The outlines of all grids together show whether dots are
+    /// asymmetric, because a single image may not.
     pub fn common_kind(grids: &[Grid]) -> Option<GridKind> {
         let boards = grids.iter().filter(|grid| grid.is_chessboard).count();
         let [straight, diagonal] = [0, 1].map(|way| grids.iter().map(|grid| grid.outline[way]).sum::<usize>());
@@ -86,32 +86,32 @@ impl Grid {
     }
 }
 
-/// A dot of a grid, or a corner.
+/// A dot of a grid, or a corner of a chessboard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridDot {
-    /// Column and row, counted from some dot along the directions in which neighbours are nearest.
+    /// Column and row along the directions of the nearest neighbours, relative to an arbitrary dot.
     pub index: [i32; 2],
-    /// The middle of its light.
+    /// Centre of its light, px.
     pub pixel: Pixel,
     /// Radius of a disc of its area, px; 0 for a corner.
     pub radius_px: f64,
 }
 
-/// No grid is seen.
+/// The image shows no grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
     "expected a plane grid of round dots or holes, or a chessboard, at least {LEAST_DOTS} dots or corners of which are neighbours; found {found}"
 )]
 pub struct NoGrid {
-    /// Dots or corners of the largest lattice.
+    /// Number of dots or corners of the largest lattice.
     pub found: usize,
 }
 
-/// Finds the grid: of all ways to tell dots from their surroundings, the one with the largest lattice. The squares of a chessboard are such dots as
-/// well, unless they are large or cut by the border: then, and where no dots are found, its corners are sought.
+/// Finds the grid with the most dots over several thresholds. The squares of a chessboard may count as dots, too, unless they are large or cut by the
+/// border. Corners are searched for if the dots are squares, or if there are too few dots.
 ///
 /// # Errors
-/// [`NoGrid`] for an image without one.
+/// [`NoGrid`] for an image without a grid of at least 12 dots or corners.
 pub fn find_grid(image: &RgbImage) -> Result<Grid, NoGrid> {
     let grey: GrayImage = image::imageops::grayscale(image);
     let (mut seen, mut lattice) = (Patches::default(), Lattice::new());

@@ -1,9 +1,9 @@
-//! Where corners of a chessboard may be: by the light on a ring about each pixel of an image, which may be made smaller.
+//! Candidates for corners of a chessboard, from the light on a ring about each pixel of a (possibly reduced) image.
 
 use finray_model::camera::Pixel;
 use image::GrayImage;
 
-/// The ring, px.
+/// Offsets of the ring's pixels, px.
 const RING: [(i32, i32); 16] = [
     (5, 0),
     (5, 2),
@@ -23,21 +23,21 @@ const RING: [(i32, i32); 16] = [
     (5, -2),
 ];
 const REACH: u32 = 5;
-/// Smallest contrast of a ring, grey levels, and smallest response in contrasts: a sharp corner has about 7.
+/// Smallest contrast of a ring, grey levels, and smallest response relative to the contrast; that of a sharp corner is about 7.
 pub(super) const LEAST_CONTRAST: f32 = 20.0;
 const LEAST_RESPONSE: f32 = 3.0;
-/// Other corners are this far away, px.
+/// Smallest distance between corners, px.
 const APART: u32 = 4;
-/// Corners beyond this many, the first in the image, are left: an image of something else.
+/// Largest number of corners that are considered, in raster order; an image with more shows something else.
 const MOST_CORNERS: usize = 6000;
 
-/// A corner, and the directions of its two edges.
+/// A corner (px) with the unit directions of its two edges.
 pub(super) struct Corner {
     pub pixel: Pixel,
     pub edges: [Pixel; 2],
 }
 
-/// An image made smaller by a whole factor.
+/// An image reduced by a whole factor.
 pub(super) struct Shrunk {
     factor: u32,
     width: u32,
@@ -63,7 +63,7 @@ impl Shrunk {
         RING.map(|(u, v)| self.light[(at as i64 + i64::from(v) * i64::from(self.width) + i64::from(u)) as usize])
     }
 
-    /// Changes of light around the ring, less what opposite pixels and the middle differ.
+    /// Response of the corner detector: changes of light around the ring, minus the differences of opposite pixels and of the centre.
     fn response(&self, at: usize) -> f32 {
         let ring = self.ring(at);
         let turns: f32 = (0..4).map(|i| (ring[i] + ring[i + 8] - ring[i + 4] - ring[i + 12]).abs()).sum();
@@ -73,7 +73,7 @@ impl Shrunk {
         turns - across - (16.0 * middle - ring.iter().sum::<f32>()).abs()
     }
 
-    /// The corners, at the middle of a pixel.
+    /// The corners, accurate to a pixel.
     pub fn corners(&self) -> Vec<Corner> {
         let (width, height) = (self.width, self.height);
         if width <= 2 * REACH || height <= 2 * REACH {
@@ -100,7 +100,7 @@ impl Shrunk {
         peaks.filter_map(|at| self.corner(at, response[at])).take(MOST_CORNERS).collect()
     }
 
-    /// The corner at a pixel; `None` where light does not change four times around it.
+    /// The corner at a pixel; `None` unless the light changes four times around it.
     fn corner(&self, at: usize, response: f32) -> Option<Corner> {
         let ring = self.ring(at);
         let (least, most) = ring.iter().fold((f32::MAX, f32::MIN), |(a, b), light| (a.min(*light), b.max(*light)));

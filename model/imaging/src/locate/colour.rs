@@ -1,44 +1,44 @@
-//! Which pixels have a marker's colour, whatever the light.
+//! Classification of pixels by the markers' colours, independent of brightness.
 
 use finray_model::scene::Rgb;
 
-/// Smallest angle between a marker's colour and grey, degrees: below, light alone makes a pixel a marker.
+/// Smallest angle between a marker's colour and grey, degrees; below it, brightness alone would make a pixel a marker.
 const LEAST_SATURATION_DEG: f64 = 8.0;
-/// Colours nearer to each other than this, degrees, are one.
+/// Angle between two colours below which they count as equal, degrees.
 const ALIKE_DEG: f64 = 6.0;
-/// Largest angle of a pixel's colour to its marker's, as a share of the angle to grey and to the other marker's colour.
+/// Largest angle of a pixel's colour to the marker's, as a share of the angle to grey and to the other marker's colour.
 const SHARE: f64 = 0.5;
-/// Light on a marker against the colour that the scene states.
+/// Range of a marker's brightness relative to the colour stated in the scene.
 const LIGHT: [f64; 2] = [0.2, 1.5];
 
-/// On which plate a marker is, by its colour.
+/// Plate of a marker, by its colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Side {
-    /// The front plate, the tip and its clamped node included.
+    /// The front plate, including the tip and the clamped node.
     Front,
     /// The back plate.
     Back,
 }
 
-/// Colours that cannot be found.
+/// A marker colour that cannot be distinguished from grey.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
     "markers.{key}: expected a colour that is not a shade of grey, found {colour:?}: light and shadow would look like markers"
 )]
 pub struct GreyMarker {
-    /// The key.
+    /// Key of the scene's `[markers]` table.
     pub key: &'static str,
-    /// The colour.
+    /// Stated colour.
     pub colour: Rgb,
 }
 
-/// One colour as a cone about its direction: light scales red, green and blue alike.
+/// One colour as a cone about its direction: brightness scales red, green and blue by the same factor.
 #[derive(Debug, Clone, Copy)]
 struct Cone {
     axis: [f32; 3],
-    /// Square of the cosine of its half angle.
+    /// Squared cosine of the half angle.
     cosine2: f32,
-    /// Shortest and longest projection onto the axis, grey levels.
+    /// Smallest and largest projection onto the axis, grey levels.
     length: [f32; 2],
 }
 
@@ -51,11 +51,11 @@ impl Cone {
     }
 }
 
-/// Tells marker pixels from others.
+/// Classifier of marker pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Colours {
     front: Cone,
-    /// `None` where both plates have the same.
+    /// `None` if both plates have the same colour.
     back: Option<Cone>,
 }
 
@@ -87,7 +87,7 @@ impl Colours {
         self.back.is_none()
     }
 
-    /// The side whose colour a pixel has; [`Side::Front`] where both have the same.
+    /// The side whose colour a pixel has; [`Side::Front`] if both sides have the same colour.
     #[inline]
     pub fn side_of(&self, pixel: &[u8; 3]) -> Option<Side> {
         if self.front.holds(pixel) {

@@ -1,7 +1,7 @@
-//! Where an image has the finger, if not where the scene's camera does: upside down, mirrored, displaced, turned, larger or smaller.
+//! Detection of a finger that is not at the pose of the scene's camera: upside down, mirrored, displaced, rotated or scaled.
 //!
-//! The image is turned and mirrored first. Then every pair of markers that could be the clamped ones, or the two ends of a rib next to them, proposes a place and a size; the one from which
-//! the markers are named at the least cost is it.
+//! First the image is flipped. Then every pair of markers that may be the two clamped ones, or the ends of a rib near the base, proposes a placement
+//! and scale. The proposal under which the markers are named at the least cost is chosen.
 
 use super::LocateError;
 use super::finger_placement::FingerPlacement;
@@ -10,37 +10,37 @@ use finray_model::camera::{Camera, Pixel};
 use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
 
-/// Ribs from the base that propose a place where the clamped markers are hidden, and standard deviation of the base then, as a share of the
-/// length of the plate up to the rib: it bends.
+/// Number of ribs from the base that propose a placement if the clamped markers are hidden. Their standard deviation of the base is this share of the
+/// plate's length up to the rib, since the plate bends.
 const PROPOSING: usize = 2;
 const BEND_SHARE: f64 = 0.2;
-/// How far the next markers along the plates may be from where a proposal has them, as a share of their distance from the base.
+/// Largest distance of the next markers along the plates from their proposed positions, as a share of their distance from the base.
 const BENT: f64 = 0.35;
-/// Another place must cost less than the scene's by as much as this, which is more than two hidden markers cost, and name this share of the markers.
+/// Smallest reduction of cost below that of the scene's pose, more than the cost of two hidden markers; and smallest share of named markers.
 const GAIN: f64 = 13.0;
 const LEAST_NAMED: f64 = 0.65;
 
-/// What an image may have been through: signs of u and v about its middle.
+/// Possible flips of an image: signs of u and v about its middle.
 const FLIPS: [(&str, [f64; 2]); 3] = [
     ("upside down", [-1.0, -1.0]),
     ("mirrored from left to right", [-1.0, 1.0]),
     ("mirrored from top to bottom", [1.0, -1.0]),
 ];
 
-/// What an image shows a camera.
+/// Candidates for markers in an image of a finger.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scenery<'a> {
     pub finger: &'a Finger,
     pub camera: &'a Camera,
     /// Height of the markers above the finger's plane, mm.
     pub height_mm: f64,
-    /// Candidates and their pixels.
+    /// Candidates with their pixels.
     pub seen: &'a [(Candidate, Pixel)],
 }
 
 impl Scenery<'_> {
-    /// Says where the finger is, if the markers say more clearly than by chance that it is not where the scene has it. Clamped markers where they must
-    /// be leave no doubt.
+    /// The error for a finger at another placement, if the markers show one significantly better than the scene's pose; `None` if all clamped markers are at
+    /// their stated positions.
     pub fn elsewhere(&self, names: &Result<Names, NamingError>) -> Option<LocateError> {
         let finger = self.finger;
         let is_seen = |node: &NodeId| names.as_ref().is_ok_and(|names| names[node.0 - 1].is_some());
@@ -75,7 +75,7 @@ impl Scenery<'_> {
         best.filter(|(_, place)| place.is_other()).map(|(_, place)| LocateError::Elsewhere(place))
     }
 
-    /// The candidates of the flipped image.
+    /// Candidates of the flipped image.
     fn flipped(&self, signs: [f64; 2]) -> Vec<Candidate> {
         let middle = self.camera.lens.middle();
         let flipped = |(candidate, pixel): &(Candidate, Pixel)| {
@@ -90,7 +90,7 @@ fn named(names: &Names) -> f64 {
     names.iter().flatten().count() as f64
 }
 
-/// Front and back nodes whose markers propose a place, and the standard deviation of the base, mm.
+/// Front and back nodes whose markers propose a placement, with the standard deviation of the base, mm.
 fn proposing_ends(finger: &Finger) -> Vec<([NodeId; 2], f64)> {
     let clamped = [Plate::Front, Plate::Back].map(|plate| finger.plate_nodes(plate)[0]);
     let ribs = (0..finger.rib_count().min(PROPOSING)).map(|rib| {
@@ -101,7 +101,7 @@ fn proposing_ends(finger: &Finger) -> Vec<([NodeId; 2], f64)> {
     ends.filter(|(ends, _)| ends.iter().all(|node| finger.has_marker(*node))).collect()
 }
 
-/// Places at which two candidates are two nodes, and the next markers along the plates are about where they must be.
+/// Placements that map two nodes to two candidates, with most of the next markers along the plates near their predicted positions.
 fn places(finger: &Finger, candidates: &[Candidate], ends: [NodeId; 2]) -> Vec<FingerPlacement> {
     let at = ends.map(|node| finger.marker_position(node));
     let next = (0..finger.rib_count().min(PROPOSING)).flat_map(|rib| {

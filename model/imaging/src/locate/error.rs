@@ -1,4 +1,4 @@
-//! Why images show no finger.
+//! Errors of locating a finger in images.
 
 use super::blobs::LEAST_RADIUS_PX;
 use super::disc::LARGEST_BLUR;
@@ -7,33 +7,33 @@ use super::{FingerPlacement, GreyMarker, NamingError};
 use finray_model::Finger;
 use finray_model::camera::ViewError;
 
-/// Why an image shows no finger.
+/// Reason why no finger was located in an image.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LocateError {
-    /// It has another size than the camera's.
+    /// The image differs in size from the camera's.
     #[error("expected an image of {} x {} px as the scene's camera takes, found {} x {} px{}",
         expected[0], expected[1], found[0], found[1], turned(*expected, *found))]
     Size {
         /// Width and height of the scene's camera, px.
         expected: [u32; 2],
-        /// Of the image.
+        /// Width and height of the image, px.
         found: [u32; 2],
     },
-    /// Markers would be too small.
+    /// The markers are too small in the image.
     #[error(
         "markers of this camera have a radius of {radius_px:.1} px, of which at least {LEAST_RADIUS_PX} px are needed"
     )]
     TooSmall {
-        /// Their radius, px.
+        /// Radius of the markers in the image, px.
         radius_px: f64,
     },
-    /// The finger is not before the camera.
+    /// The middle of the finger has no pixel.
     #[error("the camera does not see the finger: its middle {0}")]
     View(#[from] ViewError),
     /// The finger lies outside the image.
     #[error("the camera does not see the finger: its middle is outside the image")]
     Outside,
-    /// Nothing of a marker shows its own light.
+    /// The blur covers the whole marker, so that no pixel shows its undisturbed light.
     #[error(
         "markers are out of focus: their edge is blurred by {blur_px:.1} px (standard deviation), of which at most {LARGEST_BLUR} of their \
          radius of {radius_px:.1} px can be measured"
@@ -41,7 +41,7 @@ pub enum LocateError {
     Blurred {
         /// Standard deviation of the blur, px.
         blur_px: f64,
-        /// Their radius, px.
+        /// Radius of the markers, px.
         radius_px: f64,
     },
     /// The finger or the camera moved while the shutter was open.
@@ -50,85 +50,85 @@ pub enum LocateError {
          can be measured; is the shutter open too long?"
     )]
     Moved {
-        /// Standard deviation of the blur, px.
+        /// Standard deviation of the blur along the motion, px.
         blur_px: f64,
-        /// Their radius, px.
+        /// Radius of the markers, px.
         radius_px: f64,
     },
-    /// The image was turned or mirrored.
+    /// The image is flipped; holds the kind of flip, in words.
     #[error(
         "the image shows the finger {0}: turn it as the camera held it (EXIF orientation), or state the pose that the camera had"
     )]
     Flipped(&'static str),
-    /// The finger is not where the scene's camera has it.
+    /// The finger is not at the pose of the scene's camera; holds its placement.
     #[error(
         "the finger is not where the scene's camera has it: {0}; is the image turned, mirrored or resized, or the pose another one? (--rest finds the pose \
          in an image of the unloaded finger)"
     )]
     Elsewhere(FingerPlacement),
-    /// The marks that may be the references on the base are not on the base of the finger that the markers show.
+    /// The references on the base contradict the base of the finger that the markers show.
     #[error(
         "the marks that look like the references on the base are {away_mm:.0} mm from where the ribs have the base: other marks were taken for them; are \
          base.reference.radius_mm, inner_radius_mm and at_mm right?"
     )]
     OtherReferences {
-        /// Distance of the two places of the base, mm.
+        /// Distance between the two positions of the base, mm.
         away_mm: f64,
     },
-    /// Rims that look like markers are seen, but no marks are as far apart as the references on the base.
+    /// The image shows markers, but no marks at the distances of the references on the base.
     #[error(
         "the references on the base were not found: {} marks look like them, in their order, none of which are as far apart; {like_markers} look like \
          markers; are base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose right?",
         counts(like_references)
     )]
     NoReferences {
-        /// Marks that look like each reference.
+        /// Number of marks that look like each reference.
         like_references: Vec<usize>,
-        /// Rims that look like markers.
+        /// Number of rims that look like markers.
         like_markers: usize,
     },
-    /// Patches of the markers' colours have another size.
+    /// Patches of the markers' colours have a radius that differs from that of the camera's markers.
     #[error(
         "markers of this camera have a radius of {expected_px:.1} px, found patches of their colours with {found_px:.1} px: is the image resized, or the \
          camera or its distance another one?"
     )]
     OtherSize {
-        /// Radius by the scene, px.
+        /// Radius from the scene, px.
         expected_px: f64,
-        /// Radius of most patches, px.
+        /// Commonest radius of the patches, px.
         found_px: f64,
     },
-    /// Nodes have no names.
+    /// The markers could not be assigned to nodes.
     #[error("no finger is seen: {0}")]
     Naming(#[from] NamingError),
 }
 
-/// Why no locator can be made.
+/// Reason why no locator can be created.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LocatorError {
-    /// Grey markers are not found by their colour.
+    /// A locator of coloured markers was given grey ones.
     #[error("markers: expected front_rgb and back_rgb, found shade")]
     NotColoured,
-    /// Coloured markers are not found by their rims.
+    /// A locator of grey markers was given coloured ones.
     #[error("markers: expected shade, found front_rgb and back_rgb")]
     NotGrey,
-    /// Markers are named by ribs that have both ends to themselves.
+    /// Ribs share a junction; naming needs ribs with separate ends.
     #[error(
         "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, as markers are named by their ribs"
     )]
     SharedJunctions,
-    /// The markers' colours.
+    /// A marker's colour is too close to grey.
     #[error(transparent)]
     Colour(#[from] GreyMarker),
-    /// The camera.
+    /// The camera does not see the finger, or its markers are too small.
     #[error(transparent)]
     Camera(#[from] LocateError),
 }
 
-/// Checks that markers can be named by the ribs.
+/// Checks that ribs identify the markers.
 ///
 /// # Errors
-/// [`LocatorError::SharedJunctions`].
+/// [`LocatorError::SharedJunctions`] if ribs share a junction or end in a corner of the base.
 pub(super) fn require_own_junctions(finger: &Finger) -> Result<(), LocatorError> {
     if finger.has_shared_junctions() { Err(LocatorError::SharedJunctions) } else { Ok(()) }
 }
@@ -137,7 +137,7 @@ fn counts(counts: &[usize]) -> String {
     counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" and ")
 }
 
-/// A word on an image of the other format.
+/// A hint for an image with exchanged width and height.
 fn turned([width, height]: [u32; 2], found: [u32; 2]) -> &'static str {
     if width != height && found == [height, width] { ": is it turned by 90 degrees (EXIF orientation)?" } else { "" }
 }

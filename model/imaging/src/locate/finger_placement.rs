@@ -1,25 +1,25 @@
-//! Where an image shows a finger, against where the scene's camera has it.
+//! Placement of a finger in an image relative to the pose of the scene's camera.
 
 use finray_model::Vector;
 use nalgebra::{Complex, Rotation2};
 
-/// Sizes that are looked for: markers of others are not measured.
+/// Range of scales that are considered; markers at other scales are not detected.
 const SCALES: std::ops::Range<f64> = 0.4..2.5;
-/// Turns, deg, sizes and distances, mm, that are worth a word.
+/// Smallest rotation (degrees), scale difference and displacement (mm) that are reported.
 const TURN_DEG: f64 = 1.0;
 const SCALE: f64 = 0.01;
 const SHIFT_MM: f64 = 1.0;
 
-/// Where the finger is seen, against where the scene's camera has it.
+/// Placement of the finger in an image, relative to the pose of the scene's camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FingerPlacement {
-    /// Whether it is seen as in a mirror.
+    /// Whether the finger is mirrored.
     pub is_mirrored: bool,
-    /// Turn in its plane, rad; of a mirrored one, after it was mirrored about its x axis.
+    /// Rotation in the plane, rad; for a mirrored finger, after mirroring about its x axis.
     pub turn_rad: f64,
-    /// How many times as large it is.
+    /// Scale factor, dimensionless.
     pub scale: f64,
-    /// Where the origin of its frame is seen, mm.
+    /// Position of the finger frame's origin, mm.
     pub origin: Vector,
 }
 
@@ -44,7 +44,7 @@ impl std::fmt::Display for FingerPlacement {
 }
 
 impl FingerPlacement {
-    /// The place at which two points of the finger frame are seen at two others; `None` where either two coincide.
+    /// Placement that maps two points of the finger frame (mm) to two seen points (mm); `None` if the scale is out of range.
     pub(super) fn through(ends: [Vector; 2], seen: [Vector; 2], is_mirrored: bool) -> Option<FingerPlacement> {
         let [from, to] = ends.map(|end| mirrored(&end, is_mirrored));
         let [along, seen_along] = [to - from, seen[1] - seen[0]].map(|step| Complex::new(step.x, step.y));
@@ -54,13 +54,13 @@ impl FingerPlacement {
         SCALES.contains(&scale).then_some(FingerPlacement { is_mirrored, turn_rad, scale, origin })
     }
 
-    /// A point in the finger frame.
+    /// Finger coordinates of a seen point, mm.
     pub(super) fn to_finger(self, seen: &Vector) -> Vector {
         let turned = Rotation2::new(-self.turn_rad) * (seen - self.origin) / self.scale;
         mirrored(&turned, self.is_mirrored)
     }
 
-    /// Whether it is another place than the scene's.
+    /// Whether the placement differs noticeably from the scene's pose.
     pub(super) fn is_other(&self) -> bool {
         self.is_mirrored
             || self.turn_rad.to_degrees().abs() > TURN_DEG

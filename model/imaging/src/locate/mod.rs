@@ -1,7 +1,7 @@
-//! Node positions from images: find the markers (`colour`, `blobs`), measure their centres (`disc`), name them (`naming`), and measure them again
-//! as markers that are alike (`together`).
-//! The finger at rest is found without a guess of its pose (`pattern`, `rest`). Markers in grey light are found by their rims (`rim`,
-//! `rim_locator`).
+//! Node positions from images.
+//!
+//! Coloured markers are found (`colour`, `blobs`), measured (`disc`), assigned to nodes (`naming`) and measured again with a common outline (`together`).
+//! The unloaded finger is found without an initial pose (`pattern`, `rest`). Grey markers are found by their rims (`rim`, `rim_locator`).
 
 mod blobs;
 mod colour;
@@ -41,32 +41,32 @@ use motion::motion_blur_px;
 use naming::{Candidate, Marked, name, name_likely};
 use together::{Common, located, measure_together};
 
-/// A marker is sought within so many of its radii of where it was in the image before.
+/// Search radius for a marker about its last position, in marker radii.
 const NEAR: f64 = 1.6;
-/// Share of the markers of the image before that must be found again near where they were; with fewer the whole image is searched.
+/// Smallest share of the previous markers that must be found near their last positions; otherwise the whole image is searched.
 const FOUND_AGAIN: f64 = 0.8;
-/// Images after which a stream in which a marker is missing is searched again.
+/// Number of images after which the whole image is searched again while a marker is missing.
 const SEARCH_AGAIN: usize = 10;
-/// One of so many markers is looked at for the blur of a motion.
+/// Every n-th marker is tested for motion blur.
 const FEW: usize = 5;
-/// Ratio of the radius of patches to that of markers from which on they are another camera's.
+/// Ratio of the patches' radius to that of the markers beyond which the scene's camera or scale is wrong.
 const OTHER_SIZE: f64 = 1.2;
 
-/// A marker in an image.
+/// A marker that was located in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Located {
-    /// Its node.
+    /// Key node of the marker.
     pub node: NodeId,
-    /// Where its centre is seen.
+    /// Pixel of its centre.
     pub pixel: Pixel,
-    /// Its centre in the finger frame, mm.
+    /// Its centre, mm, finger frame.
     pub position: Vector,
-    /// Standard deviation of one coordinate of the position, mm: noise of the image, and what shading and the model of the edge leave in
-    /// rendered images. The errors of lens and pose are not in it.
+    /// Standard deviation of one coordinate of the position, mm. Includes image noise, and the errors of shading and edge model found in rendered images.
+    /// Excludes errors of lens and pose.
     pub sd_mm: f64,
 }
 
-/// Finds the coloured markers of one finger with one camera.
+/// Locator of the coloured markers of one finger with one camera.
 #[derive(Debug, Clone)]
 pub struct Locator<'f> {
     finger: &'f Finger,
@@ -75,23 +75,23 @@ pub struct Locator<'f> {
     colours: Colours,
     radius_px: f64,
     on_front: Vec<NodeId>,
-    /// Every marker that was seen since the last full search, where it was last seen.
+    /// Last known state of every marker that was seen since the last full search.
     last: Vec<Located>,
-    /// Markers that the last full search found, and images that were tracked since.
+    /// Number of markers in the last full search, and number of images tracked since.
     searched: usize,
     tracked: usize,
-    /// Markers in the last image.
+    /// Number of markers in the last image.
     seen: usize,
-    /// What its discs have in common.
+    /// Common properties of the discs in the last full search.
     common: Option<Common>,
     buffers: Buffers,
 }
 
 impl<'f> Locator<'f> {
-    /// A locator for a scene's finger, camera and markers.
+    /// A locator for the finger, camera and markers of a scene.
     ///
     /// # Errors
-    /// [`LocatorError`] for colours that cannot be found and a camera that does not see the finger.
+    /// [`LocatorError`] for grey markers, colours close to grey, shared junctions of ribs, or a camera that does not see the finger.
     pub fn new(finger: &'f Finger, camera: &Camera, markers: &Markers) -> Result<Locator<'f>, LocatorError> {
         let MarkerLook::Coloured { front_rgb, back_rgb } = markers.look else {
             return Err(LocatorError::NotColoured);
@@ -120,25 +120,25 @@ impl<'f> Locator<'f> {
         &self.camera
     }
 
-    /// Standard deviation of the blur, px, by which the finger or the camera moved in the last image that was searched whole; `None` of a round blur.
+    /// Standard deviation of the motion blur in the last full search, px; `None` if the blur is isotropic.
     pub fn motion_blur_px(&self) -> Option<f64> {
         self.common.and_then(|common| common.motion_px)
     }
 
-    /// Median radius of the markers in the last image that was searched whole, mm.
+    /// Median radius of the markers in the last full search, mm; `None` before one.
     pub fn radius_mm(&self) -> Option<f64> {
         self.common.map(|common| common.outline.radius_mm)
     }
 
-    /// Markers in an image, in the order of the nodes; hidden ones are left out. Nothing is assumed of the shape.
+    /// Locates the markers in an image, in the order of the nodes; omits hidden ones. Makes no assumption about the shape.
     ///
     /// # Errors
-    /// [`LocateError`] if the image does not show the finger, or more than one way to name the markers fits.
+    /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
     pub fn locate(&mut self, image: &RgbImage) -> Result<Vec<Located>, LocateError> {
         self.locate_about(image, true)
     }
 
-    /// The same; `pose_holds`: whether the finger must be where the pose has it, not only about there.
+    /// Same as [`locate`](Locator::locate). `pose_holds`: whether the finger must be exactly at the camera's pose rather than near it.
     fn locate_about(&mut self, image: &RgbImage, pose_holds: bool) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let mut buffers = std::mem::take(&mut self.buffers);
@@ -160,12 +160,12 @@ impl<'f> Locator<'f> {
         Ok(self.last.clone())
     }
 
-    /// Markers in the next image of a stream: each is sought near where it was last seen, with the outline and the noise of the last full
-    /// search. The whole image is searched if a fifth of what that search found is missing or does not fit a finger, and every tenth image
-    /// while a marker is missing.
+    /// Locates the markers in the next image of a stream: each near its last position, with the outline and noise of the last full search. The whole
+    /// image is searched if a fifth of that search's markers is missing or does not fit a finger. It is also searched every tenth image while a
+    /// marker is missing.
     ///
     /// # Errors
-    /// As [`Locator::locate`].
+    /// [`LocateError`] as for [`Locator::locate`].
     pub fn track(&mut self, image: &RgbImage) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let reach = NEAR * self.radius_px;
@@ -183,7 +183,7 @@ impl<'f> Locator<'f> {
             let side = if self.on_front.contains(&last.node) { Side::Front } else { Side::Back };
             let side = if self.colours.are_alike() { Side::Front } else { side };
             let mut centre = middle_of_colour(image, &self.colours, side, &last.pixel, reach)?;
-            // What was cut off at the border of the window is seen from there.
+            // The window may cut off part of the marker, so it is centred once more.
             if (centre - last.pixel).norm() > reach - self.radius_px {
                 centre = middle_of_colour(image, &self.colours, side, &centre, reach)?;
             }
@@ -191,7 +191,7 @@ impl<'f> Locator<'f> {
         };
         let found: Vec<(NodeId, Disc)> = self.last.iter().filter_map(near).collect();
         self.buffers = buffers;
-        // What is near where a node was is that node, unless no finger has such a shape.
+        // A marker near a node's last position is that node, unless no shape of the finger fits.
         let candidate = |(node, disc): &(NodeId, Disc)| Candidate {
             sides: [true; 2],
             at: disc.centre,
@@ -204,7 +204,7 @@ impl<'f> Locator<'f> {
         if (named.len() as f64) < FOUND_AGAIN * self.searched as f64 {
             return self.locate(image);
         }
-        // A few markers show whether something moved, in the image before or in this one: by how much, a full search finds.
+        // A few markers show motion blur; a full search measures it, also after an image with motion blur.
         let few = named.iter().step_by(FEW).map(|(_, disc)| disc);
         let blur_px = motion_blur_px(image, few, self.radius_px, outline.blurs_px[0]);
         if blur_px.or(common.motion_px).is_some() {
@@ -220,7 +220,7 @@ impl<'f> Locator<'f> {
         Ok(found)
     }
 
-    /// Whether patches of the markers' colours have another size than the camera's.
+    /// The error for patches of the markers' colours whose size does not fit the camera; `None` if it fits.
     fn other_size(&self, image: &RgbImage) -> Option<LocateError> {
         let expected_px = self.radius_px;
         let (found_px, count) = commonest_radius(image, &self.colours)?;
@@ -228,7 +228,7 @@ impl<'f> Locator<'f> {
         (is_other && 2 * count > marker_count(self.finger)).then_some(LocateError::OtherSize { expected_px, found_px })
     }
 
-    /// The discs that have a name; `pose_holds`: see [`Locator::locate_about`].
+    /// The discs that are assigned to nodes; `pose_holds` as in [`Locator::locate_about`].
     fn named(&self, discs: &[(Side, Disc)], pose_holds: bool) -> Result<Vec<(NodeId, Disc)>, LocateError> {
         let alike = self.colours.are_alike();
         let candidate = |(side, disc): &(Side, Disc)| Candidate {
@@ -257,12 +257,12 @@ impl<'f> Locator<'f> {
     }
 }
 
-/// Markers of a finger, those of clamped nodes included.
+/// Number of markers of a finger, including those of clamped nodes.
 fn marker_count(finger: &Finger) -> usize {
     (1..=finger.key_node_count()).filter(|&node| finger.has_marker(NodeId(node))).count()
 }
 
-/// Radius of a marker at the middle of the undeformed finger, px.
+/// Radius of a marker in the image at the middle of the undeformed finger, px.
 fn radius_px(finger: &Finger, camera: &Camera, markers: &Markers) -> Result<f64, LocateError> {
     let nodes = finger.key_node_count();
     let middle = (1..=nodes).map(|node| finger.position(NodeId(node))).sum::<Vector>() / nodes as f64;
@@ -273,7 +273,7 @@ fn radius_px(finger: &Finger, camera: &Camera, markers: &Markers) -> Result<f64,
     radius_at(camera, &pixel, markers)
 }
 
-/// Radius of a marker that is seen at a pixel, px.
+/// Radius of a marker in the image at a pixel, px.
 fn radius_at(camera: &Camera, pixel: &Pixel, markers: &Markers) -> Result<f64, LocateError> {
     let mm_a_px = camera.position_sd_mm(pixel, markers.height_mm, 1.0)?;
     let radius_px = markers.radius_mm / mm_a_px;

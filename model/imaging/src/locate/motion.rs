@@ -1,27 +1,27 @@
-//! Blur that is wider in one direction: of a finger or a camera that moved while the shutter was open.
+//! Anisotropic blur, from motion of the finger or camera during the exposure.
 //!
-//! The squared gradients of a blurred edge sum up to its contrast squared over its blur, along its normal: where blur is round, the edges of discs
-//! have as much of them in each direction. Those of colour are taken, which beams and background do not have.
+//! The squared gradients of a blurred edge sum up to its squared contrast over its blur, along the edge's normal. With isotropic blur the edges of discs
+//! have equal sums in all directions. Gradients of colour are used, which beams and background do not have.
 
 use super::disc::Disc;
 use image::RgbImage;
 use nalgebra::Matrix2;
 
-/// Ratio of the gradients' sums along and across from which on blur counts as round: discs seen at 20 degrees have 0.94.
+/// Ratio of the smaller to the larger sum of gradients above which blur counts as isotropic; discs seen at 20 degrees have 0.94.
 const ROUND: f64 = 0.75;
-/// Smallest blur that counts as a motion's, px: encoders that store every other pixel's colour along rows alone blur it by up to 0.9 px.
+/// Smallest motion blur that is reported, px. Encoders that halve the resolution of colour along rows only cause up to 0.9 px.
 const LEAST_PX: f64 = 1.2;
-/// Room about a disc, as a share of its radius.
+/// Extent of the window about a disc, in radii.
 const ROOM: f64 = 1.4;
-/// Directions of the edge over which its gradients are summed, and steps in which the ratio is solved for.
+/// Number of directions over which an edge's gradients are summed, and of bisection steps for the ratio.
 const DIRECTIONS: usize = 32;
 const STEPS: usize = 50;
-/// Largest blur of a motion, as a share of a disc's radius: of a larger one up to half is not seen, which no stated standard deviation holds.
+/// Largest motion blur that can be measured, as a share of a disc's radius. Up to half of a larger one stays hidden and would exceed any stated deviation.
 pub(super) const LARGEST_MOTION: f64 = 0.2;
-/// Largest variance of the motion over that of the round blur.
+/// Largest ratio of the variances of motion blur and isotropic blur.
 const MOST: f64 = 1e4;
 
-/// Standard deviation of the blur of a motion, px, beside a round one; `None` where blur is round. `blur_px` is the mean one.
+/// Standard deviation of the motion blur in addition to an isotropic one, px; `None` for isotropic blur. `blur_px` is the mean blur.
 pub(super) fn motion_blur_px<'d>(
     image: &RgbImage,
     discs: impl Iterator<Item = &'d Disc>,
@@ -34,7 +34,7 @@ pub(super) fn motion_blur_px<'d>(
     if ratio.is_nan() || ratio >= ROUND {
         return None;
     }
-    // The edge at an angle to the motion is blurred by 1 + k cos^2, in variances of the round blur.
+    // An edge at an angle to the motion has the blur variance 1 + k cos^2, relative to the isotropic blur.
     let ratio_of = |k: f64| {
         let (along, across) = (0..DIRECTIONS).fold((0.0, 0.0), |(along, across), i| {
             let cosine = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).cos().powi(2);
@@ -51,7 +51,7 @@ pub(super) fn motion_blur_px<'d>(
     Some(blur_px * (below / (1.0 + 0.5 * below)).sqrt()).filter(|motion_px| *motion_px > LEAST_PX)
 }
 
-/// Sums of products of the gradients of colour about a disc.
+/// Sums of products of the colour gradients about a disc.
 fn gradients(image: &RgbImage, disc: &Disc, reach: f64) -> Matrix2<f64> {
     let mut sums = Matrix2::zeros();
     let within = |axis: usize, size: u32| {

@@ -1,8 +1,7 @@
-//! Which marker is which node: order along the plates, and what a finger can do.
+//! Assignment of markers to nodes, from the order along the plates and the possible shapes of a finger.
 //!
-//! A plate keeps its length and bends gently, and a rib keeps its length nearly: from the clamped node on, whose position is known, each
-//! plate is the chain of markers with the least cost, in which a distance, a turn and a hidden node cost what they are unlikely. No
-//! guess of the shape is needed.
+//! A plate keeps its length and bends gently, and a rib nearly keeps its length. Each plate is a chain of markers from the clamped node, whose position is
+//! known. The chain of least cost is chosen; distances, bends and hidden nodes cost more the less likely they are. No initial shape is needed.
 
 mod chain;
 mod ribs;
@@ -14,65 +13,65 @@ use finray_model::{Finger, NodeId, Vector};
 /// A measured disc that may be a marker.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
-    /// Sides whose colour it has: front, back.
+    /// Whether its colour allows the front plate, and the back plate.
     pub sides: [bool; 2],
     /// Its centre, mm, finger frame.
     pub at: Vector,
-    /// The only node that it may be, where one is known.
+    /// The only node that it may be, if known.
     pub node: Option<NodeId>,
-    /// What naming it costs: more than zero if it does not quite look like a marker.
+    /// Cost of naming it, dimensionless; positive if it looks little like a marker.
     pub cost: f64,
 }
 
-/// Another chain that costs no more than this beyond the best fits alike.
+/// Largest extra cost at which another chain counts as equally good.
 const ALIKE: f64 = 4.0;
-/// Nodes that another chain of the same cost may name otherwise, each left out; with more, nothing is certain.
+/// Largest number of nodes that an equally good chain may name differently; these stay unnamed. With more, naming is ambiguous.
 const MOST_DOUBTFUL: usize = 1;
-/// Rounds in which plates look at each other's ribs.
+/// Number of rounds in which the plates use each other's names.
 const ROUNDS: usize = 3;
 
-/// Why nodes have no names.
+/// Reason why markers cannot be assigned to nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NamingError {
-    /// Too few markers are left.
+    /// Too few markers fit the finger.
     #[error("found {found} of {all} markers on the free nodes, of which at least {least} are needed")]
     TooFew {
-        /// Markers on free nodes that fit the finger.
+        /// Number of markers on free nodes that fit the finger.
         found: usize,
-        /// Free nodes.
+        /// Number of free nodes with a marker.
         all: usize,
-        /// How many are needed.
+        /// Smallest number of markers needed.
         least: usize,
     },
-    /// Two places of the base fit alike.
+    /// Two positions of the base fit equally well.
     #[error("two places of the base fit alike: the names of {nodes} nodes differ")]
     Places {
-        /// Nodes that differ.
+        /// Number of nodes whose names differ.
         nodes: usize,
     },
-    /// Two ways to name them fit alike.
+    /// Two assignments of the markers fit equally well.
     #[error("two ways to name the markers fit alike: they differ at {nodes} nodes of the {plate} plate")]
     Ambiguous {
-        /// Nodes that differ.
+        /// Number of nodes whose names differ.
         nodes: usize,
-        /// The plate.
+        /// Name of the plate.
         plate: &'static str,
     },
 }
 
-/// The candidate of each key node, by its number less one.
+/// Index of the candidate of each key node, by node number minus one; `None` without one.
 pub(super) type Names = Vec<Option<usize>>;
 
-/// A finger with markers.
+/// A finger whose base may be uncertain.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Marked<'f> {
     pub finger: &'f Finger,
-    /// Standard deviation of where its base is, mm: zero where the pose is known.
+    /// Standard deviation of the base's position, mm; zero if the pose is known.
     pub base_sd_mm: f64,
 }
 
 impl<'f> Marked<'f> {
-    /// A finger whose base is where the pose has it.
+    /// A finger with its base exactly at the camera's pose.
     pub fn at_base(finger: &'f Finger) -> Marked<'f> {
         Marked { finger, base_sd_mm: 0.0 }
     }
@@ -82,20 +81,20 @@ impl<'f> Marked<'f> {
     }
 }
 
-/// Names the candidates as one finger has them, without a check whether other names fit as well.
+/// Names the candidates at least cost, without a check for equally good names.
 pub(super) fn name_likely(marked: Marked, candidates: &[Candidate]) -> Names {
     likely(marked, candidates).0
 }
 
-/// The same with what it costs; `None` if no marker can be named.
+/// Same as [`name_likely`], with the cost; `None` if no marker can be named.
 pub(super) fn name_at_cost(marked: Marked, candidates: &[Candidate]) -> Option<(Names, f64)> {
     let (names, chains) = likely(marked, candidates);
     let cost = chains.iter().map(|chain| chain.as_ref().map(|chain| chain.cost)).sum::<Option<f64>>()?;
     Some((names, cost))
 }
 
-/// The plates look at each other's ribs in turn. Where candidates may be on either, each takes from the other what it is named first: then the
-/// cheapest names of three beginnings.
+/// Names both plates in turn, each with the other's ribs. If candidates may be on either plate, the first plate may take markers of the other; the
+/// cheapest of three starts is then used.
 fn likely(marked: Marked, candidates: &[Candidate]) -> (Names, [Option<Named>; 2]) {
     const FRONT_FIRST: [Plate; 2] = [Plate::Front, Plate::Back];
     let none: Names = vec![None; marked.finger.key_node_count()];
@@ -131,13 +130,13 @@ fn in_turn(
     (names, chains)
 }
 
-/// Names the candidates.
+/// Names the candidates at least cost, and rejects ambiguous names.
 pub(super) fn name(marked: Marked, candidates: &[Candidate]) -> Result<Names, NamingError> {
     let (mut names, chains) = likely(marked, candidates);
     for plate in [Plate::Front, Plate::Back] {
         let Some(best) = &chains[usize::from(plate == Plate::Back)] else { continue };
         let question = Chain::new(marked, plate, candidates, &names);
-        // Named anew with the last names of the other plate.
+        // The cost with the final names of the other plate.
         let best_cost = question.cheapest().map_or(best.cost, |found| found.cost);
         for (position, &candidate) in best.named.iter().enumerate().filter_map(|(k, c)| Some((k, c.as_ref()?))) {
             let Some(other) = question.cheapest_within(best_cost + ALIKE, Some((position, candidate))) else {
@@ -174,7 +173,7 @@ mod tests {
         StandardNormal.sample(chance)
     }
 
-    /// Markers of a shape as they would be measured, and the node of each.
+    /// Simulated measured markers of a random shape, and the node of each.
     fn markers(finger: &Finger, chance: &mut ChaCha8Rng, largest_n: f64) -> Option<Vec<(NodeId, Candidate)>> {
         let mesh = Mesh::key_nodes(finger);
         let length = finger.plate_length_mm(Plate::Front);
@@ -192,8 +191,8 @@ mod tests {
         Some(shape.motions().iter().map(marker).collect())
     }
 
-    /// Every named marker has its own name: three fingers, large deflections, hidden markers, false ones of the same colours. A false marker
-    /// may stand where a hidden one could: where nodes are 20 to 40 mm apart, up to two in a thousand.
+    /// Every named marker gets its correct name: three fingers, large deflections, hidden markers, false markers of the same colours. A false marker
+    /// may replace a hidden one: in up to 0.2 % of names for nodes 20 to 40 mm apart.
     #[test]
     fn no_marker_gets_another_nodes_name() {
         const SHAPES: u64 = 400;
@@ -210,7 +209,7 @@ mod tests {
                 let nodes = seen.len();
                 for _ in 0..number % 13 {
                     let at = Vector::new(chance.random_range(-30.0..180.0), chance.random_range(-70.0..70.0));
-                    // A false marker that lies on a true one would be measured as one of them, or not at all.
+                    // False markers keep away from true ones, since overlapping discs are measured as one or not at all.
                     if seen.iter().all(|(_, other)| (other.at - at).norm() > 4.0) {
                         let is_front = chance.random_range(0.0..1.0) < 0.5;
                         seen.push((NodeId(0), Candidate { sides: [is_front, !is_front], at, node: None, cost: 0.0 }));
@@ -225,7 +224,7 @@ mod tests {
                 }
             }
             assert!(f64::from(wrong) <= most_wrong * f64::from(named), "{wrong} of {named}");
-            // Refused shapes and markers that are left out count as not named.
+            // Rejected shapes and omitted markers count as not named.
             assert!(f64::from(named) > 0.97 * all as f64, "{named} of {all}");
         }
     }
@@ -236,7 +235,7 @@ mod tests {
         let mut seen = markers(&finger, &mut ChaCha8Rng::seed_from_u64(1), 2.0).expect("a shape");
         seen.truncate(5);
         let candidates: Vec<Candidate> = seen.iter().map(|(_, candidate)| *candidate).collect();
-        // Of nodes 1 to 5 one is clamped.
+        // One of nodes 1 to 5 is clamped.
         assert_eq!(
             name(Marked::at_base(&finger), &candidates),
             Err(NamingError::TooFew { found: 4, all: 23, least: 7 })
@@ -244,7 +243,7 @@ mod tests {
         assert!(matches!(name(Marked::at_base(&finger), &[]), Err(NamingError::TooFew { found: 0, .. })));
     }
 
-    /// A copy of every marker of a plate beside it: which one is the marker is not known, so neither is named.
+    /// With a copy beside every marker of a plate, the true marker is ambiguous, so neither is named.
     #[test]
     fn two_ways_to_name_are_refused() {
         let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;

@@ -1,4 +1,4 @@
-//! From images to observations: the locator that fits a scene's markers, and what its images have in common.
+//! From images to observations: the locator for a scene's markers, and data shared by its images.
 
 use super::{LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase, SeenRadii};
 use finray_model::camera::Camera;
@@ -8,12 +8,12 @@ use finray_model::scene::{Base, MarkerLook, Markers};
 use finray_model::{Finger, Scene};
 use image::RgbImage;
 
-/// Turns images of a finger into observations.
+/// Converts images of a finger to observations.
 #[derive(Debug, Clone)]
 pub struct Observer<'f> {
     finger: &'f Finger,
     locator: AnyLocator<'f>,
-    /// The markers without load, where an image of the unloaded finger shows them.
+    /// Markers of the unloaded finger, if an image of it was given.
     at_rest: Vec<Located>,
     rest_residual_px: Option<f64>,
     base_moves: bool,
@@ -26,35 +26,35 @@ enum AnyLocator<'f> {
     Grey(Box<RimLocator<'f>>),
 }
 
-/// Why images of a scene cannot be read.
+/// Reason why images of a scene cannot be observed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ObserverError {
     /// The scene has no camera.
     #[error("the scene has no [camera] with size_px, focal_px and principal_point_px")]
     NoCamera,
-    /// Its camera has no pose, and no image of the unloaded finger shows it.
+    /// The scene's camera has no pose, and no image of the unloaded finger determines it.
     #[error("the scene has no rotation_vector_rad and translation_mm in [camera]")]
     NoPose,
-    /// It has no markers.
+    /// The scene has no markers.
     #[error("the scene has no [markers]")]
     NoMarkers,
-    /// Its markers cannot be found.
+    /// No locator can be created for the markers.
     #[error(transparent)]
     Locator(#[from] LocatorError),
-    /// The image of the unloaded finger does not show it.
+    /// The image of the unloaded finger does not show its coloured markers.
     #[error(transparent)]
     Rest(#[from] RestError),
-    /// The same of grey markers.
+    /// The image of the unloaded finger does not show its grey markers.
     #[error(transparent)]
     GreyRest(LocateError),
 }
 
 impl<'f> Observer<'f> {
-    /// For the finger, camera and markers of a scene. With an image of the unloaded finger, displacements count from where it has the markers; coloured
-    /// markers show the camera's pose in it, too.
+    /// An observer for the finger, camera and markers of a scene. With an image of the unloaded finger, displacements are relative to its markers; coloured
+    /// markers also determine the camera's pose.
     ///
     /// # Errors
-    /// [`ObserverError`] for a scene without camera or markers, and an image that does not show its unloaded finger.
+    /// [`ObserverError`] for a scene without camera, pose or markers, or an image that does not show the unloaded finger.
     pub fn new(scene: &'f Scene, rest: Option<&RgbImage>) -> Result<Observer<'f>, ObserverError> {
         let finger = &scene.finger;
         let description = scene.camera.ok_or(ObserverError::NoCamera)?;
@@ -72,10 +72,10 @@ impl<'f> Observer<'f> {
         Ok(observer)
     }
 
-    /// For a finger before a camera whose pose is known; `base`, what shows the base of grey markers' images, where it moves.
+    /// An observer for a finger and a camera with known pose. `base` holds the references that show a moving base; only grey markers use it.
     ///
     /// # Errors
-    /// [`LocatorError`] for markers that cannot be found and a camera that does not see the finger.
+    /// [`LocatorError`] for markers that cannot be located, or a camera that does not see the finger.
     pub fn with(
         finger: &'f Finger,
         camera: &Camera,
@@ -91,12 +91,12 @@ impl<'f> Observer<'f> {
         Ok(Observer { finger, locator, at_rest: Vec::new(), rest_residual_px: None, base_moves, radii })
     }
 
-    /// Residual of the pose that coloured markers of the unloaded finger show, px: root mean square of a coordinate.
+    /// Residual standard deviation of one pixel coordinate in the pose from the unloaded finger's coloured markers, px; `None` without such an image.
     pub fn rest_residual_px(&self) -> Option<f64> {
         self.rest_residual_px
     }
 
-    /// See [`Locator::motion_blur_px`]; `None` of grey markers.
+    /// Motion blur in the last image, px, as [`Locator::motion_blur_px`]; `None` for grey markers.
     pub fn motion_blur_px(&self) -> Option<f64> {
         match &self.locator {
             AnyLocator::Coloured(locator) => locator.motion_blur_px(),
@@ -109,15 +109,15 @@ impl<'f> Observer<'f> {
         &self.radii
     }
 
-    /// Whether markers are sought near where they were in the image before, so that the order of images matters.
+    /// Whether markers are searched for near their positions in the previous image, so that the order of images matters.
     pub fn is_tracking(&self) -> bool {
         matches!(self.locator, AnyLocator::Coloured(_))
     }
 
-    /// What the next image of a stream shows.
+    /// Observes the next image of a stream.
     ///
     /// # Errors
-    /// [`LocateError`] if the image does not show the finger, or more than one way to name the markers fits.
+    /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
     pub fn observe(&mut self, image: &RgbImage) -> Result<Observation, LocateError> {
         let (located, base, radii) = match &mut self.locator {
             AnyLocator::Coloured(locator) => {
@@ -159,7 +159,7 @@ impl<'f> Observer<'f> {
     }
 }
 
-/// Uncertainty of a base's pose at the origin of the finger frame: errors of the middle of the references and of the turn about it move the origin.
+/// Uncertainty of a base's pose at the origin of the finger frame, from errors of the references' mean position and of the rotation about it.
 fn uncertainty_at_origin(base: &SeenBase) -> BaseUncertainty {
     let arm_mm = base.middle.norm() / std::f64::consts::SQRT_2;
     BaseUncertainty { sd_mm: base.sd_mm.hypot(base.sd_rad * arm_mm), sd_rad: base.sd_rad, ..BaseUncertainty::default() }

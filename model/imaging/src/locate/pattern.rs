@@ -1,8 +1,7 @@
-//! The undeformed finger in an image, without a guess of where it is: two rows of markers that meet at the tip.
+//! Detection of the undeformed finger in an image without initial pose: two rows of markers that meet at the tip.
 //!
-//! A camera keeps lines straight once its distortion is taken out. Of the lines through two markers of a colour, the one with most
-//! markers on it is a plate; two markers near the ends of each plate, taken for nodes near its ends, make a homography, and the one under
-//! which most nodes have a marker names them.
+//! A camera maps lines to lines once its distortion is removed. The line through two markers of a colour with the most markers on it is a plate. Two markers
+//! near the ends of each plate, matched to nodes near its ends, define a homography. The homography with the most markers at nodes names them.
 
 use super::blobs::Blob;
 use super::colour::Side;
@@ -12,17 +11,17 @@ use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
 use nalgebra::{Matrix3, SMatrix, SVector};
 
-/// Blobs that are looked at, the largest first.
+/// Largest number of blobs that are considered, the largest first.
 const MOST_BLOBS: usize = 150;
-/// Largest distance of a marker from its plate's line and from its node, in its own radii.
+/// Largest distance of a marker from its plate's line, and from its node, in marker radii.
 const ON_LINE: f64 = 0.7;
 const ON_NODE: f64 = 1.2;
-/// Markers at each end of a line that may be false, and nodes at each end of a plate that may be hidden.
+/// Largest number of false markers at each end of a line, and most hidden nodes at each end of a plate.
 const DOUBTFUL: usize = 3;
-/// Share of the nodes that must have a marker.
+/// Smallest share of the nodes that must have a marker.
 const LEAST_SHARE: f64 = 0.6;
 
-/// A marker by its position in the image without distortion.
+/// A marker with its undistorted image position (dimensionless) and its pixel.
 #[derive(Debug, Clone, Copy)]
 struct Mark {
     sides: [bool; 2],
@@ -30,7 +29,7 @@ struct Mark {
     pixel: Pixel,
 }
 
-/// Nodes and their pixels; `None` if there is no such pattern.
+/// Nodes with their pixels; `None` if the image does not show the pattern.
 pub(super) fn at_rest(
     finger: &Finger,
     lens: &Lens,
@@ -58,7 +57,7 @@ pub(super) fn at_rest(
                 let pairs = [first[0], first[1], second[0], second[1]];
                 let positions = pairs.map(|(_, node)| finger.marker_position(node));
                 let Some(homography) = through(&positions, &pairs.map(|(mark, _)| marks[mark].at)) else { continue };
-                // Seen from above (z > 0) the image is a mirrored one, as v runs down; without colours only this tells the plates apart.
+                // Seen from above (z > 0) the image is mirrored, since v points down; with equal colours only this distinguishes the plates.
                 if alike && !is_from_above(&homography, &positions[0]) {
                     continue;
                 }
@@ -73,14 +72,14 @@ pub(super) fn at_rest(
     (best.nodes.len() as f64 >= LEAST_SHARE * marker_count(finger) as f64).then_some(best.nodes)
 }
 
-/// Nodes with their pixels, and the sum of their distances to where a homography has them.
+/// Nodes with their pixels, and the sum of their distances from the positions by the homography.
 #[derive(Debug, Clone, Default)]
 struct Named {
     nodes: Vec<(NodeId, Pixel)>,
     distance: f64,
 }
 
-/// Markers of a side on one line, in their order along it: the line with most of them.
+/// Markers of a side in order along the line with the most of them; `None` for fewer than two.
 fn row(marks: &[Mark], side: Side, radius: f64, taken: &[usize]) -> Option<Vec<usize>> {
     let of_side: Vec<usize> =
         (0..marks.len()).filter(|i| marks[*i].sides[side as usize] && !taken.contains(i)).collect();
@@ -99,12 +98,12 @@ fn row(marks: &[Mark], side: Side, radius: f64, taken: &[usize]) -> Option<Vec<u
     (best.len() >= 2).then_some(best)
 }
 
-/// Ways to take two marks near the ends of a row for two nodes near the ends of a plate, in both directions.
+/// Pairs of marks near the ends of a row, matched to nodes near the ends of a plate in both directions.
 fn ends(row: &[usize], nodes: &[NodeId]) -> Vec<[(usize, NodeId); 2]> {
     let mut ways = Vec::new();
     for (i, k) in (0..DOUBTFUL).flat_map(|i| (0..DOUBTFUL).map(move |k| (i, k))) {
         for (n, m) in (0..DOUBTFUL).flat_map(|n| (0..DOUBTFUL).map(move |m| (n, m))) {
-            // Marks that are left out at an end stand for nodes that are not seen, or are false themselves.
+            // Skipped marks are false markers, skipped nodes are hidden.
             if i + k + 2 > row.len() || n + m + 2 > nodes.len() {
                 continue;
             }
@@ -117,9 +116,9 @@ fn ends(row: &[usize], nodes: &[NodeId]) -> Vec<[(usize, NodeId); 2]> {
     ways
 }
 
-/// The homography through four pairs.
+/// Homography through four pairs of points; `None` if it is not unique.
 fn through(positions: &[Vector; 4], seen: &[Vector; 4]) -> Option<Matrix3<f64>> {
-    // Lengths of about 1 on both sides keep the digits.
+    // Coordinates near 1 on both sides reduce rounding errors.
     let scale = positions.iter().map(|position| position.norm()).fold(f64::MIN_POSITIVE, f64::max);
     let mut rows = SMatrix::<f64, 8, 8>::zeros();
     let mut right = SVector::<f64, 8>::zeros();
@@ -146,7 +145,7 @@ fn is_from_above(homography: &Matrix3<f64>, at: &Vector) -> bool {
     homography.determinant() / depth.powi(3) < 0.0
 }
 
-/// Nodes with the markers that are where the homography has them. A marker is one node's alone: nothing is named where two want it.
+/// Nodes with a marker at their position by the homography. A marker belongs to one node only: nothing is named if two nodes claim it.
 fn named(finger: &Finger, marks: &[Mark], homography: &Matrix3<f64>, radius: f64) -> Named {
     let mut named = Named::default();
     let mut taken = vec![false; marks.len()];

@@ -1,34 +1,34 @@
-//! Radii of the markers and of the references on the base, as images show them.
+//! Radii of the markers and of the references on the base, measured in images.
 
 use super::together::median;
 use finray_model::Scene;
 use std::fmt;
 
-/// Largest share by which a radius that images show may differ from the scene's: sharpened or slanting rims, and a nominal distance from the camera.
+/// Largest relative difference between measured and stated radius. Sharpened or slanted rims and a nominal camera distance cause such differences.
 const SAME_RADIUS: f64 = 0.05;
 
-/// Radii that an image shows, mm.
+/// Radii measured in an image, mm.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SeenRadii {
-    /// Median of the markers; `None` where none was measured.
+    /// Median radius of the markers, mm; `None` if none was measured.
     pub markers_mm: Option<f64>,
-    /// That of each reference on the base; `None` where it was not found.
+    /// Radius of each reference on the base, mm; `None` if it was not found.
     pub references_mm: Vec<Option<f64>>,
 }
 
-/// A radius of the scene that is not the one that images show.
+/// A radius of the scene that differs from the measured one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OtherRadius {
-    /// Index of the reference on the base; `None` of the markers.
+    /// Index of the reference on the base; `None` for the markers.
     pub reference: Option<usize>,
-    /// By the scene, mm.
+    /// Radius stated in the scene, mm.
     pub stated_mm: f64,
-    /// Median over the images, mm.
+    /// Median of the measured radii over the images, mm.
     pub shown_mm: f64,
 }
 
 impl OtherRadius {
-    /// Radii of a scene that differ from those of its images by more than 5 %.
+    /// Radii of a scene that differ from the measured ones by more than 5 %.
     pub fn of(scene: &Scene, images: &[&SeenRadii]) -> Vec<OtherRadius> {
         let references = scene.base.iter().flat_map(|base| &base.references);
         let stated = scene.markers.iter().map(|markers| (None, markers.radius_mm));
@@ -45,7 +45,7 @@ impl OtherRadius {
         stated.filter_map(other).collect()
     }
 
-    /// Puts the radius that images show into a scene.
+    /// Replaces the radius in a scene by the measured one.
     pub fn correct(&self, scene: &mut Scene) {
         let marks = match self.reference {
             None => scene.markers.as_mut(),

@@ -1,4 +1,4 @@
-//! The finger at rest: its pose before the camera, and where each marker is without load.
+//! The unloaded finger: its pose relative to the camera, and the position of each marker without load.
 
 use super::blobs::{blobs, commonest_radius};
 use super::colour::Colours;
@@ -10,52 +10,52 @@ use finray_model::camera::{Camera, Lens, PlanePoseError, Pose, plane_pose};
 use finray_model::scene::{MarkerLook, Markers};
 use image::RgbImage;
 
-/// Largest residual of the pose's fit, px: a finger that is bent, or not this one, leaves more.
+/// Largest residual of the pose's fit, px; a bent or different finger has a larger one.
 const LARGEST_RESIDUAL_PX: f64 = 2.0;
-/// Rounds of locating and fitting the pose: the markers are measured as circles of the plane, whose pose is found from them.
+/// Number of rounds that alternate locating and pose fit; the markers are measured as circles in the plane, which depends on the pose.
 const ROUNDS: usize = 3;
 
-/// What an image of the unloaded finger shows.
+/// Results from an image of the unloaded finger.
 #[derive(Debug, Clone)]
 pub struct Rest {
-    /// The camera with the pose that the image shows.
+    /// The camera with the fitted pose.
     pub camera: Camera,
-    /// Markers in it, seen with this pose.
+    /// Markers, located with this pose.
     pub located: Vec<Located>,
-    /// Residual standard deviation of the pose's fit, px.
+    /// Residual standard deviation of one pixel coordinate in the pose's fit, px.
     pub residual_sd_px: f64,
 }
 
-/// Why an image shows no finger at rest.
+/// Reason why an image does not show the unloaded finger.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RestError {
-    /// The markers are not found.
+    /// The markers were not located.
     #[error(transparent)]
     Locate(#[from] LocateError),
-    /// No locator for this camera.
+    /// No locator can be created for these markers and this camera.
     #[error(transparent)]
     Locator(#[from] LocatorError),
-    /// They have no pose.
+    /// The markers do not determine a pose.
     #[error(transparent)]
     Pose(#[from] PlanePoseError),
-    /// No two rows of markers that meet at a tip, and no pose to start from.
+    /// There are no two rows of markers that meet at a tip, and the scene states no pose to start from.
     #[error(
         "no unloaded finger is seen: expected two rows of markers as the scene has them, with at least six of ten in sight"
     )]
     NoPattern,
-    /// They are not where an unloaded finger has them.
+    /// The markers do not fit the scene's unloaded finger.
     #[error(
         "the markers are {residual_px:.1} px rms from those of the scene's unloaded finger, at most {LARGEST_RESIDUAL_PX} px are expected: is \
          the finger loaded, or the lens or the finger another one?"
     )]
     NotAtRest {
-        /// Root mean square of the residuals, px.
+        /// Residual standard deviation of one pixel coordinate, px.
         residual_px: f64,
     },
 }
 
 impl Rest {
-    /// Finds the pose without a guess, or else from about where the scene has it.
+    /// Fits the pose, starting from the pattern of markers or else from the stated pose.
     ///
     /// # Errors
     /// [`RestError`] if the image does not show the unloaded finger.
@@ -68,7 +68,7 @@ impl Rest {
     ) -> Result<Rest, RestError> {
         require_own_junctions(finger)?;
         require_size(lens, image)?;
-        // Where markers are named by their pattern, a pose that the scene states adds nothing, and may be off.
+        // The pattern of markers determines the pose, so the stated pose, which may be inaccurate, is not needed.
         let pose = pose_of_pattern(finger, lens, markers, image)?.or(pose).ok_or(RestError::NoPattern)?;
         let mut camera = Camera { lens: *lens, pose };
         let mut located = Locator::new(finger, &camera, markers)?.locate_about(image, false)?;
@@ -88,7 +88,7 @@ impl Rest {
     }
 }
 
-/// The pose from the pattern of the unloaded finger's markers; `None` if it is not seen.
+/// Pose from the pattern of the unloaded finger's markers; `None` if the image does not show it.
 fn pose_of_pattern(
     finger: &Finger,
     lens: &Lens,

@@ -1,7 +1,7 @@
-//! Nodes from the rims of grey markers, before surroundings that look alike, and the base of a finger that moves.
+//! Locator of grey markers by their rims in similar surroundings, with a base that may move.
 //!
-//! Of many round rims in an image some are markers: those that one finger can have. Where the base is not known, every pair of rims that could be
-//! two references on it, or the two ends of a rib, proposes a place for it; the place from which the markers are named at the least cost is it.
+//! An image has many round rims; the markers are those that one finger can have. If the base is unknown, every pair of rims that may be two references, or
+//! the two ends of a rib, proposes its position. The proposal under which the markers are named at the least cost is chosen.
 
 use super::elsewhere::Scenery;
 use super::error::require_own_junctions;
@@ -15,59 +15,59 @@ use finray_model::{Finger, NodeId, Vector};
 use image::RgbImage;
 use nalgebra::{Isometry2, UnitComplex};
 
-/// How far references may be from where the scene has them, mm, and as a share of their distance from each other.
+/// Tolerance of the distance between references, mm, and as a share of that distance; combined as a root sum of squares.
 const REFERENCE_MM: f64 = 1.5;
 const REFERENCE_SHARE: f64 = 0.03;
-/// Deviation of a rib's length in a proposal: the scene's geometry is nominal.
+/// Tolerance of a rib's length in a proposal, as a share of it, because the scene's geometry is nominal.
 const RIB_SHARE: f64 = 0.08;
-/// Ribs from the base that propose a place, and standard deviation of the place, as a share of the length of the plate up to the rib: it bends.
+/// Number of ribs from the base that propose its position; its standard deviation is a share of the plate's length up to the rib, since the plate bends.
 const PROPOSING: usize = 2;
 const BEND_SHARE: f64 = 0.2;
-/// Standard deviation of a rim's centre by rays, as a share of its radius, that costs 1: what is not round is hardly a marker.
+/// Standard deviation of a rim's centre by rays that costs 1, as a share of the radius; markers are round.
 const ROUND: f64 = 0.02;
-/// A named rim whose centre is less well known by rays than the middle one of all by this factor is no marker: markers are alike.
+/// Largest ratio of a named rim's standard deviation by rays to the median of all; markers are equal, so a larger one is no marker.
 const LEAST_ROUND: f64 = 4.0;
-/// Another place whose names cost no more than this beyond the best fits alike.
+/// Largest extra cost at which another position of the base counts as equally good.
 const ALIKE: f64 = 4.0;
-/// A place by ribs contradicts that by references if it costs less by as much as this, which is more than two hidden markers cost.
+/// Cost by which a position from ribs must be better to contradict that from references: more than the cost of two hidden markers.
 const CONTRADICTS: f64 = 13.0;
-/// How far a base without references may be from where the ribs have it: as far as a finger may have bent.
+/// Standard deviations of a base without references relative to the ribs' estimate, mm and rad: the range of a bent finger.
 const UNKNOWN_MM: f64 = 10.0;
 const UNKNOWN_RAD: f64 = 0.2;
-/// Nodes that such names may have otherwise.
+/// Largest number of nodes that equally good positions may name differently.
 const MOST_DOUBTFUL: usize = 1;
 
-/// What an image shows of a finger.
+/// Results for a finger in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenFinger {
-    /// Where the base is.
+    /// Pose of the base.
     pub base: SeenBase,
-    /// Markers, in the order of the nodes, with positions in the finger frame; their standard deviations hold that of the base.
+    /// Markers in the order of the nodes, with positions in the finger frame; their standard deviations include that of the base.
     pub located: Vec<Located>,
     /// Radii of markers and references.
     pub radii: SeenRadii,
 }
 
-/// Where an image has the base of a finger.
+/// Pose of a finger's base in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenBase {
-    /// From the finger frame, which moves with the base, to where the camera's pose has it.
+    /// Transform from the finger frame, which moves with the base, to the frame of the camera's pose; mm.
     pub pose: Isometry2<f64>,
-    /// Whether it is known: from the camera's pose or from two references. Otherwise it is only about where the markers have it, and displacements from
-    /// it are not known.
+    /// Whether the base is known, from the camera's pose or from two references. Otherwise only the markers determine it roughly, and displacements relative to
+    /// it are unknown.
     pub is_known: bool,
-    /// Distance of each reference from its place once the base is where it fits best, mm; `None` where it was not found.
+    /// Distance of each reference from its position with the fitted base, mm; `None` if it was not found.
     pub references_mm: Vec<Option<f64>>,
-    /// The middle of the references, finger frame, mm.
+    /// Mean position of the references, finger frame, mm.
     pub middle: Vector,
-    /// Standard deviation of one coordinate of that middle, mm: an error that all markers of an image share.
+    /// Standard deviation of one coordinate of that mean position, mm; an error shared by all markers of an image.
     pub sd_mm: f64,
-    /// Standard deviation of the turn about it, rad, which they share as well.
+    /// Standard deviation of the rotation about the mean position, rad; also shared by all markers of an image.
     pub sd_rad: f64,
 }
 
 impl SeenBase {
-    /// That of a base whose pose is known.
+    /// A base with known pose.
     fn fixed() -> SeenBase {
         SeenBase {
             pose: Isometry2::identity(),
@@ -79,13 +79,13 @@ impl SeenBase {
         }
     }
 
-    /// Standard deviation of one coordinate of a position of the finger frame that the base's pose leaves, mm; root mean square of x and y.
+    /// Standard deviation of one coordinate of a position of the finger frame (mm) due to the base's pose, mm; root mean square of x and y.
     pub fn sd_at(&self, position: &Vector) -> f64 {
         self.sd_mm.hypot(self.sd_rad * (position - self.middle).norm() / std::f64::consts::SQRT_2)
     }
 }
 
-/// Finds the grey markers of one finger with one camera.
+/// Locator of the grey markers of one finger with one camera.
 #[derive(Debug, Clone)]
 pub struct RimLocator<'f> {
     finger: &'f Finger,
@@ -95,20 +95,20 @@ pub struct RimLocator<'f> {
     base: Option<Base>,
 }
 
-/// A proposal for the base.
+/// A proposed pose of the base.
 struct Proposal {
     base: Isometry2<f64>,
-    /// Standard deviation of its place, mm.
+    /// Standard deviation of the base's position, mm.
     sd_mm: f64,
-    /// The rim of each reference, in the order of the references.
+    /// Index of each reference's rim, in the order of the references.
     references: Vec<Option<usize>>,
 }
 
 impl<'f> RimLocator<'f> {
-    /// A locator for a scene's finger, camera and markers. `base`: what shows the base, where it is not where the camera's pose has it.
+    /// A locator for the finger, camera and markers of a scene. `base` holds the references of a moving base.
     ///
     /// # Errors
-    /// [`LocatorError`] for coloured markers and a camera that does not see the finger.
+    /// [`LocatorError`] for coloured markers, shared junctions of ribs, or a camera that does not see the finger.
     pub fn new(
         finger: &'f Finger,
         camera: &Camera,
@@ -119,16 +119,16 @@ impl<'f> RimLocator<'f> {
         require_own_junctions(finger)?;
         let radius_px = match base {
             None => radius_px(finger, camera, markers)?,
-            // The finger may be anywhere in the image.
+            // The finger may be anywhere in the image, so the image's middle represents it.
             Some(_) => radius_at(camera, &camera.lens.middle(), markers)?,
         };
         Ok(RimLocator { finger, camera: *camera, shape, radius_px, base: base.cloned() })
     }
 
-    /// Markers in an image; hidden ones are left out. Nothing is assumed of the shape.
+    /// Locates the markers in an image; omits hidden ones. Makes no assumption about the shape.
     ///
     /// # Errors
-    /// [`LocateError`] if the image does not show the finger, or more than one way to name the markers fits.
+    /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
     pub fn locate(&self, image: &RgbImage) -> Result<SeenFinger, LocateError> {
         require_size(&self.camera.lens, image)?;
         let view = GreyView::new(&self.camera, image);
@@ -170,7 +170,7 @@ impl<'f> RimLocator<'f> {
         Ok(SeenFinger { located: located(&named, &base, wider), base, radii })
     }
 
-    /// Rims that may be each reference; those that look alike are sought once.
+    /// Rims that may be each reference; references with the same appearance are searched for once.
     fn marks(&self, view: &GreyView, base: &Base) -> Vec<Vec<Rim>> {
         let mut known: Vec<(RimShape, Vec<Rim>)> = Vec::new();
         let of_reference = |reference: &Reference| {
@@ -185,7 +185,7 @@ impl<'f> RimLocator<'f> {
         base.references.iter().map(of_reference).collect()
     }
 
-    /// Places of the base by the ends of the ribs next to it.
+    /// Proposals for the base from the ends of the ribs next to it.
     fn by_ribs(&self, rims: &[Rim]) -> Vec<Proposal> {
         let mut proposals = Vec::new();
         for rib in 0..self.finger.rib_count().min(PROPOSING) {
@@ -200,7 +200,7 @@ impl<'f> RimLocator<'f> {
         proposals
     }
 
-    /// The place from which the markers are named at the least cost.
+    /// The proposal under which the markers are named at the least cost, with that cost.
     fn best<'p>(&self, rims: &[Rim], proposals: &'p [Proposal]) -> Result<(f64, &'p Proposal), NamingError> {
         let mut best: Option<(f64, &Proposal, Names)> = None;
         let mut others: Vec<(f64, Names)> = Vec::new();
@@ -224,10 +224,9 @@ impl<'f> RimLocator<'f> {
         Ok((cost, proposal))
     }
 
-    /// Refuses a base where references have it, if the ribs next to it have it elsewhere and the finger fits far better there: then other marks were taken
-    /// for the references.
+    /// Rejects a base from references if the ribs next to it show another position with a far better fit: the references are then other marks.
     fn require_base_of_finger(&self, rims: &[Rim], by_references: &Proposal, cost: f64) -> Result<(), LocateError> {
-        // Two places that fit alike by ribs alone contradict nothing.
+        // An ambiguous position from ribs contradicts nothing.
         let proposals = self.by_ribs(rims);
         let Ok((cost_of_ribs, by_ribs)) = self.best(rims, &proposals) else { return Ok(()) };
         let away_mm = (by_ribs.base.translation.vector - by_references.base.translation.vector).norm();
@@ -249,7 +248,7 @@ impl<'f> RimLocator<'f> {
     }
 }
 
-/// The rims that have a name, less those that are far less round than the others.
+/// The named rims, except those that are far less round than the others.
 fn named(rims: &[Rim], names: &Names) -> Vec<(NodeId, Rim)> {
     let mut named: Vec<(NodeId, Rim)> =
         names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();
@@ -264,8 +263,8 @@ fn middle_radius_mm(named: &[(NodeId, Rim)]) -> Option<f64> {
     median(named.iter().map(|(_, rim)| rim.radius_mm))
 }
 
-/// Background that the model of an edge leaves out makes neighbouring pixels err alike: the markers of an image show by how much standard
-/// deviations are wider for it, those of the marks on the base as well.
+/// Factor by which standard deviations of the markers, and of the marks on the base, are wider than for independent pixel errors. Background that the
+/// edge model neglects correlates the errors of neighbouring pixels; the markers' residuals show by how much.
 fn widening(named: &[(NodeId, Rim)]) -> f64 {
     wider(named.iter().filter_map(|(_, rim)| rim.excess_variances))
 }
@@ -284,7 +283,7 @@ fn shape_of(markers: &Markers) -> Result<RimShape, LocatorError> {
     Ok(RimShape { radius_mm: markers.radius_mm, inner_radius_mm, shade, height_mm: markers.height_mm })
 }
 
-/// The base as a proposal has it; standard deviations of its marks are so much wider than for pixels that err independently.
+/// Pose of the base by a proposal; `wider` is the factor on the standard deviations of its marks.
 fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal, wider: f64) -> SeenBase {
     let found = |i: usize| Some(marks[i][proposal.references.get(i).copied().flatten()?]);
     let seen: Vec<(Vector, Rim)> =
@@ -309,7 +308,7 @@ fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal, wider: f64) -
 
 type Seen = (usize, Vector);
 
-/// Pairs of rims at a distance, in both orders, and how far they are off it, mm.
+/// Pairs of rims at a distance, within a tolerance, in both orders; with their deviations from it, mm.
 fn pairs(first: &[Rim], second: &[Rim], distance_mm: f64, tolerance_mm: f64) -> Vec<([Seen; 2], f64)> {
     let mut found = Vec::new();
     for (i, a) in first.iter().enumerate() {
@@ -323,7 +322,7 @@ fn pairs(first: &[Rim], second: &[Rim], distance_mm: f64, tolerance_mm: f64) -> 
     found
 }
 
-/// Places of the base by references: those for which most of them are found.
+/// Proposals for the base from references: those with the most references found.
 fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
     let places: Vec<Vector> = base.references.iter().map(|reference| reference.at).collect();
     let mut proposals: Vec<Proposal> = Vec::new();
@@ -356,12 +355,12 @@ fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
     proposals
 }
 
-/// The motion that takes two points onto two others as well as a rigid one can.
+/// Rigid motion that maps two points to two others by least squares.
 fn aligned(from: &[Vector; 2], to: &[Vector; 2]) -> Isometry2<f64> {
     fitted(&[(from[0], to[0]), (from[1], to[1])])
 }
 
-/// The rigid motion of least squares (Kabsch in the plane).
+/// Rigid motion by least squares over pairs of points (Kabsch in the plane).
 fn fitted(pairs: &[(Vector, Vector)]) -> Isometry2<f64> {
     let count = pairs.len().max(1) as f64;
     let (from, to) = pairs.iter().fold((Vector::zeros(), Vector::zeros()), |(a, b), (from, to)| (a + from, b + to));

@@ -1,14 +1,14 @@
-//! Discs of the finger's plane, anti-aliased by area.
+//! Discs in planes parallel to the finger's, anti-aliased by covered area.
 
 use super::mix;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use image::Rgb32FImage;
 
-/// Subpixels along each side of a pixel: the centre of a disc of 12 px, from its 75 edge pixels, is good to a thousandth of a pixel.
+/// Subpixels along each side of a pixel. The centre of a disc of 12 px radius, from its 75 edge pixels, is then accurate to 0.001 px.
 const SUBPIXELS: u32 = 32;
 
-/// Paints a disc about a point (finger frame, mm, and height above the plane). Parts that the camera does not see are left out.
+/// Paints a disc about a point of the finger frame, mm, at a height above the finger's plane, mm. Omits parts outside the camera's view.
 pub(super) fn paint_disc(
     canvas: &mut Rgb32FImage,
     camera: &Camera,
@@ -17,7 +17,7 @@ pub(super) fn paint_disc(
     colour: [f32; 3],
 ) {
     let Ok((pixel, by_point)) = camera.project_with_derivatives(&centre.push(height_mm)) else { return };
-    // Perspective makes the nearer half larger: half as much again is room enough for a radius up to a third of the distance.
+    // Perspective enlarges the nearer half: a factor of 1.5 suffices for a radius up to a third of the distance.
     let px_a_mm = by_point.fixed_columns::<2>(0).singular_values().max();
     let reach = 1.5 * radius_mm * px_a_mm + 2.0;
     let (width, height) = canvas.dimensions();
@@ -27,7 +27,7 @@ pub(super) fn paint_disc(
             let at = Pixel::new(f64::from(u), f64::from(v));
             let Ok((point, by_pixel)) = camera.on_plane_with_derivatives(&at, height_mm) else { continue };
             let from_centre = point - centre;
-            // No less than half a diagonal of the pixel, in the plane.
+            // Upper bound of half the pixel's diagonal in the plane, mm.
             let half = by_pixel.norm();
             let share = match from_centre.norm() {
                 far if far >= radius_mm + half => continue,
@@ -44,7 +44,7 @@ pub(super) fn paint_disc(
     }
 }
 
-/// Columns and rows of the image within a distance of a pixel; `None` if there are none.
+/// Columns and rows of the image within `reach` px of a pixel; `None` if there are none.
 fn window(
     pixel: &Pixel,
     reach: f64,
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
     use finray_model::camera::{Distortion, Lens, Pose};
 
-    /// Share of a unit pixel that a disc covers, by strips of which each is cut exactly.
+    /// Share of a unit pixel that a disc covers, from strips with exact ends.
     fn covered(pixel: [f64; 2], centre: &Pixel, radius: f64) -> f64 {
         const STRIPS: u32 = 400;
         let strip = |k: u32| {
@@ -75,7 +75,7 @@ mod tests {
         (0..STRIPS).map(strip).sum::<f64>() / f64::from(STRIPS)
     }
 
-    /// Pixels hold the share that the disc covers, wherever between them it lies: what they lack shifts its centre by less than 1e-3 px.
+    /// Each pixel has the share that the disc covers, for any subpixel position. The errors shift the disc's centre by less than 1e-3 px.
     #[test]
     fn light_is_that_of_the_disc() {
         let lens = Lens::new([80, 60], [400.0, 400.0], [39.5, 29.5], Distortion::default()).expect("a lens");
@@ -90,7 +90,7 @@ mod tests {
             for (u, v, pixel) in canvas.enumerate_pixels() {
                 let at = [f64::from(u), f64::from(v)];
                 let share = f64::from(pixel.0[0]);
-                // 8 px a mm.
+                // The scale is 8 px/mm.
                 let lacking = share - covered(at, &seen, 12.0);
                 assert!(lacking.abs() < 0.02, "{at:?} {share} {lacking}");
                 area += share;

@@ -1,4 +1,4 @@
-//! A plane grid of dots, as `finray lens` looks for it.
+//! A plane grid of dots for lens calibration with `finray lens`.
 
 use super::disc::paint_disc;
 use super::{Disturbances, developed};
@@ -6,20 +6,20 @@ use finray_model::Vector;
 use finray_model::camera::Camera;
 use image::{ImageBuffer, Rgb32FImage, RgbImage};
 
-/// A grid in the plane z = 0.
+/// A grid of dots in the plane z = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridPlate {
     /// Distance between neighbouring dots, mm.
     pub pitch_mm: f64,
     /// Radius of a dot, mm.
     pub radius_mm: f64,
-    /// Dots along x and y, about the origin.
+    /// Number of dots along x and y; the grid is centred at the origin.
     pub counts: [u16; 2],
-    /// Grey level of the plate and of the dots.
+    /// Grey levels of the plate and of the dots, 0 to 255.
     pub greys: [u8; 2],
 }
 
-/// The image of a grid; dots that `is_hidden` are left out.
+/// Renders a grid; `is_hidden` omits the dots at given positions (mm).
 pub fn render_grid(
     camera: &Camera,
     plate: &GridPlate,

@@ -1,7 +1,7 @@
-//! The image that a camera takes of a deformed finger, made so that every marker's true centre is known.
+//! Rendering of the image that a camera takes of a deformed finger, with known true centres of all markers.
 //!
-//! Plates and ribs are strips about the curves that their end positions and rotations give a beam without loads on it; markers are discs
-//! of the plane, whose edge pixels hold the share of the pixel that the disc covers. Light, blur and noise come on top, in this order.
+//! Plates and ribs are strips about the curves of an unloaded beam with the given end positions and rotations. Markers are discs parallel to the finger's
+//! plane; their edge pixels have the share that the disc covers. Light falloff, blur and noise follow, in this order.
 
 mod clutter;
 mod disc;
@@ -21,56 +21,56 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Colours of what is no marker: a dark background and a light finger.
+/// Colours other than those of markers: a dark background and a light finger.
 const BACKGROUND: Rgb = [64, 68, 74];
 const BODY: Rgb = [186, 188, 190];
-/// Grey markers.
+/// Colours of grey markers.
 const BRIGHT: Rgb = [250, 250, 248];
 const DARK: Rgb = [22, 24, 26];
 
-/// What is seen, and how.
+/// Contents of an image, and its disturbances.
 #[derive(Debug, Clone, Copy)]
 pub struct RenderRequest<'a> {
     /// The camera.
     pub camera: &'a Camera,
     /// The finger.
     pub finger: &'a Finger,
-    /// Its key nodes as they moved.
+    /// Motions of its key nodes.
     pub shape: &'a FingerShape,
     /// Its markers.
     pub markers: &'a Markers,
-    /// Marks on its base.
+    /// Marks on the base.
     pub references: &'a [Reference],
     /// Nodes whose markers are hidden.
     pub hidden: &'a [NodeId],
-    /// Disturbances.
+    /// Disturbances of the image.
     pub disturbances: Disturbances,
 }
 
-/// What an image has beside the finger.
+/// Disturbances of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disturbances {
-    /// Share of the light that the corners lack; it falls off with the square of the distance from the image's centre.
+    /// Loss of light in the corners as a share, 0..1; it grows with the square of the distance from the image's centre.
     pub light_falloff: f64,
     /// Standard deviation of a Gaussian blur, px.
     pub blur_px: f64,
-    /// Standard deviation of noise on every channel of every pixel, grey levels of 255.
+    /// Standard deviation of the noise on every channel of every pixel, grey levels (of 255).
     pub grey_noise: f64,
-    /// Discs and boxes beside the markers, half of them in the markers' colours.
+    /// Number of discs and boxes in the background; half of them have the markers' colours.
     pub clutter: usize,
-    /// Seed of noise and clutter.
+    /// Seed of the random numbers for noise and clutter.
     pub seed: u64,
 }
 
-/// The finger is not where the camera looks.
+/// The camera does not see the finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum RenderError {
     /// A node has no pixel.
     #[error("the camera does not see the finger: node {node} {reason}")]
     NotSeen {
-        /// The node.
+        /// The key node.
         node: NodeId,
-        /// Why.
+        /// Reason why the node has no pixel.
         reason: finray_model::camera::ViewError,
     },
     /// All nodes are outside the image.
@@ -78,10 +78,10 @@ pub enum RenderError {
     Outside,
 }
 
-/// Pixels at which the centres of the markers are, by node: what an image can be held against.
+/// Pixels of all markers' true centres, by node; `height_mm` is the markers' height above the finger's plane.
 ///
 /// # Errors
-/// [`RenderError`] for a node that has no pixel, or a finger outside the image.
+/// [`RenderError`] for a node without a pixel, or if all nodes lie outside the image.
 pub fn marker_pixels(
     camera: &Camera,
     finger: &Finger,
@@ -97,10 +97,10 @@ pub fn marker_pixels(
     if seen.iter().any(|(_, pixel)| camera.lens.contains(pixel)) { Ok(seen) } else { Err(RenderError::Outside) }
 }
 
-/// The image.
+/// Renders an image.
 ///
 /// # Errors
-/// [`RenderError`] for a finger that the camera does not see.
+/// [`RenderError`] if the camera does not see the finger.
 pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
     let &RenderRequest { camera, finger, shape, markers, references, hidden, disturbances } = request;
     let pixels = marker_pixels(camera, finger, shape, markers.height_mm)?;
@@ -147,7 +147,7 @@ fn paint_marker(canvas: &mut Rgb32FImage, camera: &Camera, markers: &Markers, ce
     }
 }
 
-/// Weights of a Gaussian of a standard deviation (px), out to four of them: imageproc's own ends at two, where it is narrower than it says.
+/// Weights of a Gaussian filter with a standard deviation in px, cut at four of them. The filter of imageproc is cut at two and so is too narrow.
 fn gaussian(sd_px: f64) -> Vec<f32> {
     let reach = (4.0 * sd_px).ceil() as i32;
     let weight = |step: i32| (-0.5 * (f64::from(step) / sd_px).powi(2)).exp();
@@ -155,7 +155,7 @@ fn gaussian(sd_px: f64) -> Vec<f32> {
     (-reach..=reach).map(|step| (weight(step) / sum) as f32).collect()
 }
 
-/// Light, blur, noise, and 256 grey levels.
+/// Applies light falloff, blur and noise, and rounds to 256 grey levels.
 fn developed(mut canvas: Rgb32FImage, disturbances: &Disturbances) -> RgbImage {
     let (width, height) = canvas.dimensions();
     let middle = [f64::from(width - 1) / 2.0, f64::from(height - 1) / 2.0];
@@ -175,21 +175,21 @@ fn developed(mut canvas: Rgb32FImage, disturbances: &Disturbances) -> RgbImage {
         true => disturbances.grey_noise * Distribution::<f64>::sample(&StandardNormal, &mut chance),
         false => 0.0,
     };
-    // To the nearest grey level; the conversion cuts off at both ends.
+    // Rounds to the nearest grey level; the conversion saturates at 0 and 255.
     let grey = canvas.iter().map(|&part| (f64::from(part) + noise() + 0.5) as u8).collect::<Vec<_>>();
     let mut image = RgbImage::new(width, height);
     image.copy_from_slice(&grey);
     image
 }
 
-/// A stream of random numbers of a seed.
+/// A stream of random numbers from a seed.
 fn chance(seed: u64, stream: u64) -> ChaCha8Rng {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     chance.set_stream(stream);
     chance
 }
 
-/// Paints a share of a pixel.
+/// Blends a colour into a pixel; `share` is its weight, 0..1.
 fn mix(pixel: &mut [f32; 3], colour: [f32; 3], share: f32) {
     for (part, new) in pixel.iter_mut().zip(colour) {
         *part += share * (new - *part);

@@ -1,4 +1,4 @@
-//! Plates, ribs and base line as the camera sees them.
+//! Outlines of plates, ribs and base line in the image.
 
 use finray_model::camera::Camera;
 use finray_model::finger::{Joints, Plate};
@@ -6,12 +6,12 @@ use finray_model::mesh::{FingerShape, NodeMotion};
 use finray_model::{Finger, Vector};
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 
-/// Points along a member.
+/// Number of points along a member.
 const POINTS: usize = 24;
-/// Thickness of the base and of ribs that the scene gives none, mm.
+/// Thickness of the base and brackets, and of ribs without a stated thickness, mm.
 const BASE_THICKNESS_MM: f64 = 3.0;
 
-/// Shares of the pixels, of 255, that the finger's body covers; `None` if it is not seen.
+/// Coverage of each pixel by the finger's body, 0 to 255; `None` for an empty image. Omits parts outside the camera's view.
 pub(super) fn finger_mask(camera: &Camera, finger: &Finger, shape: &FingerShape) -> Option<Mask> {
     let [width, height] = camera.lens.size_px();
     let mut mask = Mask::new(width, height)?;
@@ -23,7 +23,7 @@ pub(super) fn finger_mask(camera: &Camera, finger: &Finger, shape: &FingerShape)
     Some(mask)
 }
 
-/// A piece of plate or rib: the points of its middle with its thickness at both ends, mm.
+/// A segment of a plate or a rib: points of its middle line, and its thickness at both ends, mm.
 struct Strip {
     middle: Vec<Vector>,
     thickness_mm: [f64; 2],
@@ -67,7 +67,7 @@ fn moved(motion: &NodeMotion) -> Vector {
     motion.position + motion.displacement
 }
 
-/// An end of a member.
+/// An end of a member: undeformed and deformed position (mm), and rotation (rad).
 #[derive(Debug, Clone, Copy)]
 struct End {
     undeformed: Vector,
@@ -86,8 +86,8 @@ impl End {
     }
 }
 
-/// A member between two ends: the cubic through their positions with their rotated directions, which a beam without loads on it follows
-/// (Euler and Bernoulli).
+/// Points of a member between two ends, mm: the cubic through their positions with their rotated directions, which is the shape of an unloaded
+/// Euler-Bernoulli beam.
 fn bent([first, second]: [End; 2]) -> Vec<Vector> {
     let (from, to) = (first.at, second.at);
     let along = second.undeformed - first.undeformed;
@@ -106,7 +106,7 @@ fn bent([first, second]: [End; 2]) -> Vec<Vector> {
     (0..POINTS).map(at).collect()
 }
 
-/// The outline of a strip, in pixels whose corners are whole numbers; `None` if a point of it is not seen.
+/// Outline of a strip in pixel coordinates whose integers are pixel corners; `None` if the camera does not see a point of it.
 fn path(camera: &Camera, strip: &Strip) -> Option<Path> {
     let count = strip.middle.len();
     let edge = |k: usize, side: f64| {

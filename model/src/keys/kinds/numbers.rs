@@ -1,31 +1,31 @@
-//! Numbers and lists of them, each with quantity, unit and range.
+//! Numbers and lists of numbers, each with quantity, unit and range.
 
 use super::{Kind, Refused, described, refused};
 use crate::keys::with_article;
 use toml::de::DeValue;
 
-/// A physical quantity and its unit; no unit for ratios.
+/// A physical quantity and its unit; the unit is empty for dimensionless ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quantity(pub &'static str, pub &'static str);
 
-/// Which numbers a key takes. None are subnormal where numbers are zero or more: such ones have lost their digits.
+/// Range of valid numbers. Ranges from zero exclude subnormal numbers, which have lost digits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
-    /// Any but infinite ones.
+    /// Any finite number.
     Finite,
-    /// It depends on other values, as the text says; the code that knows them checks it.
+    /// Depends on other values, as the text states; code that knows these values checks it.
     ByOthers(&'static str),
     /// Above zero, up to this.
     Positive(f64),
-    /// Above the first, up to the second.
+    /// Above the first limit, up to the second.
     Above(f64, f64),
-    /// Both ends included.
+    /// Between two limits, both included.
     Within(f64, f64),
-    /// Both ends excluded.
+    /// Between two limits, both excluded.
     Between(f64, f64),
-    /// Of this magnitude at most.
+    /// Magnitude up to this limit.
     AtMost(f64),
-    /// Whole numbers, both ends included.
+    /// Whole numbers between two limits, both included.
     Whole(f64, f64),
 }
 
@@ -50,7 +50,7 @@ impl Range {
         }
     }
 
-    /// Quantity, unit and range, without article.
+    /// Description of quantity, unit and range, without article.
     fn of(self, quantity: Quantity) -> String {
         let noun = quantity.noun();
         match self {
@@ -74,7 +74,7 @@ impl Quantity {
     }
 }
 
-/// A number.
+/// A number with quantity, unit and range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number(pub Quantity, pub Range);
 
@@ -134,7 +134,7 @@ impl<const N: usize> Kind for Numbers<N> {
     }
 }
 
-/// A length in mm, zero or more, at front and back: a number for both, or a list of two.
+/// Lengths in mm, zero or more, at front and back: one number for both, or a list of two.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SideLengths();
 
@@ -170,16 +170,16 @@ impl Kind for SideLengths {
     }
 }
 
-/// What all ribs have alike, or each its own.
+/// A property of the ribs: one value for all, or one per rib.
 #[derive(Debug, Clone, PartialEq)]
 pub enum OfRibs<T> {
-    /// All ribs alike.
+    /// The same value for all ribs.
     Alike(T),
-    /// Of each rib, from base to tip.
+    /// One value per rib, from base to tip.
     Each(Vec<T>),
 }
 
-/// Lengths of brackets on the front and the back plate, mm.
+/// Lengths of the brackets on the front and the back plate, mm.
 pub type BracketLengths = OfRibs<[f64; 2]>;
 
 impl BracketLengths {
@@ -188,7 +188,7 @@ impl BracketLengths {
 }
 
 impl<T: Copy> OfRibs<T> {
-    /// That of a rib, counted from 0.
+    /// Value of a rib, numbered from 0 at the base.
     pub fn of(&self, rib: usize) -> T {
         match self {
             OfRibs::Alike(all) => *all,
@@ -196,12 +196,12 @@ impl<T: Copy> OfRibs<T> {
         }
     }
 
-    /// Those of each rib, where they are stated one by one.
+    /// Values per rib; `None` if all ribs share one.
     pub fn each(self) -> Option<Vec<T>> {
         if let OfRibs::Each(each) = self { Some(each) } else { None }
     }
 
-    /// All that differ.
+    /// The distinct values: one shared by all ribs, or one per rib.
     pub fn all_mut(&mut self) -> &mut [T] {
         match self {
             OfRibs::Alike(all) => std::slice::from_mut(all),
@@ -209,7 +209,7 @@ impl<T: Copy> OfRibs<T> {
         }
     }
 
-    /// All that differ.
+    /// The distinct values: one shared by all ribs, or one per rib.
     pub fn all(&self) -> &[T] {
         match self {
             OfRibs::Alike(all) => std::slice::from_ref(all),
@@ -218,7 +218,7 @@ impl<T: Copy> OfRibs<T> {
     }
 }
 
-/// A number of all ribs, or a list with one for each rib.
+/// One number for all ribs, or a list with one number per rib.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RibNumbers(pub Number);
 
@@ -259,7 +259,7 @@ impl Kind for RibNumbers {
     }
 }
 
-/// A length in mm, zero or more, at the ends of ribs: as [`SideLengths`], or a list with a pair for each rib.
+/// Lengths in mm, zero or more, at the ends of ribs: as [`SideLengths`], or a list with a pair per rib.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RibLengths();
 
@@ -299,7 +299,7 @@ impl Kind for RibLengths {
     }
 }
 
-/// A list of pairs of numbers. The text says of what, and the unit; with a limit, what they are and the largest magnitude of a coordinate in mm.
+/// A list of pairs of numbers. The text names them and their unit. An optional limit has their name and the largest magnitude of a coordinate, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pairs(pub &'static str, pub Option<(&'static str, f64)>);
 
@@ -331,7 +331,7 @@ impl Kind for Pairs {
     }
 }
 
-/// A list of rows of finite numbers. The text says of what.
+/// A list of rows of finite numbers; the text names the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rows(pub &'static str);
 
@@ -351,7 +351,7 @@ impl Kind for Rows {
     }
 }
 
-/// Lists of numbers in a list.
+/// Reads a list of lists of numbers.
 fn rows(value: &DeValue, noun: &str) -> Result<Vec<Vec<f64>>, Refused> {
     let row = |item: &DeValue| match item {
         DeValue::Array(row) => row.iter().map(|x| number(x.get_ref())).collect::<Option<Vec<f64>>>(),

@@ -1,8 +1,8 @@
-//! One step of block elimination: N unknowns leave, M neighbours stay.
+//! One step of block elimination: N unknowns are eliminated, M neighbouring unknowns remain.
 //!
-//! Everything in the ladder is such a step: node, rotations of a pinned member, tip, rung. With K the block's
-//! stiffness, C its coupling to the neighbours and g its gradient, the block moves by x = -K^-1 (g + C neighbours), and
-//! leaves -C^T K^-1 C and -C^T K^-1 g on its neighbours. With K = L D L^T both need only W = L^-1 C and y = L^-1 g.
+//! Every step of the ladder has this form: a node, the rotations of a pinned member, the tip, a rung. With the block's stiffness K, its
+//! coupling C to the neighbours and its gradient g, the block moves by x = -K^-1 (g + C neighbours). It adds -C^T K^-1 C to the
+//! neighbours' stiffness and -C^T K^-1 g to their gradient. With K = L D L^T both need only W = L^-1 C and y = L^-1 g.
 
 use crate::number::Number;
 use finray_numerics::linear::{Ldl, copy_lane};
@@ -16,7 +16,7 @@ pub(super) struct Block<R: Number, const N: usize, const M: usize> {
 }
 
 impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
-    /// A block that is not factored yet, in numbers like the one given.
+    /// A block before its factorisation, in the number type of `like`.
     #[inline(always)]
     pub(super) fn empty(like: R) -> Block<R, N, M> {
         Block { factor: Ldl::empty(like), with: [[like.zero(); M]; N] }
@@ -31,7 +31,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         }
     }
 
-    /// Factorises; rows of `coupling` are the block's unknowns, columns the neighbours'.
+    /// Factorises the stiffness. Rows of `coupling` are the block's unknowns, columns the neighbours'.
     #[inline(always)]
     pub(super) fn factorise(&mut self, stiffness: &[[R; N]; N], coupling: &[[R; M]; N]) {
         self.factor.factorise(stiffness);
@@ -39,24 +39,24 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         self.factor.forward(&mut self.with);
     }
 
-    /// Where the block is positive definite.
+    /// Lanes in which the block is positive definite.
     #[inline(always)]
     pub(super) fn positive(&self) -> R::Mask {
         self.factor.positive
     }
 
-    /// Where each pivot is larger than a limit of its own.
+    /// Lanes in which each pivot exceeds its limit.
     #[inline(always)]
     pub(super) fn pivots_exceed(&self, limits: &[R; N]) -> R::Mask {
         self.factor.pivots_exceed(limits)
     }
 
-    /// Logarithm of the block's determinant.
+    /// Natural logarithm of the block's determinant.
     pub(super) fn log_determinant(&self) -> R {
         self.factor.log_determinant()
     }
 
-    /// Takes C^T K^-1 C off the neighbours' stiffness, in its upper triangle.
+    /// Subtracts C^T K^-1 C from the upper triangle of the neighbours' stiffness.
     #[inline(always)]
     pub(super) fn reduce_stiffness(&self, neighbours: &mut [[R; M]; M]) {
         for row in 0..M {
@@ -65,7 +65,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
                 weights[i] = self.with[i][row];
             }
             let weights = self.factor.divided(&weights);
-            // Of single numbers from an even column: pairs of them go through one instruction.
+            // Scalars start at an even column, so that the compiler pairs them in one instruction.
             let first = if R::LANES == 1 { row & !1 } else { row };
             for column in first..M {
                 let mut sum = neighbours[row][column];
@@ -77,13 +77,13 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         }
     }
 
-    /// y = L^-1 g.
+    /// Forward substitution y = L^-1 g.
     #[inline(always)]
     pub(super) fn forward(&self, gradient: &[R; N]) -> [R; N] {
         self.factor.forward_vector(gradient)
     }
 
-    /// Takes C^T K^-1 g, from y = L^-1 g, off the neighbours' gradient.
+    /// Subtracts C^T K^-1 g from the neighbours' gradient, given y = L^-1 g.
     #[inline(always)]
     pub(super) fn reduce_gradient(&self, y: &[R; N], neighbours: &mut [R; M]) {
         let y = self.factor.divided(y);
@@ -94,7 +94,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         }
     }
 
-    /// g K^-1 g, from y = L^-1 g.
+    /// Quadratic form g K^-1 g, given y = L^-1 g.
     #[inline(always)]
     pub(super) fn work(&self, y: &[R; N]) -> R {
         let divided = self.factor.divided(y);
@@ -105,7 +105,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         work
     }
 
-    /// The block's motion -K^-1 (g + C neighbours), from y = L^-1 g.
+    /// The block's motion -K^-1 (g + C neighbours), given y = L^-1 g.
     #[inline(always)]
     pub(super) fn motion(&self, y: &[R; N], neighbours: &[R; M]) -> [R; N] {
         let mut sum = *y;

@@ -1,12 +1,12 @@
-//! The elements from the first end of a chain to one of its nodes, as a cantilever that grows.
+//! The elements from the first end of a chain to one of its nodes, as a growing cantilever.
 //!
-//! Where the second end is, counted from the first end and turning with it, says how the elements between deform. By that deflection an element's
-//! stiffness is all there is to it; by positions the same stiffness stands against the motion of either end alone, and what the two ends do together
-//! is a small difference of large numbers: of a chain of n elements, eliminated node by node, n^3 times the rounding error. So the next element's
-//! deflection is eliminated, not the node before it. Elements in a row are springs in a row: the stiffness S of what is there and k of the next give
-//! S - S (S + k)^-1 S, where little is subtracted since k is large.
+//! The position of the second end relative to the rotating first end determines how the elements deform. Expressed by that deflection, the
+//! stiffness matrix contains only the elements' stiffness. Expressed by nodal positions, it also resists the motion of either end alone. The joint
+//! motion of both ends is then a small difference of large numbers, and node-by-node elimination of n elements amplifies rounding errors by n^3. So
+//! the deflection of the next element is eliminated instead of the node before it. Elements in a row act as springs in series. The stiffness S so
+//! far and k of the next element combine to S - S (S + k)^-1 S, where little is subtracted since k is large.
 //!
-//! Everything may also turn as a whole, which turns the elements' forces: a fourth unknown. Shifts change nothing.
+//! A fourth unknown is the rotation of the whole chain, which rotates the elements' forces. A translation of the whole changes nothing.
 
 use super::block::Block;
 use super::ends::{Ends, EndsMatrix};
@@ -14,21 +14,21 @@ use crate::element::{Response, quarter_turn};
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// Unknowns: deflection x, y (mm) and rotation (rad) of the second end as seen from the first; rotation of the whole.
+/// Unknowns: deflection x, y (mm) and rotation (rad) of the second end relative to the first; rotation of the whole (rad).
 pub(super) type Deflection<R = f64> = [R; 4];
 const TURN: usize = 3;
 
-/// Forces on a cantilever: gradient of its energy by its deflection, and by a displacement as a whole.
+/// Forces on a cantilever: gradient of its energy by the deflection (N, N mm), and by a translation of the whole (N).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Forces<R: Number> {
     by_deflection: Deflection<R>,
     by_displacement: [R; 2],
-    /// From the first to the second end, mm.
+    /// Vector from the first to the second end, mm.
     lever: Vector2<R>,
 }
 
 impl<R: Number> Forces<R> {
-    /// Of a gradient on the two ends; `lever` reaches from the first to the second, mm.
+    /// Forces for a gradient on the two ends; `lever` is the vector from the first to the second, mm.
     #[inline(always)]
     pub(super) fn on(gradient: &Ends<R>, lever: Vector2<R>) -> Forces<R> {
         let [x, y, moment, end_x, end_y, end_moment] = *gradient;
@@ -40,7 +40,7 @@ impl<R: Number> Forces<R> {
         }
     }
 
-    /// On the two ends.
+    /// Gradient on the two ends.
     #[inline(always)]
     pub(super) fn on_ends(&self) -> Ends<R> {
         let [x, y, moment, turn] = self.by_deflection;
@@ -49,20 +49,20 @@ impl<R: Number> Forces<R> {
         [all_x - x, all_y - y, turn - moment - arm.x * x - arm.y * y, x, y, moment]
     }
 
-    /// Puts an element behind the second end and eliminates its deflection; returns its y.
+    /// Appends an element at the second end and eliminates its deflection. Returns y = L^-1 g of that elimination.
     #[inline(always)]
     pub(super) fn extend(&mut self, joint: &Joint<R>, next: &Forces<R>) -> [R; 3] {
         let (arm, next_arm) = (quarter_turn(self.lever), quarter_turn(joint.lever));
         self.lever = sum(self.lever, joint.lever);
         let g = &mut self.by_deflection;
-        // The next element goes where the old second end goes.
+        // The next element translates with the old second end.
         let [x, y] = next.by_displacement;
         self.by_displacement[0] += x;
         self.by_displacement[1] += y;
         g[0] += x;
         g[1] += y;
         g[TURN] += arm.x * x + arm.y * y + next.by_deflection[TURN];
-        // Seen from the new second end, and the next element turns with the old one.
+        // Change to the new second end; the next element rotates with the old one.
         g[2] += next.by_deflection[TURN] - next_arm.x * g[0] - next_arm.y * g[1];
         let by_next = &next.by_deflection;
         let y = joint.block.forward(&[by_next[0] - g[0], by_next[1] - g[1], by_next[2] - g[2]]);
@@ -71,16 +71,16 @@ impl<R: Number> Forces<R> {
     }
 }
 
-/// Where an element was put behind a cantilever: the elimination of its deflection.
+/// Elimination of the deflection of an element that was appended to a cantilever.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Joint<R: Number = f64> {
     block: Block<R, 3, 4>,
-    /// From the element's first to its second node, mm.
+    /// Vector from the element's first to its second node, mm.
     lever: Vector2<R>,
 }
 
 impl<R: Number> Joint<R> {
-    /// To be overwritten, in numbers like the one given.
+    /// A joint before its elimination, in the number type of `like`.
     #[inline(always)]
     pub(super) fn empty(like: R) -> Joint<R> {
         Joint { block: Block::empty(like), lever: Vector2::new(like.zero(), like.zero()) }
@@ -93,24 +93,24 @@ impl<R: Number> Joint<R> {
         (one.lever.x, one.lever.y) = (self.lever.x.lane(lane), self.lever.y.lane(lane));
     }
 
-    /// Where the node between, held on both sides, is stable.
+    /// Lanes in which the eliminated deflection has a positive definite stiffness.
     #[inline(always)]
     pub(super) fn positive(&self) -> R::Mask {
         self.block.positive()
     }
 
-    /// Work of a residual on the correction of the element's deflection, by its y, N mm.
+    /// Work of the residual on the correction of the element's deflection, N mm, given its y.
     #[inline(always)]
     pub(super) fn work(&self, y: &[R; 3]) -> R {
         self.block.work(y)
     }
 
-    /// Logarithm of the determinant of what was eliminated here.
+    /// Natural logarithm of the determinant of the eliminated stiffness.
     pub(super) fn log_determinant(&self) -> R {
         self.block.log_determinant()
     }
 
-    /// The deflection of the shorter cantilever, from that of the longer one and the y of the residual.
+    /// Deflection of the cantilever without this element, given that with it and the y of the residual.
     #[inline(always)]
     pub(super) fn shortened(&self, y: &[R; 3], longer: &Deflection<R>) -> Deflection<R> {
         let [x, y, rotation] = self.block.motion(y, longer);
@@ -125,24 +125,24 @@ impl<R: Number> Joint<R> {
     }
 }
 
-/// Second derivatives of the energy of a chain's first elements by [`Deflection`], the nodes between eliminated.
+/// Stiffness of a chain's first elements by [`Deflection`], with the nodes between eliminated.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cantilever<R: Number> {
-    /// Symmetric: only the upper triangle is kept up to date.
+    /// Symmetric; only the upper triangle is valid.
     stiffness: [[R; 4]; 4],
-    /// From the first to the second end, mm.
+    /// Vector from the first to the second end, mm.
     lever: Vector2<R>,
 }
 
 impl<R: Number> Cantilever<R> {
-    /// Of one element without loads; `carried`: the force at its second end, N, if it turns with the element.
+    /// The cantilever of one element without loads. `carried` is the force at its second end, N, which rotates with the element.
     ///
-    /// The second end's own stiffness is that of the deflection. A turn of the whole by w turns the force f by
-    /// w quarter_turn(f); the moments about the first end, which balance before, then lack w f . lever.
+    /// The stiffness by deflection is that of the second end alone. A rotation of the whole by w rotates the force f by w quarter_turn(f). The
+    /// moments about the first end, balanced before, change by -w f . lever.
     #[inline(always)]
     pub(super) fn of_element(element: &Response<R>, carried: Vector2<R>, lever: Vector2<R>) -> Cantilever<R> {
         let mut stiffness = [[lever.x.zero(); 4]; 4];
-        // Symmetric: columns are rows.
+        // Symmetric, so columns serve as rows.
         let columns = &element.tangent.data.0;
         for i in 0..3 {
             for j in i..3 {
@@ -155,7 +155,7 @@ impl<R: Number> Cantilever<R> {
         Cantilever { stiffness, lever }
     }
 
-    /// Adds what a load on the element has; it keeps its direction, so its own terms count.
+    /// Adds the potential of a dead load on the element; the load does not rotate, so all its terms count.
     #[inline(always)]
     pub(super) fn add_load(&mut self, potential: &Response<R>) {
         let tangent = &potential.tangent;
@@ -172,21 +172,21 @@ impl<R: Number> Cantilever<R> {
         self.stiffness[TURN][TURN] += by_turn[2] + arm.x * by_turn[3] + arm.y * by_turn[4] + by_turn[5];
     }
 
-    /// Puts an element behind the second end and eliminates its deflection.
+    /// Appends an element at the second end and eliminates its deflection.
     #[inline(always)]
     pub(super) fn extend(&mut self, joint: &mut Joint<R>, next: &Cantilever<R>) {
         let arm = quarter_turn(next.lever);
         joint.lever = next.lever;
         self.lever = sum(self.lever, next.lever);
         let s = &mut self.stiffness;
-        // Seen from the new second end: the old one is `arm` times its rotation behind.
+        // Change to the new second end: the old one lags by `arm` times its rotation.
         let lifted = [s[0][0] * arm.x + s[0][1] * arm.y, s[0][1] * arm.x + s[1][1] * arm.y];
         s[2][2] -= arm.x * s[0][2] + arm.y * s[1][2];
         s[0][2] -= lifted[0];
         s[1][2] -= lifted[1];
         s[2][2] -= arm.x * s[0][2] + arm.y * s[1][2];
         s[2][TURN] -= arm.x * s[0][TURN] + arm.y * s[1][TURN];
-        // The next element turns with the old second end.
+        // The next element rotates with the old second end.
         let turning = next.stiffness[TURN][TURN];
         s[2][2] += turning;
         s[2][TURN] += turning;
@@ -211,13 +211,13 @@ impl<R: Number> Cantilever<R> {
         joint.block.reduce_stiffness(s);
     }
 
-    /// Second derivatives by the two ends.
+    /// Stiffness by the motions of the two ends.
     #[inline(always)]
     pub(super) fn on_ends(&self) -> EndsMatrix<R> {
         let s = &self.stiffness;
         let arm = quarter_turn(self.lever);
         let upper = |i: usize, j: usize| s[i.min(j)][i.max(j)];
-        // By the first end's rotation: the second end deflects by minus this.
+        // Column of the first end's rotation, which deflects the second end by minus the arm.
         let mut held = [arm.x; 3];
         for i in 0..3 {
             held[i] = upper(i, 0) * arm.x + upper(i, 1) * arm.y + upper(i, 2) - s[i][TURN];
@@ -248,7 +248,7 @@ impl<R: Number> Cantilever<R> {
         self.lever
     }
 
-    /// The stiffnesses against each part of the deflection alone.
+    /// Diagonal entries of the stiffness by x, y and rotation of the deflection.
     #[inline(always)]
     pub(super) fn diagonal(&self) -> [R; 3] {
         [self.stiffness[0][0], self.stiffness[1][1], self.stiffness[2][2]]

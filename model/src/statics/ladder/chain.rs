@@ -1,7 +1,7 @@
-//! A chain of elements - a plate between two key nodes, or a rib - condensed onto its two ends.
+//! A chain of elements condensed onto its two ends: a plate between two key nodes, or a rib.
 //!
-//! The elements are put behind each other as a [`Cantilever`], so the work is proportional to their number. What the
-//! stiffness needs is apart from what forces need: the stiffness at rest serves many loads.
+//! The elements are appended one by one to a [`Cantilever`], so the work is proportional to their number. Stiffness and forces are
+//! separate, because the stiffness at rest serves many loads.
 
 use super::SMALL_PIVOT;
 use super::block::Block;
@@ -16,35 +16,37 @@ use finray_numerics::linear::copy_lane;
 use nalgebra::Vector2;
 use std::ops::Range;
 
-/// An element of a chain, with what stands on it.
+/// An element of a chain with its loads.
 pub(super) struct Element<'a, R: Number> {
+    /// Elastic energy with its derivatives by the two nodes.
     pub elastic: Response<R>,
+    /// Potential of the loads on the element.
     pub load: Option<&'a Response<R>>,
-    /// From its first to its second node, mm.
+    /// Vector from its first to its second node, mm.
     pub lever: Vector2<R>,
 }
 
-/// The stiffness of a chain, condensed; its [`Joint`]s, one for each element but the first, are kept elsewhere.
+/// Condensed stiffness of a chain. Its [`Joint`]s, one per element but the first, are stored in [`Factor`](super::Factor).
 #[derive(Debug, Clone)]
 pub(super) struct Chain<R: Number = f64> {
-    /// From the first to the second node of the first element, and of the whole chain, mm.
+    /// Vectors from the first node to the second node of the first element, and to the end of the chain, mm.
     first_lever: Vector2<R>,
     lever: Vector2<R>,
-    /// The two end rotations of a pinned member, which belong to nothing else, with the ends' displacements.
+    /// Elimination of the two end rotations of a pinned member, which no other member shares.
     pins: Option<Block<R, 2, 6>>,
-    /// The brackets that hold its ends off the key nodes, where it has any.
+    /// Brackets between the chain's ends and the key nodes, if any.
     brackets: Option<Brackets<R>>,
-    /// By its two ends, or by the key nodes that hold their brackets.
+    /// Condensed stiffness by its two ends, or by the key nodes of its brackets.
     pub stiffness: EndsMatrix<R>,
     pub positive: R::Mask,
-    /// Where no element is so soft beside those before it that the difference has lost digits that may count.
+    /// Lanes in which no element is so soft beside the previous ones that cancellation has lost significant digits.
     pub accurate: R::Mask,
-    /// The diagonal of the stiffness before pins were released.
+    /// Diagonal of the stiffness before pins are released.
     pub diagonal: Ends<R>,
 }
 
 impl<R: Number> Chain<R> {
-    /// A line's chain, in numbers like the one given.
+    /// The chain of a line, in the number type of `like`.
     #[inline(always)]
     pub(super) fn new(frame: &PlaneFrame, line: &Line, like: R) -> Chain<R> {
         let zero = like.zero();
@@ -62,7 +64,7 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Copies one lane to a chain of the same kind; of symmetric matrices the upper triangle.
+    /// Copies one lane to a chain of the same kind; only the upper triangles of symmetric matrices.
     #[inline(always)]
     pub(super) fn copy_lane(&self, lane: usize, one: &mut Chain) {
         let like = self.lever.x;
@@ -82,15 +84,15 @@ impl<R: Number> Chain<R> {
         (one.positive, one.accurate) = (like.holds(self.positive, lane), like.holds(self.accurate, lane));
     }
 
-    /// Whether its ends have rotations of their own.
+    /// Whether the ends of the chain are pinned, so that they rotate independently of the nodes.
     pub(super) fn is_pinned(&self) -> bool {
         self.pins.is_some()
     }
 
-    /// Takes the stiffness and gradient of its only element.
+    /// Stores stiffness and gradient of a chain with a single element.
     #[inline(always)]
     pub(super) fn take(&mut self, forces: &mut ChainForces<R>, element: &Response<R>) {
-        // Symmetric: columns are rows.
+        // Symmetric, so columns serve as rows.
         self.stiffness = element.tangent.data.0;
         (self.positive, self.accurate) = (forces.work.always(), forces.work.always());
         forces.work = forces.work.zero();
@@ -98,7 +100,7 @@ impl<R: Number> Chain<R> {
         forces.raw = forces.gradient;
     }
 
-    /// Begins to condense several elements' stiffness and gradients, given from the first to the second end.
+    /// Begins to condense several elements, given from the first to the second end.
     #[inline(always)]
     pub(super) fn begin(&mut self, forces: &mut ChainForces<R>, first: &Element<R>) -> PartialChain<R> {
         (self.positive, self.accurate) = (forces.work.always(), forces.work.always());
@@ -108,7 +110,7 @@ impl<R: Number> Chain<R> {
         PartialChain { stiffness, carried }
     }
 
-    /// Puts the next element behind those before it; `y` gets that of the joint.
+    /// Appends the next element and stores the joint's y = L^-1 g in `y`.
     #[inline(always)]
     pub(super) fn extend(
         &mut self,
@@ -132,7 +134,7 @@ impl<R: Number> Chain<R> {
         forces.raw[3..].copy_from_slice(&gradient[3..]);
     }
 
-    /// Takes what has grown.
+    /// Stores the stiffness and gradient of the completed chain.
     #[inline(always)]
     pub(super) fn end(&mut self, partial: &PartialChain<R>, forces: &mut ChainForces<R>) {
         self.lever = partial.stiffness.lever();
@@ -140,7 +142,7 @@ impl<R: Number> Chain<R> {
         forces.gradient = partial.carried.on_ends();
     }
 
-    /// Notes the diagonal, releases pins and goes from the ends of brackets to the key nodes.
+    /// Stores the diagonal, releases pins and transforms from the ends of brackets to the key nodes.
     #[inline(always)]
     pub(super) fn finish(&mut self, forces: &mut ChainForces<R>, brackets: Option<Brackets<R>>, linear: bool) {
         for i in 0..6 {
@@ -161,7 +163,7 @@ impl<R: Number> Chain<R> {
         self.release(forces);
     }
 
-    /// Condenses other gradients with the stiffness that is there.
+    /// Condenses new gradients with the stored stiffness.
     #[inline(always)]
     pub(super) fn load(
         &self,
@@ -185,7 +187,7 @@ impl<R: Number> Chain<R> {
         self.release(forces);
     }
 
-    /// Condenses the gradient of pinned ends, and of the ends of brackets.
+    /// Condenses the gradient of pinned ends and transforms it from the ends of brackets to the key nodes.
     #[inline(always)]
     fn release(&self, forces: &mut ChainForces<R>) {
         if let Some(block) = &self.pins {
@@ -197,7 +199,7 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Gradients at the two ends that stand for gradients at the two nodes of each element.
+    /// Gradient at the two ends that is equivalent to the gradients `on_element` at the two nodes of each element.
     pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], on_element: impl Fn(usize) -> Ends<R>) -> Ends<R> {
         let mut gradient = on_element(0);
         if !joints.is_empty() {
@@ -216,18 +218,18 @@ impl<R: Number> Chain<R> {
         gradient
     }
 
-    /// Corrections of its two ends by those of the two key nodes.
+    /// Corrections of the chain's two ends, given those of the key nodes.
     #[inline(always)]
     pub(super) fn carried(&self, key_nodes: &Ends<R>) -> Ends<R> {
         self.brackets.as_ref().map_or(*key_nodes, |brackets| brackets.carried(key_nodes))
     }
 
-    /// Logarithm of the determinant of pinned rotations.
+    /// Natural logarithm of the determinant of the pinned rotations; 0 without pins.
     pub(super) fn log_determinant(&self) -> R {
         self.pins.as_ref().map_or(self.lever.x.zero(), Block::log_determinant)
     }
 
-    /// Carries the corrections of the two ends back to the nodes between them (and to the rotations of pinned ends).
+    /// Back substitution from the corrections of the two ends to the inner nodes and the rotations of pinned ends.
     #[inline(always)]
     pub(super) fn correct(
         &self,
@@ -262,7 +264,7 @@ impl<R: Number> Chain<R> {
 }
 
 impl<R: Number> Element<'_, R> {
-    /// Its stiffness and forces, and the gradients on its two nodes.
+    /// The element as a cantilever: its stiffness, its forces, and the gradient on its two nodes.
     #[inline(always)]
     fn cantilever(&self) -> (Cantilever<R>, Forces<R>, Ends<R>) {
         let mut gradient = numbers(&self.elastic.gradient);
@@ -277,22 +279,22 @@ impl<R: Number> Element<'_, R> {
     }
 }
 
-/// What forces a chain has, condensed.
+/// Condensed forces of a chain.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ChainForces<R: Number> {
     pins_y: [R; 2],
-    /// By its two ends.
+    /// Gradient by its two ends, N and N mm.
     pub gradient: Ends<R>,
-    /// Gradients at the two ends before anything was condensed onto them.
+    /// Gradient at the two ends before any condensation, N and N mm.
     pub raw: Ends<R>,
-    /// Work of the residual on the correction of what was eliminated, N mm.
+    /// Work of the residual on the correction of the eliminated unknowns, N mm.
     pub work: R,
     /// Elastic energy of the elements, N mm.
     pub energy: R,
 }
 
 impl<R: Number> ChainForces<R> {
-    /// No forces, in numbers like the one given.
+    /// Zero forces, in the number type of `like`.
     #[inline(always)]
     pub(super) fn none(like: R) -> ChainForces<R> {
         let zero = like.zero();
@@ -309,25 +311,25 @@ impl<R: Number> ChainForces<R> {
     }
 }
 
-/// The first elements of a chain, put behind each other, and what forces they have.
+/// The first elements of a chain as a cantilever, with their forces.
 pub(super) struct PartialChain<R: Number> {
     stiffness: Cantilever<R>,
     carried: Forces<R>,
 }
 
-/// What is between the ends of a chain: its joints, the y of each, and its nodes.
+/// The interior of a chain: its joints, the y of each, and its nodes.
 pub(super) struct ChainInterior<'a, R: Number> {
     pub joints: &'a [Joint<R>],
     pub ys: &'a [[R; 3]],
     pub between: &'a Between,
 }
 
-/// Where in a motion a chain's nodes are: those between its ends follow each other.
+/// Index ranges of a chain's inner nodes and rotations in a motion; both are contiguous.
 #[derive(Debug, Clone)]
 pub(super) struct Between {
     pub nodes: Range<usize>,
     pub rotations: Range<usize>,
-    /// Rotation slots that the two ends are clamped to: at a pinned end the pin's.
+    /// Rotation slots that the two ends are clamped to; at a pinned end, that of the pin.
     ends: [usize; 2],
 }
 
@@ -350,7 +352,7 @@ impl Between {
     }
 }
 
-/// The joints of a line among one for each member: one for each of its elements but the first.
+/// Range of a line's joints in an array with one entry per member: all its elements but the first.
 pub(super) fn joints_of(line: &Line) -> Range<usize> {
     match line.members.len() {
         0 => line.members.clone(),
@@ -358,7 +360,7 @@ pub(super) fn joints_of(line: &Line) -> Range<usize> {
     }
 }
 
-/// Takes the pinned rotations out of the gradient of the ends; returns their y.
+/// Eliminates the pinned rotations from the gradient of the ends. Returns their y = L^-1 g.
 #[inline(always)]
 fn pass_pins<R: Number>(block: &Block<R, 2, 6>, gradient: &mut Ends<R>) -> [R; 2] {
     let y = block.forward(&[gradient[2], gradient[5]]);
@@ -367,7 +369,7 @@ fn pass_pins<R: Number>(block: &Block<R, 2, 6>, gradient: &mut Ends<R>) -> [R; 2
     y
 }
 
-/// Takes the pinned rotations out of the stiffness of the ends.
+/// Eliminates the pinned rotations from the stiffness of the ends.
 #[inline(always)]
 fn eliminate_pins<R: Number>(block: &mut Block<R, 2, 6>, stiffness: &mut EndsMatrix<R>) {
     let zero = stiffness[0][0].zero();

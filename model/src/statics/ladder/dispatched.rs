@@ -1,6 +1,6 @@
-//! The elimination of one finger by the widest instructions of the machine, to the same bits: lines side by side, rungs in turn.
+//! Elimination of one finger with the widest SIMD instructions of the machine, bitwise equal to the scalar one. Lines are condensed in lanes, rungs in turn.
 //!
-//! Structs, not closures: what is always inlined into [`WithSimd::with_simd`] is compiled for these instructions, and a closure is not.
+//! Structs rather than closures: the compiler uses these instructions for code inlined into [`WithSimd::with_simd`], but not for closures.
 
 use super::balance::Balance;
 use super::factor::Factor;
@@ -8,17 +8,17 @@ use crate::frame::FrameMotion;
 use crate::number::Lanes;
 use pulp::{Arch, Simd, WithSimd};
 
-/// [`Balance::factorise`].
+/// Runs [`Balance::factorise`] with these instructions.
 pub(super) fn factorise(balance: &mut Balance, stiffness: &mut Factor, motion: &FrameMotion) {
     Arch::new().dispatch(Factorisation { balance, stiffness, motion });
 }
 
-/// [`Balance::eliminate_gradient`].
+/// Runs [`Balance::eliminate_gradient`] with these instructions.
 pub(super) fn eliminate_gradient(balance: &mut Balance, stiffness: &Factor) {
     Arch::new().dispatch(Elimination { balance, stiffness });
 }
 
-/// [`Balance::correct`].
+/// Runs [`Balance::correct`] with these instructions.
 pub(super) fn correct(balance: &mut Balance, stiffness: &Factor, motion: &mut FrameMotion) -> f64 {
     Arch::new().dispatch(Correction { balance, stiffness, motion })
 }

@@ -1,7 +1,7 @@
-//! The elements of a line, and of several lines side by side: as a line's equations meet them.
+//! The elements of one line, or of several lines in lanes, behind one interface.
 //!
-//! Lines do not see each other until they are condensed onto the key nodes. So those of as many elements go through the same
-//! instructions, one a lane, with what each has by itself: its beams, its motion, its loads.
+//! Lines are independent until they are condensed onto the key nodes. Lines with the same number of elements therefore share the
+//! instructions, one per lane, each with its own beams, motion and loads.
 
 use crate::element::Beam;
 use crate::frame::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame, RotationSlot};
@@ -9,30 +9,30 @@ use crate::mesh::Line;
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// Lanes of the widest register that any machine has.
+/// Lanes of the widest supported register.
 const MOST_LANES: usize = 8;
 
-/// The elements of a line from one key node to the other, and where in a motion their nodes are.
+/// The elements of a line from one key node to the other, with the indices of their nodes in a motion.
 pub(super) trait Elements<R: Number>: Copy {
-    /// How many there are.
+    /// Number of elements.
     fn count(&self) -> usize;
 
-    /// One of them.
+    /// The element at an index from 0.
     fn member(&self, index: usize) -> Member<R>;
 
-    /// The node before an element, or after the last one.
+    /// The node before element `index`; for `index` = count, the node after the last element.
     fn node(&self, index: usize) -> NodeIndex;
 
-    /// The rotation of that node.
+    /// The rotation slot of [`node`](Elements::node).
     fn rotation(&self, index: usize) -> RotationSlot;
 }
 
-/// A line of a frame. Its motion is the frame's.
+/// One line of a frame; indices refer to the motion of the frame.
 #[derive(Clone, Copy)]
 pub(super) struct OneLine<'a, R> {
     pub frame: &'a PlaneFrame,
     pub line: &'a Line,
-    /// Any number of those that are computed with.
+    /// Any value of the number type.
     pub like: R,
 }
 
@@ -58,20 +58,20 @@ impl<R: Number> Elements<R> for OneLine<'_, R> {
     }
 }
 
-/// Lines of as many elements each, one a lane: nodes and rotations from first to last, then those that clamp the ends.
+/// Lines with equal numbers of elements, one per lane. Their motion holds nodes and rotations from first to last, then the rotations that clamp the ends.
 #[derive(Clone, Copy)]
 pub(super) struct ParallelLines<'a, R> {
     frame: &'a PlaneFrame,
-    /// In each lane; where there are fewer lines, the last one again.
+    /// The line of each lane; the last line repeats in unused lanes.
     lines: [&'a Line; MOST_LANES],
     members: [&'a [Member]; MOST_LANES],
-    /// The first node between the ends of each, and its rotation: others follow.
+    /// Node and rotation slot of each line's first inner node; the others follow in order.
     inner: [(NodeIndex, RotationSlot); MOST_LANES],
     like: R,
 }
 
 impl<'a, R: Number> ParallelLines<'a, R> {
-    /// Some of a frame's lines.
+    /// Puts the lines with the given indices into lanes.
     #[inline(always)]
     pub(super) fn new(frame: &'a PlaneFrame, all: &'a [Line], lines: &[usize], like: R) -> ParallelLines<'a, R> {
         let members_of = |line: &Line| &frame.members()[line.members.clone()];
@@ -93,7 +93,7 @@ impl<'a, R: Number> ParallelLines<'a, R> {
         abreast
     }
 
-    /// Takes their motion out of the frame's.
+    /// Copies their motion from that of the frame.
     #[inline(always)]
     pub(super) fn take_motion(&self, of_frame: &FrameMotion, motion: &mut FrameMotion<R>) {
         let (count, like) = (self.count(), self.like);
@@ -114,7 +114,7 @@ impl<'a, R: Number> ParallelLines<'a, R> {
         }
     }
 
-    /// Puts the motion of the nodes between the ends of one line into the frame's.
+    /// Copies the motion of one line's inner nodes to that of the frame.
     #[inline(always)]
     pub(super) fn put_inner_motion(&self, motion: &FrameMotion<R>, lane: usize, of_frame: &mut FrameMotion) {
         let (node, rotation) = self.inner[lane];
@@ -128,7 +128,7 @@ impl<'a, R: Number> ParallelLines<'a, R> {
     }
 }
 
-/// Methods, not closures, which would not be inlined: lanes would be computed by calls of single instructions.
+/// Methods rather than closures: closures would not be inlined, and each lane operation would become a function call.
 impl<R: Number> ParallelLines<'_, R> {
     #[inline(always)]
     fn beam(&self, index: usize) -> Beam<R> {
@@ -144,7 +144,7 @@ impl<R: Number> ParallelLines<'_, R> {
         }
     }
 
-    /// Of an element's end. Arms and pins are at the two ends of a line alone.
+    /// Rigid arm at an element's end, mm. Only the two ends of a line have arms and pins.
     #[inline(always)]
     fn arm(&self, index: usize, end: usize) -> Vector2<R> {
         let arm = |lane: usize| &self.members[lane][index].ends[end].arm;
@@ -168,7 +168,7 @@ impl<R: Number> ParallelLines<'_, R> {
         }
     }
 
-    /// The end of an element at a node between others.
+    /// The end of an element at an inner node.
     #[inline(always)]
     fn between(&self, node: NodeIndex) -> BeamEnd<R> {
         BeamEnd { node, rotation: node, arm: Vector2::new(self.like.zero(), self.like.zero()) }

@@ -1,4 +1,4 @@
-//! The finger's stiffness, eliminated: what one motion's tangent needs, whatever the loads' gradients are.
+//! Factored stiffness of the finger: the part of the elimination that does not depend on the gradient.
 
 use super::Ladder;
 use super::SMALL_PIVOT;
@@ -11,39 +11,39 @@ use crate::frame::FrameMotion;
 use crate::mesh::Mesh;
 use crate::number::Number;
 
-/// The elimination of a finger's stiffness from tip to base.
+/// Block elimination of a finger's stiffness from tip to base.
 #[derive(Debug, Clone)]
 pub(crate) struct Factor<R: Number = f64> {
-    /// One for each line of the mesh.
+    /// One chain per line of the mesh.
     pub(super) chains: Vec<Chain<R>>,
-    /// One for each member of the frame: where it is put behind those before it. The first of a line has none.
+    /// One joint per member of the frame: the elimination of its deflection. The first member of a line has none.
     pub(super) joints: Vec<Joint<R>>,
-    /// From the base to the tip.
+    /// Rungs from the base to the tip.
     pub(super) rungs: Vec<Rung<R>>,
-    /// The tip, with the back and front node of the last rung.
+    /// The tip, coupled to the back and front node of the last rung.
     pub(super) tip: Block<R, 3, 6>,
-    /// Where it is positive definite.
+    /// Lanes in which the stiffness is positive definite.
     pub(super) positive: R::Mask,
-    /// Where no pivot has lost more than three digits to cancellation.
+    /// Lanes in which no pivot has lost more than three digits to cancellation.
     pub(super) accurate: R::Mask,
 }
 
 impl<R: Number> Factor<R> {
-    /// Without room, in numbers like the one given: for ladders that need no other stiffness than that at rest.
+    /// Without allocation, in the number type of `like`; for ladders that only use the stiffness at rest.
     pub(super) fn none(like: R) -> Factor<R> {
         let (chains, joints, rungs) = (Vec::new(), Vec::new(), Vec::new());
         let never = like.zero().exceeds(like.zero());
         Factor { chains, joints, rungs, tip: Block::empty(like), positive: never, accurate: never }
     }
 
-    /// With room for a mesh.
+    /// With arrays for a mesh.
     pub(in crate::statics) fn with_room(mesh: &Mesh, like: R) -> Factor<R> {
         let mut factor = Factor::none(like);
         factor.make_room(mesh, like);
         factor
     }
 
-    /// Room for a mesh, unless it is there already.
+    /// Allocates the arrays for a mesh if needed.
     pub(super) fn make_room(&mut self, mesh: &Mesh, like: R) {
         if self.chains.is_empty() {
             let frame = mesh.frame();
@@ -59,7 +59,7 @@ impl<R: Number> Factor<R> {
         }
     }
 
-    /// The plate members above rung `level - 1` (0: base), back then front. Lines: back, front, ribs, from the base.
+    /// Lines of the plate members above rung `level - 1` (0: base), back then front. Lines are ordered back, front, ribs, each from the base.
     pub(super) fn plate_members(&self, level: usize) -> [usize; 2] {
         [level, self.rungs.len() + 1 + level]
     }
@@ -68,12 +68,12 @@ impl<R: Number> Factor<R> {
         2 * (self.rungs.len() + 1) + rung
     }
 
-    /// Stiffness of a rung's two nodes before anything above it is eliminated.
+    /// Stiffness of a rung's two nodes before the elimination of tip and rungs above it.
     #[inline(always)]
     fn rung_stiffness(&self, level: usize) -> EndsMatrix<R> {
         let stiffness = |line: usize| &self.chains[line].stiffness;
         let [below, above] = [self.plate_members(level), self.plate_members(level + 1)];
-        // A rib joins the rung's two nodes; one that does not deform has no stiffness of its own.
+        // The rib joins the rung's two nodes; an undeformable rib contributes zeros.
         let mut sum = *stiffness(self.rib(level));
         for i in 0..3 {
             for j in i..3 {
@@ -84,7 +84,7 @@ impl<R: Number> Factor<R> {
         sum
     }
 
-    /// Sum over the lines that end at a rung of something that they have at their ends.
+    /// Sum of an end quantity over the lines that end at a rung.
     #[inline(always)]
     pub(super) fn rung_sum<'a>(&self, level: usize, at_ends: impl Fn(usize) -> &'a Ends<R>) -> Ends<R>
     where
@@ -99,7 +99,7 @@ impl<R: Number> Factor<R> {
         sum
     }
 
-    /// Logarithm of the stiffness's determinant; not a number if it is not positive definite.
+    /// Natural logarithm of the stiffness's determinant; not a number if the stiffness is not positive definite.
     pub(super) fn log_determinant(&self, mesh: &Mesh) -> R {
         let tip = self.tip.log_determinant();
         let sum = |sum: R, part: R| sum + part;
@@ -110,13 +110,13 @@ impl<R: Number> Factor<R> {
         joints + chains + rungs + tip
     }
 
-    /// Where it is positive definite.
+    /// Lanes in which the stiffness is positive definite.
     #[inline(always)]
     pub(in crate::statics) fn positive(&self) -> R::Mask {
         self.positive
     }
 
-    /// Eliminates the tip, beginning with the chains' sum; `curvature` is that of the loads on the tip's rotation.
+    /// Eliminates the tip. `curvature` is the second derivative of the loads' potential by the tip's rotation, N mm.
     #[inline(always)]
     pub(super) fn eliminate_tip(&mut self, curvature: R) {
         let zero = curvature.zero();
@@ -147,7 +147,7 @@ impl<R: Number> Factor<R> {
         self.accurate = zero.both(self.accurate, self.tip.pivots_exceed(&limits));
     }
 
-    /// Eliminates a rung; `curvatures` are those of the loads on the rotations of its back and front node.
+    /// Eliminates a rung. `curvatures` are the second derivatives of the loads' potential by the rotations of its back and front node, N mm.
     #[inline(always)]
     pub(super) fn eliminate_rung(&mut self, level: usize, rib: Option<RigidRib<R>>, curvatures: [R; 2]) {
         let zero = curvatures[0].zero();
@@ -174,14 +174,14 @@ impl<R: Number> Factor<R> {
 }
 
 impl Factor {
-    /// The stiffness of small displacements.
+    /// The linear stiffness.
     fn at_rest(mesh: &Mesh) -> Factor {
         let mut ladder = Ladder::new(mesh, crate::Kinematics::Linear);
         ladder.factorise(&FrameMotion::at_rest(mesh.frame()));
         ladder.own
     }
 
-    /// That at rest, which the mesh keeps, or a ladder's own.
+    /// The stiffness at rest, stored with the mesh, if `rests`; otherwise the ladder's own.
     pub(super) fn chosen<'a>(mesh: &'a Mesh, own: &'a Factor, rests: bool) -> &'a Factor {
         let at_rest = rests.then(|| mesh.prepared(Factor::at_rest)).flatten();
         at_rest.unwrap_or(own)

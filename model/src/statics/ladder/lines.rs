@@ -1,4 +1,4 @@
-//! Lines with the loads that stand between their ends, condensed.
+//! Condensation of lines together with the loads between their ends.
 
 use super::balance::Balance;
 use super::brackets::Brackets;
@@ -12,16 +12,17 @@ use crate::element::Response;
 use crate::frame::FrameMotion;
 use crate::number::Number;
 
-/// What is made of a line, or of several side by side: stiffness, forces, and a joint for each element but the first.
+/// Results of condensing one line, or several in lanes: stiffness, forces, and a joint per element but the first.
 pub(super) struct Condensed<'a, R: Number> {
     pub chain: &'a mut Chain<R>,
     pub joints: &'a mut [Joint<R>],
     pub forces: &'a mut ChainForces<R>,
+    /// Forward substitutions of the joints.
     pub ys: &'a mut [[R; 3]],
 }
 
 impl<R: Number> Condensed<'_, R> {
-    /// Condenses elements with the loads that stand on them; there is at least one.
+    /// Condenses at least one element with its loads.
     #[inline(always)]
     pub(super) fn condense<'l>(
         self,
@@ -62,7 +63,7 @@ impl<R: Number> Condensed<'_, R> {
 }
 
 impl<R: Number> Balance<'_, R> {
-    /// Condenses every line with the loads that stand on it.
+    /// Condenses every line with its loads.
     #[inline(always)]
     pub(super) fn condense_lines(&mut self, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
         for index in 0..self.mesh.lines().len() {
@@ -71,7 +72,7 @@ impl<R: Number> Balance<'_, R> {
         self.sum_energy();
     }
 
-    /// Condenses one line with the loads that stand on it.
+    /// Condenses one line with its loads.
     #[inline(always)]
     pub(super) fn condense_line(&mut self, index: usize, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
         let (frame, line, linear) = (self.mesh.frame(), &self.mesh.lines()[index], self.linear());
@@ -91,7 +92,7 @@ impl<R: Number> Balance<'_, R> {
         made.condense(elements, motion, self.kinematics, load_on, brackets);
     }
 
-    /// Sums the elastic energy, line by line.
+    /// Sums the elastic energy in the order of the lines, so that results are bitwise reproducible.
     #[inline(always)]
     pub(super) fn sum_energy(&mut self) {
         self.energy = self.energy.zero();
@@ -102,7 +103,7 @@ impl<R: Number> Balance<'_, R> {
 }
 
 impl Balance<'_> {
-    /// Condenses the gradients of every line for small displacements. `unmoved`: no motion, and no forces of elements.
+    /// Condenses the gradients of every line for small displacements. `unmoved`: the motion is zero, so elements have no forces.
     pub(super) fn load_lines(&mut self, stiffness: &Factor, motion: &FrameMotion, unmoved: bool) {
         let (frame, applied) = (self.mesh.frame(), &self.applied);
         self.energy = 0.0;

@@ -1,4 +1,4 @@
-//! The loads as the ladder meets them: their potentials by the motions of key nodes, and of elements between key nodes.
+//! Potentials of the loads by the motions of key nodes, and of elements between key nodes.
 
 use super::Location;
 use crate::Kinematics;
@@ -9,12 +9,12 @@ use crate::number::Number;
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
-/// Potential of the loads on one key node, by its motion.
+/// Potential of the loads on one key node, as derivatives by the node's motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OnNode<R> {
-    /// By x, y and rotation.
+    /// First derivatives by x, y (N) and rotation (N mm).
     pub gradient: [R; 3],
-    /// Twice by the rotation: the end of an arm moves on a circle.
+    /// Second derivative by the rotation, N mm: the end of a rigid arm moves on a circle.
     pub curvature: R,
 }
 
@@ -24,24 +24,24 @@ pub(super) struct Applied<R> {
     nothing: OnNode<R>,
     /// Back and front node of each rung, then the tip.
     on_nodes: Vec<OnNode<R>>,
-    /// Elements that carry a load, inside or on the node where they begin.
+    /// Loaded elements, by index, with the potential of loads between their nodes or on their first node.
     on_members: Vec<(usize, Response<R>)>,
 }
 
 impl<R: Number> Applied<R> {
-    /// No loads on a ladder of so many rungs, in numbers like the one given.
+    /// No loads on a ladder of `rungs` rungs, in the number type of `like`.
     pub(super) fn none(rungs: usize, like: R) -> Applied<R> {
         let nothing = OnNode { gradient: [like.zero(); 3], curvature: like.zero() };
         Applied { nothing, on_nodes: vec![nothing; 2 * rungs + 1], on_members: Vec::new() }
     }
 
-    /// Takes all loads off.
+    /// Removes all loads.
     pub(super) fn clear(&mut self) {
         self.on_nodes.fill(self.nothing);
         self.on_members.clear();
     }
 
-    /// The loads on the key node at a row (0 back, 3 front) of a rung.
+    /// The loads on the key node of a rung at a row: 0 for the back node, 3 for the front node.
     #[inline(always)]
     pub(super) fn on_rung(&self, rung: usize, row: usize) -> &OnNode<R> {
         &self.on_nodes[2 * rung + row / 3]
@@ -53,19 +53,19 @@ impl<R: Number> Applied<R> {
         &self.on_nodes[self.on_nodes.len() - 1]
     }
 
-    /// The loads on an element between key nodes.
+    /// The loads on an element between key nodes, if any.
     #[inline(always)]
     pub(super) fn on_member(&self, member: usize) -> Option<&Response<R>> {
         self.on_members.iter().find(|(loaded, _)| *loaded == member).map(|(_, potential)| potential)
     }
 
-    /// Whether a load stands on any of some elements.
+    /// Whether any element of a range carries a load.
     #[inline(always)]
     pub(super) fn on_any_member(&self, members: &Range<usize>) -> bool {
         self.on_members.iter().any(|(loaded, _)| members.contains(loaded))
     }
 
-    /// Adds `factor` times the loads in one lane; `motion` is the motion of this lane.
+    /// Adds `factor` times the loads in one lane; `motion` is the motion of that lane.
     pub(super) fn add(
         &mut self,
         lane: usize,
@@ -85,7 +85,7 @@ impl<R: Number> Applied<R> {
             let linear = kinematics == Kinematics::Linear;
             let potential = frame.end_load(motion, end, force * factor, moment_nmm * factor, linear);
             let on_node = match location(mesh, end.node) {
-                // A load on a clamp moves nothing.
+                // A load on a clamped node causes no motion.
                 Location::Clamped => continue,
                 Location::Inside { line, element } => {
                     self.add_to_member(lane, mesh.lines()[line].members.start + element, &potential);
@@ -122,7 +122,7 @@ fn add_in_lane<R: Number>(sum: &mut R, lane: usize, part: f64) {
     sum.set_lane(lane, sum.lane(lane) + part);
 }
 
-/// Where a node of the frame is; of nodes tied to each other, where the one is that they move with.
+/// Location of a frame node in the ladder. A tied node has the location of the node it moves with.
 pub(super) fn location(mesh: &Mesh, node: usize) -> Location {
     let (finger, node) = (mesh.finger(), mesh.frame().tied_to(node));
     if node == mesh.frame_node(finger.tip()) {
@@ -133,7 +133,7 @@ pub(super) fn location(mesh: &Mesh, node: usize) -> Location {
         return Location::Rung { rung, row: if node == front { 3 } else { 0 } };
     }
     let mut lines = mesh.lines().iter().enumerate();
-    // Nodes inside a line follow each other.
+    // Inner nodes of a line are numbered consecutively.
     let found = lines.find_map(|(line, along)| {
         let inner = &along.nodes[1..along.nodes.len() - 1];
         inner.binary_search(&node).ok().map(|i| Location::Inside { line, element: i + 1 })
@@ -141,7 +141,7 @@ pub(super) fn location(mesh: &Mesh, node: usize) -> Location {
     found.unwrap_or(Location::Clamped)
 }
 
-/// Where a load stands.
+/// Location of a load in the ladder.
 pub(super) fn place(mesh: &Mesh, load: &FrameLoad) -> Location {
     if let FrameLoad::Interior { member, .. } = *load {
         let (line, element) = element_of(mesh, member);
@@ -150,7 +150,7 @@ pub(super) fn place(mesh: &Mesh, load: &FrameLoad) -> Location {
     location(mesh, load.at_end(mesh.frame()).0.node)
 }
 
-/// The line of a member, and its position in it.
+/// The line of a member, and the member's index in that line.
 pub(super) fn element_of(mesh: &Mesh, member: usize) -> (usize, usize) {
     let found = mesh.lines().iter().enumerate().find(|(_, line)| line.members.contains(&member));
     found.map_or((0, 0), |(index, line)| (index, member - line.members.start))

@@ -1,12 +1,12 @@
 //! The finger as a ladder: plates condensed onto the key nodes, then pairs of key nodes eliminated from tip to base.
 //!
-//! A finger's equations have one long direction only. Members condense onto their ends ([`chain`]), which leaves the back and front node of each rib
-//! as a block of six unknowns that is coupled to its two neighbours alone: a block tridiagonal system. Its elimination from the tip costs a fixed
-//! number of operations a rib and touches no heap. The general sparse path ([`SparseEquations`](super::SparseEquations)) checks it.
+//! A finger's equations extend in one direction only. Members are condensed onto their ends ([`chain`]). The back and front node of each rib remain as a
+//! block of six unknowns, coupled only to its two neighbours: a block tridiagonal system. Its elimination from the tip needs a fixed number of operations
+//! per rib and no heap memory. The sparse solver ([`SparseEquations`](super::SparseEquations)) verifies it.
 //!
-//! Stiffness and forces are apart: [`Factor`] is what a tangent needs, and that at rest is made once for a mesh. Linear
-//! solutions need no other, and a co-rotational one begins with it. [`Balance`] is what forces need. Both are written in
-//! [`Number`](crate::number::Number)s: under one load, or under several, one a lane.
+//! Stiffness and forces are separate. [`Factor`] holds the factored tangent; that at rest is computed once per mesh. It suffices for linear
+//! solutions and starts co-rotational ones. [`Balance`] holds the forces. Both are generic over [`Number`](crate::number::Number), for one
+//! load or for several, one per lane.
 
 mod balance;
 mod block;
@@ -32,11 +32,11 @@ pub(super) use balance::Balance;
 use ends::Ends;
 pub(super) use factor::Factor;
 
-/// A pivot below this share of what members put on its diagonal has lost digits to cancellation that may count, and so has an element's share of a
-/// member's stiffness: the paper's finger keeps 2e-2 on any mesh; thin plates, and random fingers that miss 1e-8, keep less.
+/// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same holds for an element's share of
+/// a member's stiffness. The paper's finger keeps 2e-2 on any mesh; thin plates, and random fingers with errors above 1e-8, fall below this.
 const SMALL_PIVOT: f64 = 1e-3;
 
-/// Where a frame node is in the ladder.
+/// Location of a frame node in the ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Location {
     Clamped,
@@ -57,20 +57,20 @@ enum Location {
 pub struct Ladder<'m> {
     mesh: &'m Mesh,
     kinematics: Kinematics,
-    /// The stiffness away from rest.
+    /// The stiffness at motions other than rest.
     own: Factor,
-    /// Whether the last linearised motion has the stiffness at rest, which the mesh keeps.
+    /// Whether the last linearised motion uses the stiffness at rest, which the mesh stores.
     rests: bool,
-    /// Whether a linear factor of our own is wanted, and whether it is there.
+    /// Whether the ladder keeps its own linear factor instead of the mesh's, and whether that factor exists.
     forgotten: bool,
     factored: bool,
     balance: Balance<'m>,
-    /// One for each rung: what waits for the way back when loads are added.
+    /// Gradients on each rung, then their forward substitutions, while sensitivities are computed.
     waiting: Vec<Ends>,
 }
 
 impl<'m> Ladder<'m> {
-    /// Room for the elimination.
+    /// Prepares the elimination for a mesh.
     pub fn new(mesh: &'m Mesh, kinematics: Kinematics) -> Ladder<'m> {
         Ladder {
             mesh,
@@ -88,7 +88,7 @@ impl<'m> Ladder<'m> {
         self.kinematics == Kinematics::Linear
     }
 
-    /// The stiffness that was last used.
+    /// The last used stiffness.
     fn factor(&self) -> &Factor {
         Factor::chosen(self.mesh, &self.own, self.rests)
     }
@@ -99,8 +99,8 @@ impl<'m> Ladder<'m> {
         dispatched::factorise(&mut self.balance, &mut self.own, motion);
     }
 
-    /// Whether the tangent is that of small displacements. Co-rotationally it is at rest, if loads neither stand on arms
-    /// or between nodes, where they turn, nor pull at an undeformable rib.
+    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics it does if nothing has moved, ribs deform, and all loads act
+    /// on nodes; loads on arms or between nodes have their own tangent.
     fn has_rest_stiffness(&self, unmoved: bool, loads: &[FrameLoad]) -> bool {
         if self.linear() {
             return !self.forgotten;

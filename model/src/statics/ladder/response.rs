@@ -1,4 +1,4 @@
-//! Sensitivities of the finger in equilibrium to small added loads, from the factored tangent.
+//! Sensitivities of a finger in equilibrium to small added loads, from the factored tangent.
 
 use super::chain::joints_of;
 use super::ends::{Ends, joined, numbers};
@@ -9,7 +9,7 @@ use crate::Vector;
 use crate::element::quarter_turn;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// A gradient on the two nodes of an element of a line: minus the forces there.
+/// A gradient on the two nodes of an element of a line: minus the forces, N and N mm.
 struct OnElement {
     line: usize,
     element: usize,
@@ -17,7 +17,7 @@ struct OnElement {
 }
 
 impl Ladder<'_> {
-    /// First-order motion of the markers, by key node, under a load added to the last linearised `motion`: mm per unit.
+    /// Writes the markers' first-order displacements, mm, under `load` added at the last linearised `motion`. `out` is indexed by key node from 0.
     pub fn added_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let gradient = match *load {
@@ -32,11 +32,11 @@ impl Ladder<'_> {
         self.respond_to(motion, &self.placed(load, numbers(&gradient)), out);
     }
 
-    /// How the markers move, by key node and to first order, per mm that a load moves along the front plate towards the tip.
+    /// Writes the markers' first-order displacements per mm that a load moves along the front plate towards the tip. `out` is indexed by key node from 0.
     pub fn moved_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let slope = match *load {
-            // Elements of the front plate run from the base to the tip.
+            // Elements of the front plate point from base to tip, as does the derivative.
             FrameLoad::Interior { member, xi, force } => {
                 frame.interior_load_slope(motion, member, self.kinematics, xi, force)
             }
@@ -48,8 +48,8 @@ impl Ladder<'_> {
         self.respond_to(motion, &self.placed(load, numbers(&-slope)), out);
     }
 
-    /// How the markers move, by key node and to first order, in the finger in its last linearised `motion` when members stiffen: mm per
-    /// unit of ln(modulus), of which each member takes its share. A member's forces are the added load.
+    /// Writes the markers' first-order displacements, mm per unit of ln(modulus), at the last linearised `motion`. `shares` pairs a member with
+    /// the derivative of its ln(stiffness); its scaled nodal forces act as the added load. `out` is indexed by key node from 0.
     pub fn stiffened(&mut self, motion: &FrameMotion, shares: &[(usize, f64)], out: &mut [Vector]) {
         let members = self.mesh.frame().members();
         let mut share_of = vec![0.0; members.len()];
@@ -71,13 +71,13 @@ impl Ladder<'_> {
         self.respond(motion, &tip, out);
     }
 
-    /// The element that takes the gradient of a load: its own, or one that ends or begins at its node.
+    /// Assigns the gradient of a load to an element: the loaded one, or one at the loaded node.
     fn placed(&self, load: &FrameLoad, gradient: Ends) -> OnElement {
         let line = match place(self.mesh, load) {
             Location::Inside { line, element } => return OnElement { line, element, gradient },
             Location::Tip => self.factor().plate_members(self.waiting.len())[0],
             Location::Rung { rung, row } => self.factor().plate_members(rung)[row / 3],
-            // A load on a clamp moves nothing.
+            // A load on a clamped node causes no motion.
             Location::Clamped => return OnElement { line: 0, element: 0, gradient: [0.0; 6] },
         };
         let [x, y, moment, ..] = gradient;
@@ -85,7 +85,7 @@ impl Ladder<'_> {
         OnElement { line, element, gradient: joined(&[0.0; 3], &[x, y, moment]) }
     }
 
-    /// The response to a gradient on one element.
+    /// Writes the response to a gradient on one element.
     fn respond_to(&mut self, motion: &FrameMotion, on: &OnElement, out: &mut [Vector]) {
         let OnElement { line, element, gradient } = *on;
         let on_element = |at: usize| if at == element { gradient } else { [0.0; 6] };
@@ -102,16 +102,16 @@ impl Ladder<'_> {
         stiffness.chains[line].condensed_gradient(joints, on_element)
     }
 
-    /// Takes all that was put on off the rungs, and off the tip.
+    /// Clears the gradients on the rungs and returns a zero gradient for the tip.
     fn take_off(&mut self) -> [f64; 3] {
         self.waiting.fill([0.0; 6]);
         [0.0; 3]
     }
 
-    /// Puts gradients at the ends of a line on the rungs; what is on the tip then.
+    /// Adds gradients at the ends of a line to the rungs. Returns the gradient on the tip.
     fn put_on(&mut self, line: usize, on_ends: &Ends, mut tip: [f64; 3]) -> [f64; 3] {
         let per_plate = self.waiting.len() + 1;
-        // Level (0 is the base, rung r is level r + 1) and row in it of the line's two ends.
+        // Level (0 is the base, r + 1 is rung r) and row of the line's two ends.
         let ends = match line {
             back if back < per_plate => [(back, 0), (back + 1, 0)],
             front if front < 2 * per_plate => [(front - per_plate, 3), (front - per_plate + 1, 3)],
@@ -130,7 +130,7 @@ impl Ladder<'_> {
         tip
     }
 
-    /// One forward and one backward pass along the rungs with the factors that are there; for rungs and tip alone.
+    /// Forward and back substitution along the rungs with the stored factors, for rungs and tip only.
     fn respond(&mut self, motion: &FrameMotion, tip: &[f64; 3], out: &mut [Vector]) {
         let count = self.waiting.len();
         let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);

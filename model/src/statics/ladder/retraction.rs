@@ -1,15 +1,15 @@
-//! How the nodes inside a member take Newton's correction: so that chords and nodes turn together.
+//! Retraction of Newton's correction at the nodes inside a member, so that chords and nodes rotate together.
 //!
-//! Newton adds displacements and rotations. Where a plate member is to turn by `a`, that turns its nodes by `a` but the chords of its elements by
-//! atan(a) = a - a^3 / 3 (and by `a e` less if they are to stretch by `e` as well). So both ends of an element of length h turn by phi = a^3 / 3
-//! against its chord, which is a shear force of 12 EI phi / h^2: nothing between key nodes, but the finer the mesh the smaller the turns that leave
-//! the tangent positive definite, as h^(2/3), and the more load steps. The end of a rigid arm or link is worse: it swings on a circle, away from
-//! neighbours that move straight.
+//! Newton's method adds displacements and rotations linearly. A correction that rotates a plate member by `a` rotates its nodes by `a`. The chords of its
+//! elements rotate by atan(a) = a - a^3 / 3 only (less by `a e` if they also elongate by `e`). Both ends of an element of length h then rotate by
+//! phi = a^3 / 3 against its chord, which causes a shear force of 12 EI phi / h^2. That is negligible between key nodes. But rotations that keep the
+//! tangent positive definite shrink as h^(2/3), so finer meshes need more load steps. The end of a rigid arm or link is worse: it moves on a circle
+//! while its neighbours move in straight lines.
 //!
-//! Any update that agrees with Newton's to first order converges as fast: a *retraction*. This one leaves the key nodes
-//! where Newton has them, takes the nodes between them along with arms and links on a smooth curve, and turns them as
-//! their chords have turned. Then a fine mesh needs the load steps and the iterations of a coarse one, if the curve meets
-//! the key nodes without a kink: to second order is not enough, as the stiffness of elements grows without bound.
+//! Any update that agrees with Newton's to first order converges as fast: a *retraction*. This one keeps Newton's update at the key nodes. It moves
+//! the nodes between them along a smooth curve that follows arms and links, and rotates them with their chords. A fine mesh then needs no more
+//! load steps and iterations than a coarse one. The curve must meet the key nodes without a kink. A curve correct to second order does not
+//! suffice, since the stiffness of elements grows without bound.
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
@@ -19,41 +19,41 @@ use crate::frame::{BeamEnd, FrameMotion, Member, PlaneFrame, end_motions};
 use crate::number::{Number, arctangent, sine_and_versine};
 use nalgebra::Vector2;
 
-/// A correction that turns no node by more than this, rad, has second-order terms below rounding.
+/// Rotations below this, rad, have second-order terms below rounding.
 const NO_TURN: f64 = 1e-8;
 
-/// The motion before a correction, and room for what one line needs.
+/// The motion before a correction, and a buffer for one line.
 #[derive(Debug, Clone)]
 pub(super) struct Retraction<R> {
     before: FrameMotion<R>,
-    /// Each element's chord before the correction, mm, and its turn by the correction, rad.
+    /// Chord of each element before the correction, mm, and its rotation by the linear correction, rad.
     chords: Vec<(Vector2<R>, R)>,
 }
 
 impl<R: Number> Retraction<R> {
-    /// Room for a frame, in numbers like the one given.
+    /// Allocates for a frame, in the number type of `like`.
     pub(super) fn new(frame: &PlaneFrame, like: R) -> Retraction<R> {
         Retraction { before: FrameMotion::of_zeros(frame, like), chords: Vec::new() }
     }
 
-    /// Without room.
+    /// Without allocation.
     pub(super) fn empty() -> Retraction<R> {
         Retraction { before: FrameMotion::empty(), chords: Vec::new() }
     }
 
-    /// Takes what is kept of some lines out of what is kept of their frame.
+    /// Copies the stored motion of some lines from that of their frame.
     #[inline(always)]
     pub(super) fn take(&mut self, of_frame: &Retraction<f64>, lines: &ParallelLines<R>) {
         lines.take_motion(&of_frame.before, &mut self.before);
     }
 
-    /// Keeps the motion that is about to be corrected.
+    /// Stores the motion before its correction.
     pub(super) fn remember(&mut self, motion: &FrameMotion<R>) {
         self.before.clone_from(motion);
     }
 
-    /// Mends the nodes inside a line to which the correction was added, in the lanes in which any of them turns.
-    /// `end_nodes` are the corrections of its first and last node, mm; a node at a rigid link has moved otherwise.
+    /// Updates the inner nodes of a line after a correction was added, in the lanes in which any of its nodes rotates. `end_nodes` are the
+    /// linear corrections of its first and last node, mm; the motion of a node at a rigid link differs from them.
     #[inline(always)]
     pub(super) fn mend(&mut self, elements: impl Elements<R>, motion: &mut FrameMotion<R>, end_nodes: [Vector2<R>; 2]) {
         let count = elements.count();
@@ -71,24 +71,24 @@ impl<R: Number> Retraction<R> {
         let ends = [first.ends[0], last.ends[1]];
         let off = self.measure(elements, motion, ends, end_nodes);
 
-        // The inner nodes follow the ends in proportion.
+        // Inner nodes follow the ends linearly.
         for i in 1..count {
             let xi = i as f64 / count as f64;
             let u = &mut motion.displacements[elements.node(i)];
             advance(&mut u.x, turns, off[0].x * (1.0 - xi) + off[1].x * xi);
             advance(&mut u.y, turns, off[0].y * (1.0 - xi) + off[1].y * xi);
         }
-        // At the ends the chords must turn back to what Newton has for the key nodes; a cubic across the member does it.
+        // A cubic deflection across the member rotates the end chords back to Newton's rotations of the key nodes.
         let [from, to] = displacements(motion, ends);
         let whole = chord(&first, count as f64, from, to);
-        // Closures would not be inlined here, and lanes computed by calls of single instructions.
+        // Closures would not be inlined here, and each lane operation would become a function call.
         let end_chord = chord_in(motion, &first);
         let first_slope = slope(whole, count, end_chord, -self.surplus(0, end_chord));
         let end_chord = chord_in(motion, &last);
         let last_slope = slope(whole, count, end_chord, -self.surplus(count - 1, end_chord));
         let mut slopes = end_slopes([first_slope, last_slope], count);
-        // That turns the end chords exactly, but it is at the end nodes that the turn is Newton's. Half an element off is a
-        // shear force that grows as 1 / h, and with it what an axial force does to the tangent: it loses its sign.
+        // These slopes are exact for the end chords, but Newton's rotations apply at the end nodes, half an element away. The difference causes
+        // a shear force that grows as 1 / h. The effect of axial forces grows with it, so the tangent may lose positive definiteness.
         if count > 2 {
             let mut more = slopes;
             for (end, (at, next)) in [(0, 1), (count - 1, count - 2)].into_iter().enumerate() {
@@ -106,7 +106,7 @@ impl<R: Number> Retraction<R> {
             advance(&mut u.x, turns, across.x * lift);
             advance(&mut u.y, turns, across.y * lift);
         }
-        // A node between two chords turns as these have.
+        // An inner node rotates with the mean of its two chords.
         let mut below = self.surplus(0, chord_in(motion, &first));
         for index in 1..count {
             let member = elements.member(index);
@@ -116,8 +116,8 @@ impl<R: Number> Retraction<R> {
         }
     }
 
-    /// An element's chord, mm, and how much further than by the correction it has turned, rad, once the [`cubic`] with these
-    /// slopes is put across the member; the element is the `index`-th of `count`.
+    /// An element's chord, mm, and its rotation beyond the linear correction, rad, after the [`cubic`] with the given slopes is added across
+    /// the member. The element is the `index`-th of `count`.
     #[inline(always)]
     fn leaning(
         &self,
@@ -135,7 +135,7 @@ impl<R: Number> Retraction<R> {
         (lifted, self.surplus(index, lifted))
     }
 
-    /// Notes each chord and its turn by the correction; returns how far the elastic part's ends are off it, mm.
+    /// Stores each chord and its rotation by the linear correction. Returns the offset of each end of the elastic part from that correction, mm.
     #[inline(always)]
     fn measure(
         &mut self,
@@ -171,7 +171,7 @@ impl<R: Number> Retraction<R> {
         [difference(difference(new[0], old[0]), corrections[0]), difference(difference(new[1], old[1]), corrections[1])]
     }
 
-    /// How much further than by the correction an element has turned that has this chord now, rad.
+    /// Rotation of an element beyond the linear correction, rad, given its current chord, mm.
     #[inline(always)]
     fn surplus(&self, index: usize, chord: Vector2<R>) -> R {
         let (before, turn) = self.chords[index];
@@ -179,14 +179,14 @@ impl<R: Number> Retraction<R> {
     }
 }
 
-/// An element's chord, mm.
+/// Current chord of an element, mm.
 #[inline(always)]
 fn chord_in<R: Number>(motion: &FrameMotion<R>, member: &Member<R>) -> Vector2<R> {
     let [from, to] = displacements(motion, member.ends);
     chord(member, 1.0, from, to)
 }
 
-/// The chord of `count` members like this one in a row, between two displaced ends, mm.
+/// Chord of `count` equal members in a row between two displaced ends, mm.
 #[inline(always)]
 fn chord<R: Number>(member: &Member<R>, count: f64, from: Vector2<R>, to: Vector2<R>) -> Vector2<R> {
     let (direction, length_mm) = (member.beam.direction, member.beam.length_mm * count);
@@ -203,13 +203,13 @@ fn dot<R: Number>(a: Vector2<R>, b: Vector2<R>) -> R {
     a.x * b.x + a.y * b.y
 }
 
-/// Positive where b lies to the left of a.
+/// Cross product a x b; positive if b lies to the left of a.
 #[inline(always)]
 fn cross<R: Number>(a: Vector2<R>, b: Vector2<R>) -> R {
     a.x * b.y - a.y * b.x
 }
 
-/// The slope with which the [`cubic`] across `whole` turns a chord of `count` by so much.
+/// End slope of the [`cubic`] across `whole` that rotates a chord of `count` by `turn`, rad.
 #[inline(always)]
 fn slope<R: Number>(whole: Vector2<R>, count: usize, chord: Vector2<R>, turn: R) -> R {
     let ((sine, versine), across) = (sine_and_versine(turn), quarter_turn(chord));
@@ -219,14 +219,14 @@ fn slope<R: Number>(whole: Vector2<R>, count: usize, chord: Vector2<R>, turn: R)
     R::select(share.exceeds(share.constant(0.5)), sine / share, turn)
 }
 
-/// s_0 xi (1 - xi)^2 - s_1 xi^2 (1 - xi): the cubic with these slopes at its two ends, of which the second counts back.
+/// Cubic s_0 xi (1 - xi)^2 - s_1 xi^2 (1 - xi) with slopes s_0 and s_1 at its two ends; dimensionless.
 #[inline(always)]
 fn cubic<R: Number>(slopes: [R; 2], xi: f64) -> R {
     let rest = 1.0 - xi;
     (slopes[0] * rest - slopes[1] * xi) * (xi * rest)
 }
 
-/// Slopes of the [`cubic`] whose first and last of `count` chords have these; one node alone cannot turn two chords.
+/// End slopes of the [`cubic`] from the slopes of the first and last of `count` chords. Below three chords they are returned unchanged.
 #[inline(always)]
 fn end_slopes<R: Number>(chords: [R; 2], count: usize) -> [R; 2] {
     if count < 3 {
@@ -239,7 +239,7 @@ fn end_slopes<R: Number>(chords: [R; 2], count: usize) -> [R; 2] {
     [(first * rest + last * xi) / divisor, (last * rest + first * xi) / divisor]
 }
 
-/// Adds to a value where a mask holds.
+/// Adds to a value in the lanes of a mask.
 #[inline(always)]
 fn advance<R: Number>(value: &mut R, mask: R::Mask, by: R) {
     *value = R::select(mask, *value + by, *value);

@@ -5,23 +5,23 @@ use super::ends::{Ends, EndsMatrix};
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// How an undeformable rib joins the front node to the back node.
+/// Kinematics of an undeformable rib that joins the front node to the back node.
 ///
-/// The rung's unknowns are then its generalised coordinates q: back x, y, rotation; rotation of the rib; rotation of the front node (the last two are
-/// not there if all turn together). Coordinates that are not needed stay in place with unit stiffness. The nodes move by u = T q.
+/// The rung's unknowns become generalised coordinates q: back x, y, rotation; rotation of the rib; rotation of the front node. If all rotate together,
+/// the last two are absent. Unused coordinates keep unit stiffness. The nodes move by u = T q.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidRib<R> {
-    /// From the back to the front node in pieces that turn with each of the three rotations, in their current directions, mm:
-    /// the back bracket, the rib, the front bracket. If all turn together, the first is the sum.
+    /// Vectors from the back to the front node, one per rotation, in their current directions, mm: back bracket, rib, front bracket. If all
+    /// rotate together, the first is their sum.
     pub levers: [Vector2<R>; 3],
-    /// Whether rib and both nodes turn together.
+    /// Whether rib and both nodes rotate together.
     pub together: bool,
-    /// Pull of the elements on the front node, N, where it counts: as a lever turns, its end moves on a circle.
+    /// Gradient of elements and loads at the front node, N; zero with linear kinematics. It adds geometric stiffness as levers rotate.
     pub front_pull: Vector2<R>,
 }
 
 impl<R: Number> RigidRib<R> {
-    /// u = T q.
+    /// Nodal motion u = T q.
     #[inline(always)]
     fn nodal(&self, q: &Ends<R>) -> Ends<R> {
         let [back, rib, front] = &self.levers;
@@ -34,7 +34,7 @@ impl<R: Number> RigidRib<R> {
         [q[0], q[1], q[2], x, y, q[4]]
     }
 
-    /// T^T f.
+    /// Generalised forces T^T f.
     #[inline(always)]
     fn generalised(&self, f: &Ends<R>) -> Ends<R> {
         let none = f[0].zero();
@@ -47,11 +47,11 @@ impl<R: Number> RigidRib<R> {
         }
     }
 
-    /// T^T K T with what the turning levers add.
+    /// Generalised stiffness T^T K T plus the geometric stiffness of the rotating levers.
     #[inline(always)]
     fn generalised_stiffness(&self, stiffness: &EndsMatrix<R>) -> EndsMatrix<R> {
         let full: EndsMatrix<R> = std::array::from_fn(|i| std::array::from_fn(|j| stiffness[i.min(j)][i.max(j)]));
-        // T^T times the symmetric K is the transpose of K T; so T^T each row, and again each row of the transpose.
+        // K is symmetric, so T^T K T follows from T^T on each row, a transposition, and T^T on each row again.
         let half = transposed(&full.map(|row| self.generalised(&row)));
         let mut whole = half.map(|row| self.generalised(&row));
         let turns = if self.together { 2..3 } else { 2..5 };
@@ -70,20 +70,20 @@ fn transposed<R: Number>(matrix: &EndsMatrix<R>) -> EndsMatrix<R> {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))
 }
 
-/// A node of a rung that is the same point as the rung's below, as their ribs share a junction.
+/// A node of a rung that coincides with a node of the rung below, because their ribs share a junction.
 ///
-/// Its three unknowns stay in place with unit stiffness and without coupling, so that y holds their gradient. What is coupled to them is coupled to the
-/// node below, which takes on their stiffness and their gradient.
+/// Its three unknowns keep unit stiffness without coupling, so their y equals their gradient. Stiffness, gradient and couplings of the node move to the
+/// node below.
 #[derive(Debug, Clone, Copy)]
 struct TiedNode<R> {
-    /// Its first unknown: 0 of the back node, 3 of the front node.
+    /// Its first unknown: 0 for the back node, 3 for the front node.
     row: usize,
-    /// Its own stiffness, in the upper triangle.
+    /// Its original stiffness, upper triangle.
     stiffness: [[R; 3]; 3],
 }
 
 impl<R: Number> TiedNode<R> {
-    /// Moves the node's stiffness to the node below; rows of `coupling` are the rung's unknowns, columns those of the rung below.
+    /// Moves the node's stiffness to the node below. Rows of `coupling` are the rung's unknowns, columns those of the rung below.
     #[inline(always)]
     fn release(&mut self, stiffness: &mut EndsMatrix<R>, coupling: &mut EndsMatrix<R>) {
         let (row, other, zero) = (self.row, 3 - self.row, stiffness[0][0].zero());
@@ -99,7 +99,7 @@ impl<R: Number> TiedNode<R> {
     }
 }
 
-/// x, y, rotation of the back node, then of the front node, eliminated towards the rung below.
+/// x, y and rotation of the back node, then of the front node, eliminated towards the rung below.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rung<R: Number> {
     block: Block<R, 6, 6>,
@@ -108,19 +108,19 @@ pub(super) struct Rung<R: Number> {
 }
 
 impl<R: Number> Rung<R> {
-    /// A rung to be overwritten, in numbers like the one given; `tied`: the first unknown of the node that is tied to the rung below.
+    /// A rung before its elimination, in the number type of `like`. `tied` is the first unknown of a node tied to the rung below.
     pub(super) fn empty(like: R, tied: Option<usize>) -> Rung<R> {
         let tied = tied.map(|row| TiedNode { row, stiffness: [[like.zero(); 3]; 3] });
         Rung { block: Block::empty(like), rib: None, tied }
     }
 
-    /// The first unknown (0 back, 3 front) of the node that is tied to the rung below, if one is.
+    /// The first unknown (0 back, 3 front) of a node tied to the rung below; `None` without one.
     #[inline(always)]
     pub(super) fn tied_row(&self) -> Option<usize> {
         self.tied.as_ref().map(|tied| tied.row)
     }
 
-    /// Eliminates the rung with this stiffness; `back` and `front` are the members from the rung below.
+    /// Eliminates the rung. `back` and `front` are the stiffnesses of the plate members from the rung below.
     #[inline(always)]
     pub(super) fn eliminate(
         &mut self,
@@ -149,24 +149,24 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Where the block is positive definite.
+    /// Lanes in which the block is positive definite.
     #[inline(always)]
     pub(super) fn positive(&self) -> R::Mask {
         self.block.positive()
     }
 
-    /// Where each pivot is larger than a limit of its own; `None` with an undeformable rib, whose unknowns are others.
+    /// Lanes in which each pivot exceeds its limit; `None` with an undeformable rib, whose unknowns differ.
     #[inline(always)]
     pub(super) fn pivots_exceed(&self, limits: &Ends<R>) -> Option<R::Mask> {
         self.rib.is_none().then(|| self.block.pivots_exceed(limits))
     }
 
-    /// Logarithm of the block's determinant.
+    /// Natural logarithm of the block's determinant.
     pub(super) fn log_determinant(&self) -> R {
         self.block.log_determinant()
     }
 
-    /// Takes what the eliminated rung does off the stiffness of the rung below.
+    /// Subtracts the eliminated rung's contribution from the stiffness of the rung below.
     #[inline(always)]
     pub(super) fn reduce_stiffness(&self, below: &mut EndsMatrix<R>) {
         self.block.reduce_stiffness(below);
@@ -179,7 +179,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// y = L^-1 g of a gradient on the rung's nodes, g in generalised coordinates.
+    /// Forward substitution y = L^-1 g for a gradient on the rung's nodes, with g in generalised coordinates.
     #[inline(always)]
     pub(super) fn forward(&self, gradient: &Ends<R>) -> Ends<R> {
         match self.rib {
@@ -188,7 +188,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Work of a residual on the correction of the rung, by its y, N mm.
+    /// Work of the residual on the correction of the rung, N mm, given its y.
     #[inline(always)]
     pub(super) fn work(&self, y: &Ends<R>) -> R {
         let mut y = *y;
@@ -199,7 +199,7 @@ impl<R: Number> Rung<R> {
         self.block.work(&y)
     }
 
-    /// Takes a gradient, by its y, off that of the rung below.
+    /// Subtracts the eliminated gradient from that of the rung below, given its y.
     #[inline(always)]
     pub(super) fn reduce_gradient(&self, y: &Ends<R>, below: &mut Ends<R>) {
         self.block.reduce_gradient(y, below);
@@ -210,7 +210,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Motion of two nodes for a gradient, by its y, and a motion of the rung below; rotation of a hinged rigid rib.
+    /// Motion of both nodes, given y and the motion of the rung below; then the rotation of a hinged undeformable rib, rad.
     #[inline(always)]
     pub(super) fn motion(&self, y: &Ends<R>, below: &Ends<R>) -> (Ends<R>, Option<R>) {
         let mut q = self.block.motion(y, below);

@@ -1,4 +1,4 @@
-//! Sections IV-B and VI: the camera's error of position.
+//! Claims of sections IV-B and VI: the camera's position error.
 
 use super::criteria::simulated;
 use super::{Claim, ClaimError, ClaimVerdict, Words};
@@ -6,13 +6,13 @@ use crate::experiments::camera::CameraStudy;
 use minijinja::context;
 use std::f64::consts::SQRT_2;
 
-/// Largest error of the paper's vision, mm.
+/// Largest position error of the paper's vision system, mm.
 const LARGEST_MM: f64 = 0.2;
 
-/// The paper measured a real finger, in a camera's images; ours are rendered, of a finger whose light, lens and pose are known.
+/// Claim on the position error. The paper measured a real finger with a camera; here images are rendered with known light, lens and pose.
 ///
 /// # Errors
-/// [`ClaimError`] if its words lack a number.
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn position_error(camera: Option<&CameraStudy>, words: &Words) -> Result<Claim, ClaimError> {
     let tested = camera.and_then(|camera| {
         let row = camera.as_it_is()?;
@@ -21,7 +21,7 @@ pub fn position_error(camera: Option<&CameraStudy>, words: &Words) -> Result<Cla
     let Some((row, shapes, largest_mm, rms_mm)) = tested else {
         return words.claim("position-untested", ClaimVerdict::NotTested, context! {});
     };
-    // Both coordinates at their largest.
+    // Upper bound: both coordinates have their largest error.
     let position_mm = SQRT_2 * largest_mm;
     let verdict =
         if row.found == row.markers { simulated(position_mm, LARGEST_MM) } else { ClaimVerdict::NotReproduced };

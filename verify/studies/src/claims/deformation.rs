@@ -1,4 +1,4 @@
-//! Sections I and III: from force to deformation.
+//! Claims of sections I and III: deformation under a force.
 
 use super::criteria::{MESH_SHARE, MUCH_SHARE, NEGLIGIBLE_SHARE, at_most_nodes, over_assumptions, statement};
 use super::experiments::{self, range_of};
@@ -8,12 +8,12 @@ use crate::problems::{opensees, refinement};
 use crate::study::Study;
 use minijinja::context;
 
-/// Force at which the linear model is judged, N: the largest of the gripper tests.
+/// Force at which the linear model is assessed, N: the largest of the gripper tests.
 const FORCE_N: f64 = 3.0;
-/// Stiffness of a plane-strain continuum of the finger over that of the frame, at the nodes: an independent finite-element program, with
-/// Poisson's ratio 0.45 and rods as stiff discs of 3 mm. It does not ship.
+/// Ratio of stiffnesses at the nodes, smallest and largest: a plane-strain continuum over the beam frame. An independent finite-element program,
+/// which is not included, computed it with Poisson's ratio 0.45 and rods as stiff discs of 3 mm radius.
 const CONTINUUM: [f64; 2] = [1.61, 1.71];
-/// Poisson's ratio of the continuum, and the rigid arms (mm) that bring the frame to it.
+/// Poisson's ratio and rigid arms (mm) with which the beam frame represents the continuum.
 const AS_A_CONTINUUM: (f64, f64) = (0.45, 1.25);
 
 pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimError> {

@@ -1,4 +1,4 @@
-//! Small computations that a single claim of the paper rests on.
+//! Small computations that support a single claim of the paper.
 
 use crate::lattice::accuracy::difference;
 use crate::prelude::*;
@@ -8,25 +8,25 @@ use finray_model::scene::ROD_RADIUS_MM;
 /// Elements a member where rotations are large.
 const ELEMENTS: usize = 8;
 
-/// The smallest and the largest of some figures.
+/// Smallest and largest of some figures.
 pub type Range = [f64; 2];
 
-/// Contact nodes but the tip, which the paper does not load.
+/// Contact nodes except the tip, which the paper does not load.
 fn loaded(finger: &Finger) -> impl Iterator<Item = NodeId> {
     finger.contact_nodes().skip(1)
 }
 
-/// A figure at each of these nodes, from tip to base.
+/// A figure at each loaded node, from tip to base.
 fn by_node(finger: &Finger, figure: impl Fn(NodeId) -> Result<f64, SensingError>) -> Result<Vec<f64>, SensingError> {
     loaded(finger).map(figure).collect()
 }
 
-/// The smallest and the largest of some figures.
+/// Smallest and largest of some figures; NaN without figures.
 pub fn range_of(figures: &[f64]) -> Range {
     Span::of(figures.iter().copied()).map_or([f64::NAN; 2], Span::ends)
 }
 
-/// Estimate of a load at a node by linear least squares along the normal, N.
+/// Force estimated by linear least squares along the normal at a node, N, for a finger under `load`.
 pub fn sensed_n(finger: &Finger, node: NodeId, load: Load) -> Result<f64, SensingError> {
     let shape = statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Linear)?;
     let seen = Measurement::of_shape(finger, &shape);
@@ -34,18 +34,19 @@ pub fn sensed_n(finger: &Finger, node: NodeId, load: Load) -> Result<f64, Sensin
     Ok(estimator.estimate(&seen, Some(0.0), Prior::None).forces_n[0])
 }
 
-/// Relative error of a force sensed along the normal that truly acts `off_deg` towards the tip, by node; linear finger.
+/// Relative error of a force sensed along the normal but acting `off_deg` (degrees) towards the tip, by node; linear finger.
 ///
 /// # Errors
-/// [`SensingError`] if a node cannot be sensed.
+/// [`SensingError`] if the force at a node cannot be sensed.
 pub fn wrong_direction(finger: &Finger, off_deg: f64) -> Result<Vec<f64>, SensingError> {
     by_node(finger, |node| Ok(sensed_n(finger, node, Load::at_node(node, finger.direction(off_deg)))? - 1.0))
 }
 
-/// Relative error of a normal force because friction of this coefficient turns the rod, by node: the moment alone, its force left out.
+/// Relative error of a normal force caused by the friction moment on its rod, by node. `friction` is the coefficient, dimensionless. The friction
+/// force itself is omitted.
 ///
 /// # Errors
-/// [`SensingError`] if a node cannot be sensed.
+/// [`SensingError`] if the force at a node cannot be sensed.
 pub fn neglected_torque(finger: &Finger, friction: f64) -> Result<Vec<f64>, SensingError> {
     by_node(finger, |node| {
         let load = Load::Node { node, force: finger.direction(0.0), moment_nmm: friction * ROD_RADIUS_MM };
@@ -53,7 +54,7 @@ pub fn neglected_torque(finger: &Finger, friction: f64) -> Result<Vec<f64>, Sens
     })
 }
 
-/// Largest difference of linear and co-rotational shape under this force over the largest displacement, by carrying node.
+/// Largest difference of linear and co-rotational shape under `force_n` (N), relative to the largest displacement, by node with equilibrium.
 ///
 /// # Errors
 /// [`SensingError`] if the linear finger cannot be solved.
@@ -70,19 +71,19 @@ pub fn linearisation(finger: &Finger, force_n: f64) -> Result<Vec<f64>, SensingE
     Ok(differences)
 }
 
-/// Least squares for a force at every contact node at once, linear.
+/// Linear least squares for forces at all contact nodes together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AllForces {
-    /// Largest over smallest singular value.
+    /// Condition number: largest over smallest singular value.
     pub span: f64,
     /// Standard deviations of the forces under the camera's noise, N, by node.
     pub sigmas_n: Vec<f64>,
 }
 
-/// Senses all contact nodes at once, under noise of one coordinate.
+/// Senses forces at all contact nodes together, under noise of `noise_mm` (standard deviation of a coordinate, mm).
 ///
 /// # Errors
-/// [`SensingError`] if that cannot be done.
+/// [`SensingError`] if the linear estimator cannot be built.
 pub fn all_forces(finger: &Finger, noise_mm: f64) -> Result<AllForces, SensingError> {
     let contacts: Vec<Contact> = finger.contact_nodes().map(Contact::at_node).collect();
     let estimator = LinearEstimator::new(finger, &contacts, &Measurement::at_rest(finger))?;
@@ -93,7 +94,7 @@ pub fn all_forces(finger: &Finger, noise_mm: f64) -> Result<AllForces, SensingEr
     })
 }
 
-/// Standard deviation of the force across the normal where size and direction are both sought, N, by node; linear.
+/// Standard deviation of the force component perpendicular to the normal if magnitude and direction are unknown, N, by node; linear finger.
 pub(crate) fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f64>, SensingError> {
     let markers = Measurement::at_rest(finger);
     by_node(finger, |node| {
@@ -106,16 +107,16 @@ pub(crate) fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f6
 /// Change of the co-rotational shape when the forces at two nodes are exchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exchanged {
-    /// Largest difference of a displacement, over the largest displacement.
+    /// Largest difference of a displacement, relative to the largest displacement.
     pub share: f64,
-    /// The same difference over all coordinates of all free nodes, over the noise of one coordinate: Mahalanobis distance.
+    /// Euclidean norm of the difference over all markers, divided by the noise of one coordinate: the Mahalanobis distance, dimensionless.
     pub distance: f64,
 }
 
-/// Exchanges 1 N and 4 N at two nodes, seen with noise of one coordinate.
+/// Exchanges 1 N and 4 N at two nodes, with noise of `noise_mm` (standard deviation of a coordinate, mm).
 ///
 /// # Errors
-/// [`SensingError`] if the finger does not carry them.
+/// [`SensingError`] if the finger has no equilibrium under these forces.
 pub fn redistributed(finger: &Finger, nodes: [NodeId; 2], noise_mm: f64) -> Result<Exchanged, SensingError> {
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
     let shape = |forces_n: [f64; 2]| -> Result<FingerShape, SensingError> {
@@ -129,11 +130,11 @@ pub fn redistributed(finger: &Finger, nodes: [NodeId; 2], noise_mm: f64) -> Resu
     Ok(Exchanged { share: difference(&one, &other), distance: squares.sqrt() / noise_mm })
 }
 
-/// Force sensed where nothing touches, N: largest root mean square over one of nodes 16 to 20 that carries nothing while the others
-/// carry this force along the normal; linear least squares for all five, on the co-rotational finger, under noise.
+/// Largest root mean square force sensed at an unloaded node, N. One of nodes 16 to 20 is unloaded; the others carry `force_n` (N) along the
+/// normal. Linear least squares senses all five on the co-rotational finger, under noise of `noise_mm` (mm).
 ///
 /// # Errors
-/// [`SensingError`] if the finger does not carry them, or they cannot be sensed.
+/// [`SensingError`] if the finger has no equilibrium, or its forces cannot be sensed.
 pub fn zero_force(finger: &Finger, force_n: f64, noise_mm: f64) -> Result<f64, SensingError> {
     let nodes: Vec<NodeId> = (16..=20).map(NodeId).collect();
     let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
@@ -150,11 +151,11 @@ pub fn zero_force(finger: &Finger, force_n: f64, noise_mm: f64) -> Result<f64, S
     Ok(worst(errors))
 }
 
-/// How much stiffer the finger is against a force along the normal if its plates bend as plates in plane strain (Poisson's ratio) and
-/// rods shorten them by arms (mm), over the nodes; linear.
+/// Ratio of stiffnesses against a normal force with and without two changes, smallest and largest over the nodes; linear finger. The changes are
+/// plane-strain bending with `poissons_ratio`, and members that are shorter by rigid arms of `rod_arm_mm` (mm) at the rods.
 ///
 /// # Errors
-/// [`SensingError`] if the finger is impossible or not solved.
+/// [`SensingError`] if a finger cannot be solved. An impossible finger gives NaN.
 pub fn stiffened(finger: &Finger, poissons_ratio: f64, rod_arm_mm: f64) -> Result<Range, SensingError> {
     let description = FingerDescription { poissons_ratio, rod_arm_mm, ..finger.description().clone() };
     let Ok(stiff) = Finger::new(description) else { return Ok([f64::NAN; 2]) };
@@ -167,7 +168,7 @@ pub fn stiffened(finger: &Finger, poissons_ratio: f64, rod_arm_mm: f64) -> Resul
     Ok(range_of(&loaded(finger).map(factor).collect::<Result<Vec<_>, SensingError>>()?))
 }
 
-/// The largest size of some figures.
+/// Largest absolute value of some figures.
 pub fn largest(figures: &[f64]) -> f64 {
     worst(figures.iter().map(|figure| figure.abs()))
 }

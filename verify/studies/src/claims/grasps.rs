@@ -1,4 +1,4 @@
-//! Sections V-C and V-D: Table II on the moving gripper, and grasps of objects (Figs. 11, 14 and 16).
+//! Claims of sections V-C and V-D: Table II on the moving gripper, and grasps of objects (Figs. 11, 14 and 16).
 
 use super::criteria::{MUCH_SHARE, in_simulation};
 use super::gripper::OfGroup;
@@ -10,7 +10,7 @@ use crate::study::Study;
 use finray_model::estimators::EstimatorId;
 use minijinja::{Value, context};
 
-/// The module of the paper's Fig. 11(a).
+/// Contact nodes of the module in the paper's Fig. 11(a).
 const CROSSING: [usize; 2] = [18, 20];
 
 pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimError> {
@@ -29,7 +29,7 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     Ok(claims)
 }
 
-/// A row of Table II while the gripper closes.
+/// Claims on one row of Table II while the gripper closes.
 fn on_the_gripper(
     modules: Option<&ModuleStudy>,
     group: &ContactGroup,
@@ -45,7 +45,7 @@ fn on_the_gripper(
     Ok(each.into_iter().chain(sum.transpose()?.flatten()).collect())
 }
 
-/// Motor angles at which the second force begins, and at which it passes the first one: the order of Fig. 11(a).
+/// Motor angles, degrees, at which the second force begins and at which it exceeds the first one: the sequence of Fig. 11(a).
 pub fn order(test: &ModuleTest) -> [Option<f64>; 2] {
     let at =
         |holds: &dyn Fn(&[f64]) -> bool| test.steps.iter().find(|step| holds(&step.true_n)).map(|step| step.turned_deg);
@@ -54,10 +54,10 @@ pub fn order(test: &ModuleTest) -> [Option<f64>; 2] {
     [begins, at(&|true_n| true_n[0] > true_n[1]).filter(|_| begins.is_some())]
 }
 
-/// Whether one force begins alone and the other passes it.
+/// Claim that one force begins alone and the other later exceeds it.
 ///
 /// # Errors
-/// [`ClaimError`] if the words lack a number; likewise below.
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn crossing(test: Option<&ModuleTest>, words: &Words) -> Result<Claim, ClaimError> {
     let found = test.map(order);
     let verdict =
@@ -66,10 +66,10 @@ pub fn crossing(test: Option<&ModuleTest>, words: &Words) -> Result<Claim, Claim
     words.claim("crossing", verdict, context! { tested => found.is_some(), begins_deg, crosses_deg })
 }
 
-/// How alike both fingers' sensed totals are.
+/// Claim that the sensed total forces of both fingers agree.
 ///
 /// # Errors
-/// As [`crossing`].
+/// [`ClaimError`] as in [`crossing`].
 pub fn left_right(observed: Option<&Observations>, words: &Words) -> Result<Claim, ClaimError> {
     let objects = objects(observed, |totals| Some(totals.left_right[0]));
     let verdict = judged(&objects, |difference| difference <= MUCH_SHARE);
@@ -82,10 +82,10 @@ pub fn left_right(observed: Option<&Observations>, words: &Words) -> Result<Clai
     words.claim("left-right", verdict, numbers)
 }
 
-/// What is sensed where nothing touches.
+/// Claim on forces sensed at nodes without contact.
 ///
 /// # Errors
-/// As [`crossing`].
+/// [`ClaimError`] as in [`crossing`].
 pub fn untouched(observed: Option<&Observations>, words: &Words) -> Result<Claim, ClaimError> {
     let of = |id| observed?.untouched.iter().find(|(estimator, _)| *estimator == id).map(|(_, found)| *found);
     let (nonlinear, linear) = (of(EstimatorId::Nonlinear), of(EstimatorId::LeastSquares));
@@ -102,10 +102,10 @@ pub fn untouched(observed: Option<&Observations>, words: &Words) -> Result<Claim
     words.claim("untouched", verdict, numbers)
 }
 
-/// Whether opening finds the forces of closing.
+/// Claim that forces while opening equal those while closing.
 ///
 /// # Errors
-/// As [`crossing`].
+/// [`ClaimError`] as in [`crossing`].
 pub fn pick_and_place(observed: Option<&Observations>, words: &Words) -> Result<Claim, ClaimError> {
     let objects = objects(observed, |totals| totals.opening_at_nodes);
     let totals = self::objects(observed, |totals| totals.opening);
@@ -118,7 +118,7 @@ pub fn pick_and_place(observed: Option<&Observations>, words: &Words) -> Result<
     words.claim("pick-and-place", verdict, numbers)
 }
 
-/// A figure of each object.
+/// Name of each object, with one of its figures.
 fn objects(
     observed: Option<&Observations>,
     figure: impl Fn(&crate::experiments::grasp::observations::Totals) -> Option<f64>,
@@ -131,7 +131,7 @@ fn named(objects: &[(String, f64)]) -> Vec<Value> {
     objects.iter().map(|(name, share)| context! { name, share }).collect()
 }
 
-/// In simulation, if it holds for every object.
+/// Verdict in simulation: the criterion must hold for every object.
 fn judged(objects: &[(String, f64)], holds: impl Fn(f64) -> bool) -> ClaimVerdict {
     match objects {
         [] => ClaimVerdict::NotTested,

@@ -1,4 +1,4 @@
-//! Section V-C: the gripper of Table II.
+//! Claims of section V-C: the gripper of Table II.
 
 use super::criteria::{figure, over_assumptions, simulated};
 use super::{Claim, ClaimError, Words};
@@ -10,7 +10,7 @@ use finray_model::estimators::EstimatorId;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 
-/// Bound of the resultant's error, and what each of two forces is said to exceed (sec. VII).
+/// Upper bound of the resultant's relative error, and lower bound of each of two forces' relative errors, by the paper (sec. VII).
 const SUM_BOUND: f64 = 0.08;
 const EACH_BOUND: f64 = 0.30;
 
@@ -38,7 +38,7 @@ fn listed(sets: &[&[usize]]) -> String {
     sets.collect::<Vec<_>>().join("; ")
 }
 
-/// The paper's sentence with the figure.
+/// Quotation of the paper with the figure.
 fn quoted(group: &ContactGroup, quantity: &str) -> &'static str {
     match (group.name, quantity) {
         ("one node", _) => "\"the average relative error is 6.5% when the grasping forces vary from 0.3 to 3 N\"",
@@ -51,10 +51,10 @@ fn quoted(group: &ContactGroup, quantity: &str) -> &'static str {
     }
 }
 
-/// The paper's own method on the simulated finger, against what it measured with it.
+/// Claim on the paper's own method: its error on the simulated finger against the paper's measured error.
 ///
 /// # Errors
-/// [`ClaimError`] if its words lack a number; likewise below.
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn of_the_papers_network(
     ours: &Figure,
     by_spread: Option<&Figure>,
@@ -76,10 +76,10 @@ pub fn of_the_papers_network(
     words.claim("papers-network", over_assumptions(&verdicts), numbers)
 }
 
-/// By the network's inputs scaled by the largest displacement, and by their spread.
+/// Claims of the paper's conclusion, for network inputs scaled by the largest displacement and by their spread, with noise `noise_mm` (mm).
 ///
 /// # Errors
-/// As [`of_the_papers_network`].
+/// [`ClaimError`] as in [`of_the_papers_network`].
 pub fn in_the_conclusion(
     largest: &[Figure],
     spread: &[Figure],
@@ -104,7 +104,7 @@ pub fn in_the_conclusion(
     ])
 }
 
-/// The same nodes with estimators that have the simulated finger's own model.
+/// Claims for the same nodes with estimators that use the simulated finger's own model.
 fn with_the_model(
     two: &TableTwo,
     group: &ContactGroup,
@@ -124,9 +124,10 @@ fn with_the_model(
     Ok(each.into_iter().chain(other).collect())
 }
 
-/// Errors of the nonlinear estimator at a group of contacts, and those of others beside it.
+/// Errors of the nonlinear estimator and of other estimators at a group of contacts.
 pub(super) struct OfGroup<'g> {
     pub group: &'g ContactGroup,
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
     pub nonlinear: GroupErrors,
     pub others: [(&'static str, Option<GroupErrors>); 2],
@@ -134,7 +135,7 @@ pub(super) struct OfGroup<'g> {
 }
 
 impl OfGroup<'_> {
-    /// One error against the paper's; `None` where there is none.
+    /// Claim that compares one relative error with the paper's; `None` if the error does not exist.
     pub fn row(
         &self,
         key: &str,

@@ -1,4 +1,4 @@
-//! Limits that the paper states (sec. IV-A, V-C, V-D and VI).
+//! Claims on limits of sensing (sec. IV-A, V-C, V-D and VI).
 
 use super::criteria::{
     DIRECTION_SHARE, MUCH_SHARE, NEGLIGIBLE_FORCE_SHARE, WELL_N, at_most_nodes, over_assumptions, statement,
@@ -10,13 +10,13 @@ use crate::prelude::*;
 use crate::study::Study;
 use minijinja::context;
 
-/// Friction between which neglected torques are judged: plastic on steel to rubber on most things.
+/// Range of friction coefficients for neglected torques: plastic on steel, to rubber on most materials.
 const FRICTIONS: [f64; 2] = [0.2, 0.5];
-/// Noise of a displacement over that of a coordinate: undeformed positions exact, and measured in an image too (sec. V-B).
+/// Ratio of a displacement's noise to a coordinate's: exact undeformed positions, or undeformed positions measured in an image too (sec. V-B).
 const NOISE_OF_IMAGES: [f64; 2] = [1.0, std::f64::consts::SQRT_2];
-/// Pairs of nodes of the paper's Fig. 12, from near to far.
+/// Pairs of nodes of the paper's Fig. 12, by increasing distance.
 const EXCHANGED: [[usize; 2]; 4] = [[18, 19], [18, 20], [17, 20], [17, 21]];
-/// Force on each of four nodes beside one that nothing touches, N.
+/// Force on each of four nodes beside an unloaded node, N.
 const BESIDE_N: f64 = 0.5;
 
 pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimError> {
@@ -24,7 +24,7 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     let mut claims = vec![all_at_once(finger, words)?];
     claims.extend(exchanged(finger, words)?);
     claims.extend([unknown_direction(finger, words)?, wrong_direction(finger, words)?, torque(finger, words)?]);
-    // Grasps show it better, where there are any: one row judges the sentence.
+    // Grasps, if there are any, test this claim better; only one row tests each sentence.
     if study.observations.is_none() {
         claims.push(zero_force(finger, words)?);
     }
@@ -32,10 +32,10 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     Ok(claims)
 }
 
-/// Whether forces of all nodes at once are identifiable.
+/// Claim that forces at all nodes together are not identifiable.
 ///
 /// # Errors
-/// [`ClaimError`] if the finger cannot be sensed; likewise below.
+/// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.
 pub fn all_at_once(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let AllForces { span, sigmas_n } = experiments::all_forces(finger, CAMERA_NOISE_MM)?;
     let poor = NOISE_OF_IMAGES.map(|images| at_most_nodes(&sigmas_n, |sigma_n| images * sigma_n > WELL_N));
@@ -47,7 +47,7 @@ pub fn all_at_once(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> 
     words.claim("all-at-once", verdict, numbers)
 }
 
-/// Whether shapes differ the more, the farther two nodes are apart.
+/// Whether the difference of shapes grows with the distance of the two nodes.
 pub fn grows(all: &[Exchanged]) -> bool {
     all.windows(2).all(|pair| pair[0].share < pair[1].share)
 }
@@ -66,10 +66,10 @@ fn exchanged(finger: &Finger, words: &Words) -> Result<[Claim; 2], ClaimError> {
     ])
 }
 
-/// What a force of unknown direction costs.
+/// Claim on the loss of accuracy with a force of unknown direction.
 ///
 /// # Errors
-/// As [`all_at_once`].
+/// [`ClaimError`] as in [`all_at_once`].
 pub fn unknown_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let across = experiments::unknown_direction(finger, CAMERA_NOISE_MM)?;
     let fails = NOISE_OF_IMAGES.map(|images| at_most_nodes(&across, |sigma_n| images * sigma_n > WELL_N));
@@ -81,10 +81,10 @@ pub fn unknown_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimE
     words.claim("direction-unknown", verdict, numbers)
 }
 
-/// What a direction costs that is assumed wrong, to either side.
+/// Claim on the loss of accuracy with a direction 12.5 degrees wrong to either side.
 ///
 /// # Errors
-/// As [`all_at_once`].
+/// [`ClaimError`] as in [`all_at_once`].
 pub fn wrong_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let errors = |off_deg| -> Result<Vec<f64>, SensingError> {
         Ok(experiments::wrong_direction(finger, off_deg)?.into_iter().map(f64::abs).collect())
@@ -98,10 +98,10 @@ pub fn wrong_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimErr
     words.claim("direction-wrong", verdict, context! { tip => of_side(&tip), base => of_side(&base) })
 }
 
-/// What a torque costs that is neglected.
+/// Claim on the loss of accuracy with a neglected torque.
 ///
 /// # Errors
-/// As [`all_at_once`].
+/// [`ClaimError`] as in [`all_at_once`].
 pub fn torque(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let [low, high] = FRICTIONS.map(|friction| experiments::neglected_torque(finger, friction));
     let (low, high) = (low?, high?);
@@ -119,7 +119,7 @@ fn zero_force(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     words.claim("zero-force", ClaimVerdict::NotTested, numbers)
 }
 
-/// The network that ships, as timed by this report, or by criterion where the report has its times.
+/// Claim on the time of the shipped network, measured by this report or by criterion.
 fn network_time(study: &Study, words: &Words) -> Result<Option<Claim>, ClaimError> {
     let here = |timed_by: &TimedBy| !matches!(timed_by, TimedBy::OtherProgram { .. });
     let point = study.speed_error.iter().find(|point| {

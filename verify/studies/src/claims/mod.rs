@@ -1,8 +1,8 @@
-//! The paper's sentences with their figures, one by one, against ours.
+//! Claims: the paper's statements and figures compared one by one with computed figures.
 //!
-//! What is said stands in `words.toml`; each file here computes the numbers and verdicts of a part of the paper.
-//! Every verdict follows from a computed figure through a named [criterion](criteria), or says that nothing was tested. All of ours
-//! are computed on models of the finger: a figure measured on the real one is reproduced or not, but never refuted by them.
+//! The texts are in `words.toml`; each file here computes the numbers and verdicts for a part of the paper. Every verdict follows from a computed
+//! figure by a named [criterion](criteria), or states that nothing was tested. All figures are computed on models of the finger. They can
+//! reproduce an error measured on the real finger or not, but cannot refute it.
 
 pub mod camera;
 pub mod criteria;
@@ -24,30 +24,30 @@ pub use words::Words;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimVerdict {
-    /// Our computation gives the same.
+    /// The computation gives the same result.
     Reproduced,
-    /// Our computation, on a model of the finger, does not give what the paper measured.
+    /// The computation, on a model of the finger, does not give the paper's measured figure.
     NotReproduced,
-    /// Holds on a simulated finger: no experiment stands behind it.
+    /// Holds on a simulated finger; no experiment supports it.
     InSimulation,
-    /// On a simulated finger whose model is known, sensing errs less than the paper measured on a real one.
+    /// The error on a simulated finger with known model is smaller than the paper's on a real finger.
     LessInSimulation,
-    /// Another verdict under another assumption that the paper leaves open.
+    /// The verdict depends on an assumption that the paper does not state.
     Depends,
-    /// A statement about the finger's mechanics that its model contradicts.
+    /// The model contradicts a statement about the finger's mechanics.
     Refuted,
-    /// What it rests on is not published, or needs the finger itself.
+    /// The claim depends on unpublished information, or on the real finger.
     NotTested,
 }
 
 impl ClaimVerdict {
-    /// All of them, in the order of tables.
+    /// All verdicts, in the order of tables.
     pub const ALL: [ClaimVerdict; 7] = {
         use ClaimVerdict::{Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced};
         [Reproduced, NotReproduced, Refuted, Depends, InSimulation, LessInSimulation, NotTested]
     };
 
-    /// In words, for tables.
+    /// Verdict in words, for tables.
     pub fn in_words(self) -> &'static str {
         match self {
             ClaimVerdict::Reproduced => "reproduced",
@@ -61,18 +61,18 @@ impl ClaimVerdict {
     }
 }
 
-/// One claim.
+/// A claim of the paper, with its test.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Claim {
-    /// What the paper says, in its words where they stand in quotation marks, with the section.
+    /// The paper's statement with its section; verbatim in quotation marks.
     pub claim: String,
-    /// Its figure.
+    /// Figure of the paper, with its unit.
     pub paper: String,
-    /// Our figure.
+    /// Computed figure, with its unit.
     pub ours: String,
-    /// How our value is computed.
+    /// Method by which the figure is computed.
     pub how: String,
-    /// From which figure to which verdict; empty where nothing was tested.
+    /// Criterion that leads from the figure to the verdict; empty if nothing was tested.
     pub criterion: String,
     /// The verdict.
     pub verdict: ClaimVerdict,
@@ -81,24 +81,24 @@ pub struct Claim {
 /// Why a claim could not be tested.
 #[derive(Debug, thiserror::Error)]
 pub enum ClaimError {
-    /// A load cannot be sensed.
+    /// A force cannot be sensed.
     #[error(transparent)]
     Sensing(#[from] SensingError),
     /// A reference problem cannot be solved.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// The words that ship are no table.
+    /// The shipped texts are not valid TOML.
     #[error("words of the claims: {0}")]
     File(#[from] toml::de::Error),
-    /// They lack a number.
+    /// A number in a text has no value.
     #[error("words of a claim: {0}")]
     Words(#[from] minijinja::Error),
 }
 
-/// All claims, tested against a study of the paper's finger; none against one of another.
+/// All claims, tested against a study of the paper's finger; empty for any other finger.
 ///
 /// # Errors
-/// [`ClaimError`] if a small experiment behind one of them fails.
+/// [`ClaimError`] if a computation behind a claim fails.
 pub fn ledger(study: &Study) -> Result<Vec<Claim>, ClaimError> {
     if !study.is_paper {
         return Ok(Vec::new());

@@ -1,4 +1,4 @@
-//! The paper's frame rate against the time of our estimates.
+//! Claim on the paper's frame rate, compared with the time of the estimators.
 
 use super::{Claim, ClaimError, ClaimVerdict, Words};
 use crate::experiments::camera::FrameTimes;
@@ -6,14 +6,14 @@ use crate::experiments::speed_error::SpeedErrorPoint;
 use crate::experiments::speed_error::recommendation::recommended;
 use minijinja::context;
 
-/// Time of a frame at the paper's largest rate of 25 Hz, s (sec. IV-B and VI): that of its vision alone.
+/// Frame time at the paper's largest rate of 25 Hz, s (sec. IV-B and VI); it covers vision only.
 const FRAME_S: f64 = 0.04;
 
-/// The paper's rate is that of its image processing, on its computer and in its images. Here images are rendered ones, on this computer: what can
-/// be compared is whether estimating the forces would leave the vision that time.
+/// Claim on the rate of sensing. The paper's rate is that of its image processing on its own computer. Here images are rendered and processed on
+/// this computer, so the comparison is limited to whether force estimation leaves that time for vision.
 ///
 /// # Errors
-/// [`ClaimError`] if its words lack a number.
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn sensing_rate(
     points: &[SpeedErrorPoint],
     images: Option<FrameTimes>,
@@ -26,7 +26,7 @@ pub fn sensing_rate(
         let (ms, percent) = (1e3 * point.seconds, 100.0 * point.seconds / FRAME_S);
         context! { ms, percent, within_ms => point.seconds_95.map(|seconds| 1e3 * seconds) }
     };
-    // Vision cannot be what bounds the rate if the forces alone take longer than a frame.
+    // If the forces alone take longer than a frame, vision does not limit the rate.
     let slower = way.cold.map_or(way.one.seconds, |cold| cold.seconds.max(way.one.seconds)) >= FRAME_S;
     let numbers = context! {
         one => of_frame(way.one),

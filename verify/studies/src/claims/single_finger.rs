@@ -1,4 +1,4 @@
-//! Sections V-A and V-B: the single finger of Table I.
+//! Claims of sections V-A and V-B: the single finger of Table I.
 
 use super::criteria::{
     MUCH_SHARE, SAME_ERROR, TPU_MPA, accounts_for, all_simulated, figure, in_simulation, over_assumptions,
@@ -36,12 +36,12 @@ fn listed<'r>(rows: impl IntoIterator<Item = &'r TableOneRow>, of: impl Fn(&Tabl
     rows.into_iter().map(|row| format!("{} at {}", percent(of(row)), row.node)).collect::<Vec<_>>().join(", ")
 }
 
-/// The paper's mean of a row.
+/// The paper's mean relative error of a row.
 fn papers(row: &TableOneRow) -> f64 {
     row.paper_mean_error
 }
 
-/// Rows of small errors in the paper, and of large ones.
+/// Rows with small mean errors in the paper, and rows with large ones.
 fn split(table: &TableOne) -> (Vec<&TableOneRow>, Vec<&TableOneRow>) {
     table.rows.iter().partition(|row| row.paper_mean_error <= MUCH_SHARE)
 }
@@ -62,12 +62,12 @@ fn largest(row: &TableOneRow) -> f64 {
     worst(row.range().map(f64::abs))
 }
 
-/// How the finger lies is not published: the verdict of a figure over all directions that its weights may have had.
+/// Verdict on a figure over all directions that the weights may have had, because the finger's orientation is not published.
 fn over_angles(tables: &[TableOne], same: impl Fn(&TableOne) -> bool) -> ClaimVerdict {
     over_assumptions(&tables.iter().map(|table| figure(same(table))).collect::<Vec<_>>())
 }
 
-/// What is found for each of these directions.
+/// Text with the finding for each of these directions.
 fn by_angle(tables: &[TableOne], found: impl Fn(&TableOne) -> String) -> String {
     let at = |table: &TableOne| format!("{} deg: {}", table.angle_deg, found(table));
     tables.iter().map(at).collect::<Vec<_>>().join("; ")
@@ -130,7 +130,7 @@ fn ends(tables: &[TableOne], twin: Option<&TwinStudy>, words: &Words) -> Result<
     Ok(claims)
 }
 
-/// Errors of sensing on a finger that equals its model.
+/// Claim on errors of sensing for a finger that equals its model.
 fn noise(study: &Study, table: &TableOne, words: &Words) -> Result<Option<Claim>, ClaimError> {
     let Some(noise) = &study.noise else { return Ok(None) };
     let (_, ends) = split(table);
@@ -145,7 +145,7 @@ fn noise(study: &Study, table: &TableOne, words: &Words) -> Result<Option<Claim>
     words.claim("poor-ends", all_simulated(&pairs), numbers).map(Some)
 }
 
-/// Conclusions of the paper from its errors, on a finger fitted to them.
+/// Claims on the paper's conclusions from its errors, for a finger fitted to these errors.
 fn on_the_twin(table: &TableOne, twin: &TwinStudy, words: &Words) -> Result<[Claim; 3], ClaimError> {
     let moduli = moduli_mpa(&twin.finger);
     let mean = |rows: &[&TableOneRow], factor: f64| {

@@ -1,4 +1,4 @@
-//! The words of all claims, apart from what is computed: templates for its numbers.
+//! Texts of all claims: templates for the computed numbers.
 
 use super::{Claim, ClaimError, ClaimVerdict};
 use crate::templates::templates;
@@ -6,7 +6,7 @@ use minijinja::{Environment, Value};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// The words that ship, one table a claim.
+/// The shipped texts, one table for each claim.
 pub struct Words {
     templates: Environment<'static>,
     untested: Vec<Untested>,
@@ -28,10 +28,10 @@ struct Untested {
 }
 
 impl Words {
-    /// Reads them.
+    /// Reads the shipped texts.
     ///
     /// # Errors
-    /// [`ClaimError`] if they are no templates.
+    /// [`ClaimError`] if they are not valid templates.
     pub fn shipped() -> Result<Words, ClaimError> {
         let File { fitted, untested, claims } = toml::from_str(include_str!("words.toml"))?;
         let unsaid = |(part, text): (&str, &str)| (part.to_owned(), text.to_owned());
@@ -45,7 +45,7 @@ impl Words {
         Ok(Words { templates, untested })
     }
 
-    /// A claim with its numbers.
+    /// Text of a claim with its numbers and verdict.
     pub(crate) fn claim(&self, key: &str, verdict: ClaimVerdict, numbers: Value) -> Result<Claim, ClaimError> {
         let part = |part: &str| self.templates.get_template(&format!("{key}.{part}"))?.render(&numbers);
         Ok(Claim {
@@ -58,7 +58,7 @@ impl Words {
         })
     }
 
-    /// Figures of the paper that nothing here can test.
+    /// Claims of the paper that finray cannot test.
     pub(super) fn untested(&self) -> impl Iterator<Item = Claim> {
         self.untested.iter().map(|Untested { claim, paper, how }| Claim {
             claim: claim.clone(),
@@ -71,7 +71,7 @@ impl Words {
     }
 }
 
-/// A share in percent.
+/// Formats a share in per cent.
 pub(super) fn percent(share: f64) -> String {
     match 100.0 * share.abs() {
         0.0 => "0 %".to_owned(),

@@ -1,4 +1,4 @@
-//! Sensing of a contact that is only assumed: position and direction are off by as much as a user may take them wrong.
+//! Sensing with an assumed contact, whose position and direction have errors that a user may make.
 
 use super::Context;
 use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
@@ -6,9 +6,9 @@ use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::truths::TruthError;
 
-/// The estimator that is recommended where the contact is known.
+/// The estimator recommended for a known contact.
 const ESTIMATOR: EstimatorId = EstimatorId::Nonlinear;
-/// Combinations of a position and a direction that are off to either side.
+/// Number of combinations of a position error and a direction error, each to either side.
 const SIDES: usize = 4;
 
 /// Map of the co-rotational finger, sensed by the nonlinear estimator with [assumed contacts](AssumedContact). `None` without noise.
@@ -34,11 +34,12 @@ pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> 
     Ok(accuracy_maps(finger, context.corotational, &[&assumed], &request, &|| context.progress.step()).pop())
 }
 
-/// An estimator given contacts [`POSITION_OFF_MM`] and [`DIRECTION_OFF_DEG`] off, to each side in turn, as far as the plate reaches.
+/// An estimator whose given contacts are off by [`POSITION_OFF_MM`] and [`DIRECTION_OFF_DEG`], to each side in turn. Positions off the plate are
+/// left out.
 pub struct AssumedContact<'e> {
-    /// The estimator.
+    /// The estimator that gets the wrong contacts.
     pub informed: &'e dyn Estimator,
-    /// The finger that is touched.
+    /// The true finger.
     pub finger: &'e Finger,
 }
 
@@ -70,14 +71,14 @@ impl Estimator for AssumedContact<'_> {
             }
         }
         match beyond.filter(|_| sides.is_empty()) {
-            // No side is on a plate this short: the estimator says what is wrong with such a contact.
+            // On such a short plate every wrong position is off the finger; the estimator reports the error of that contact.
             Some(off) => self.informed.prepare(&off, markers),
             None => Ok(Box::new(InTurn { sides, next: 0 })),
         }
     }
 }
 
-/// One estimator after the other.
+/// Estimators that answer in turn.
 struct InTurn<'a> {
     sides: Vec<Box<dyn PreparedEstimator + 'a>>,
     next: usize,

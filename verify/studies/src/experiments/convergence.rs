@@ -1,8 +1,7 @@
-//! How fine a mesh must be: co-rotational solutions on ever finer meshes against the converged one.
+//! Mesh refinement: co-rotational solutions on successively finer meshes against the converged one.
 //!
-//! Every member is divided into 1, 2, 4, ... elements. The differences between the three finest solutions give the
-//! observed order p; Richardson's extrapolation from the last two gives the converged solution, and Roache's grid
-//! convergence index what may be left on the finest mesh.
+//! Every member is divided into 1, 2, 4, ... elements. The differences between the three finest solutions give the observed order p. Richardson
+//! extrapolation of the last two gives the converged solution, and Roache's grid convergence index bounds the error of the finest mesh.
 //!
 //! Source: Roache, Perspective: A Method for Uniform Reporting of Grid Refinement Studies, J. Fluids Eng. 116 (1994).
 
@@ -10,62 +9,62 @@ use super::{Context, Evidence};
 use crate::prelude::*;
 use crate::truths::FINE_MESH_NODES;
 
-/// The force at which the errors of the meshes of the paper's finger are checked, N.
+/// Force at which the mesh errors of the paper's finger are checked, N.
 const CHECKED_FORCE_N: f64 = ReportForces::PAPER.drawn_n();
-/// Approximate number of nodes that are loaded, one after the other.
+/// Approximate number of nodes that are loaded, one at a time.
 const LOADED_NODES: usize = 12;
 /// Factor of safety of the grid convergence index for three meshes (Roache 1994).
 const SAFETY: f64 = 1.25;
-/// Orders outside this range are not the element's but rounding's or chance's.
+/// Admissible range of the observed order; an order outside it results from rounding or chance.
 const ORDERS: [f64; 2] = [0.5, 4.0];
-/// Largest error on the meshes of the paper's finger, as a share of the largest displacement.
+/// Largest errors on three meshes of the paper's finger, relative to the largest displacement.
 const KEY_NODES_TOLERANCE: f64 = 1e-2;
 const TWO_ELEMENTS_TOLERANCE: f64 = 6e-3;
 const FINE_MESH_TOLERANCE: f64 = 1e-4;
-/// A reference must be ten times better than what it judges.
+/// Largest error of the reference, relative to the largest displacement: a tenth of the smallest tolerance.
 const REFERENCE_TOLERANCE: f64 = 0.1 * FINE_MESH_TOLERANCE;
 
-/// A mesh of the table.
+/// A mesh of the study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeshSize {
-    /// Its nodes.
+    /// Number of nodes.
     pub nodes: usize,
-    /// Elements of every member; `None` for the paper's fine mesh, whose elements have about one length.
+    /// Elements of every member; `None` for the paper's fine mesh, whose elements have about equal lengths.
     pub elements_a_member: Option<usize>,
 }
 
-/// Solutions of one load on all meshes.
+/// Solutions under one load on all meshes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refinement {
-    /// By mesh: largest difference of a key node's displacement from the converged one, over the largest displacement.
+    /// Largest difference of a key node's displacement from the converged one, relative to the largest displacement, by mesh.
     pub errors: Vec<f64>,
-    /// Observed order of convergence in the element length; `None` where the differences do not shrink.
+    /// Observed order of convergence in the element length; `None` if the differences do not shrink.
     pub order: Option<f64>,
-    /// What may be left on the finest mesh, over the largest displacement.
+    /// Grid convergence index: estimated error of the finest mesh, relative to the largest displacement.
     pub left: f64,
 }
 
-/// A force along the front plate's inward normal, with its solution on every mesh.
+/// A force along the front plate's inward normal, with its solutions on every mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefinedLoad {
     /// The loaded node.
     pub node: NodeId,
-    /// The force, N.
+    /// Force along the inward normal, N.
     pub force_n: f64,
-    /// `None` if a mesh has no equilibrium under it.
+    /// Errors on every mesh; `None` if a mesh has no equilibrium under the force.
     pub refinement: Option<Refinement>,
 }
 
-/// The table: meshes, and loads solved on each of them.
+/// Results of the refinement study: meshes, and loads solved on each of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Convergence {
-    /// Meshes by size.
+    /// Meshes by number of nodes.
     pub meshes: Vec<MeshSize>,
     /// Loads by node, then force.
     pub loads: Vec<RefinedLoad>,
 }
 
-/// One error, for the CSV file.
+/// One error, as a row of the CSV file.
 #[derive(Debug, Serialize)]
 pub struct ConvergenceRow {
     load_node: NodeId,
@@ -83,7 +82,7 @@ impl Evidence for Convergence {
     }
 }
 
-/// [`convergence`] of the finger.
+/// Refinement study of the finger.
 pub(crate) fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
     context.progress.part("convergence", loaded_nodes(context.finger).len());
     let (first, most_nodes) = context.effort.choose((3, 2500), (0, 5000));
@@ -91,7 +90,11 @@ pub(crate) fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
     convergence(context.finger, forces_n, most_nodes, &|| context.progress.step())
 }
 
-/// Solves growing forces (N) on meshes of up to so many nodes; loads without equilibrium are gaps. `progress` is called once for every loaded node.
+/// Solves ascending forces (N) on meshes of up to `most_nodes` nodes; loads without equilibrium leave gaps. `progress` is called after each
+/// loaded node.
+///
+/// # Errors
+/// [`MeshSizeError`] if the fine mesh cannot be built.
 pub(crate) fn convergence(
     finger: &Finger,
     forces_n: &[f64],
@@ -123,7 +126,7 @@ pub(crate) fn convergence(
     Ok(Convergence { meshes: order.iter().map(size).collect(), loads })
 }
 
-/// Contact nodes but the tip, thinned to about a dozen; the tip where there is no other.
+/// Contact nodes except the tip, at most 12, evenly spaced; the tip if there is no other.
 pub fn loaded_nodes(finger: &Finger) -> Vec<NodeId> {
     let nodes: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
     if nodes.is_empty() {
@@ -132,7 +135,7 @@ pub fn loaded_nodes(finger: &Finger) -> Vec<NodeId> {
     nodes.iter().copied().step_by(nodes.len().div_ceil(LOADED_NODES)).collect()
 }
 
-/// Meshes with 1, 2, 4, ... elements a member: up to a size, but never fewer than the three that an order takes.
+/// Meshes with 1, 2, 4, ... elements a member, up to `most_nodes` nodes, but at least the three that an order requires.
 fn doubled_meshes(finger: &Finger, most_nodes: usize) -> Vec<(Option<usize>, Mesh)> {
     let mut meshes: Vec<(Option<usize>, Mesh)> = Vec::new();
     let mut elements = 1;
@@ -146,7 +149,7 @@ fn doubled_meshes(finger: &Finger, most_nodes: usize) -> Vec<(Option<usize>, Mes
     }
 }
 
-/// Displacements of the key nodes under growing forces, as far as there is an equilibrium.
+/// Displacements of the key nodes (mm) under ascending forces (N), up to the last equilibrium.
 fn path(mesh: &Mesh, node: NodeId, forces_n: &[f64]) -> Vec<Vec<Vector>> {
     let unit = Load::at_node(node, mesh.finger().direction(0.0));
     let Ok(load) = mesh.frame_load(&unit) else { return Vec::new() };
@@ -155,14 +158,14 @@ fn path(mesh: &Mesh, node: NodeId, forces_n: &[f64]) -> Vec<Vec<Vector>> {
     equilibria.into_iter().map(|found| found.motion.displacements[..key_nodes].to_vec()).collect()
 }
 
-/// Errors of some solutions, of which the first `doubled` double the elements; listed in `order`.
+/// Errors of some solutions, listed in `order`. The first `doubled` of them double the number of elements each time.
 fn refine(solutions: &[&[Vector]], doubled: usize, order: &[usize]) -> Option<Refinement> {
     let [.., coarse, middle, fine] = solutions[..doubled] else { return None };
     let largest = worst(fine.iter().map(|u| u.norm()));
     let (before, last) = (difference(coarse, middle), difference(middle, fine));
     let observed = (before / last).log2();
     let observed = (observed > 0.0 && observed.is_finite()).then_some(observed);
-    // Where the differences do not shrink, nothing can be extrapolated.
+    // Without shrinking differences, no extrapolation is possible.
     let gain = observed.map_or(0.0, |p| 1.0 / (p.clamp(ORDERS[0], ORDERS[1]).exp2() - 1.0));
     let converged: Vec<Vector> = fine.iter().zip(middle).map(|(f, m)| f + (f - m) * gain).collect();
     let left = if observed.is_some() { SAFETY * gain * last } else { before.max(last) };
@@ -178,7 +181,7 @@ fn difference(a: &[Vector], b: &[Vector]) -> f64 {
 }
 
 impl Convergence {
-    /// The forces, N.
+    /// Forces of the study, N.
     pub fn forces_n(&self) -> Vec<f64> {
         let Some(first) = self.loads.first() else { return Vec::new() };
         self.loads.iter().take_while(|load| load.node == first.node).map(|load| load.force_n).collect()
@@ -188,31 +191,31 @@ impl Convergence {
         self.loads.iter().filter(move |load| load.force_n == force_n).filter_map(|load| load.refinement.as_ref())
     }
 
-    /// Largest error on a mesh over the loaded nodes; `None` if no load of this size has an equilibrium.
+    /// Largest error on a mesh over the loaded nodes under `force_n` (N), relative; `None` if no such load has an equilibrium.
     pub fn error(&self, mesh: usize, force_n: f64) -> Option<f64> {
         let errors: Vec<f64> = self.refinements(force_n).map(|refinement| refinement.errors[mesh]).collect();
         (!errors.is_empty()).then(|| worst(errors))
     }
 
-    /// What may be left on the finest mesh over the loaded nodes.
+    /// Largest estimated error of the finest mesh over the loaded nodes under `force_n` (N), relative; `None` if no such load has an equilibrium.
     pub fn left(&self, force_n: f64) -> Option<f64> {
         let left: Vec<f64> = self.refinements(force_n).map(|refinement| refinement.left).collect();
         (!left.is_empty()).then(|| worst(left))
     }
 
-    /// Smallest and largest observed order over the loaded nodes.
+    /// Smallest and largest observed order over the loaded nodes under `force_n` (N); `None` if there is no order.
     pub fn orders(&self, force_n: f64) -> Option<[f64; 2]> {
         let orders: Vec<f64> = self.refinements(force_n).filter_map(|refinement| refinement.order).collect();
         let smallest = orders.iter().copied().reduce(f64::min)?;
         Some([smallest, worst(orders)])
     }
 
-    /// Loads of one size that some mesh has no equilibrium under.
+    /// Number of nodes at which some mesh has no equilibrium under `force_n` (N).
     pub fn gaps(&self, force_n: f64) -> usize {
         self.loads.iter().filter(|load| load.force_n == force_n && load.refinement.is_none()).count()
     }
 
-    /// The table by load and mesh.
+    /// Errors by load and mesh, as rows of the CSV file.
     pub fn rows(&self) -> impl Iterator<Item = ConvergenceRow> + '_ {
         self.loads.iter().flat_map(move |load| {
             self.meshes.iter().enumerate().map(move |(i, mesh)| ConvergenceRow {
@@ -227,7 +230,7 @@ impl Convergence {
         })
     }
 
-    /// Checks of the paper's finger at 3 N: all loads are carried, and the errors on three meshes.
+    /// Checks of the paper's finger at 3 N: every load has an equilibrium, and the errors on three meshes are small.
     pub fn checks(&self) -> Vec<Check> {
         let mesh = |wanted: fn(&MeshSize) -> bool| self.meshes.iter().position(wanted);
         let error = |mesh: Option<usize>| mesh.and_then(|i| self.error(i, CHECKED_FORCE_N)).unwrap_or(f64::NAN);

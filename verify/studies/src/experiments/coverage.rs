@@ -1,7 +1,7 @@
-//! Whether stated intervals hold the truth: coverage over positions, directions and forces, by finger and estimator.
+//! Coverage of stated intervals over positions, directions and forces, by finger and estimator.
 //!
-//! On the finger that the estimators know, every cell has noise samples of its own: the maps show all cells the same ones, which says little
-//! about how often intervals hold. On softer ends the model's error decides, and the maps are counted.
+//! On the finger that equals the estimators' model, every cell has independent noise samples. Maps share their samples between cells, which is a
+//! poor test of coverage. On the finger with softer ends the model's error dominates, so its maps are counted.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -12,45 +12,45 @@ use crate::truths::{Truth, TruthId};
 use std::convert::Infallible;
 use std::ops::Add;
 
-/// Share of truths within 1.96 standard deviations of a normal distribution.
+/// Nominal coverage: probability of a normal variable within 1.96 standard deviations.
 const NOMINAL: f64 = 0.95;
-/// How far from it an estimator without a warning may be: 93 to 97 %, so that a stated sigma is right within a tenth.
+/// Tolerance of the coverage without a warning: at 93 to 97 %, a stated standard deviation is correct within 10 %.
 const TOLERANCE: f64 = 0.02;
-/// Chance that is allowed for beside it, in standard deviations of a share.
+/// Allowance for chance beside the tolerance, in standard deviations of a share.
 const CHANCE: f64 = 3.0;
-/// Share of samples of the paper's finger that may be refused, as one in 10 000 next to a limit load; and one sample more.
+/// Largest share of refused samples on the paper's finger; about one in 10 000 is refused next to a limit load. One further sample is allowed.
 const REFUSED: f64 = 0.001;
-/// The same of another finger, on which forces may be too small to sense: an estimator that refuses most is not shown to cover anything.
+/// Largest share of refused samples on another finger, where forces may be too small to sense. With more, coverage remains untested.
 const REFUSED_OF_ANOTHER: f64 = 0.5;
-/// Root mean square of sigma over that of the error where a warning widened it: more, and sigma would cover by saying nothing.
+/// Largest ratio of rms sigma to rms error for answers with a warning: a larger sigma would cover the error but carry no information.
 const LARGEST_SIGMA: f64 = 3.0;
-/// The finger that an estimator must cover; on others (softer ends) its model is wrong, and it warns.
+/// True finger on which estimators must cover; on others (softer ends) their model is wrong, and they warn.
 pub const TRUTH: TruthId = TruthId::Corotational;
 
-/// Coverage of one finger by one estimator.
+/// Coverage on one finger by one estimator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CoverageRow {
     /// The true finger.
     pub truth: TruthId,
     /// The estimator.
     pub estimator: EstimatorId,
-    /// Standard deviation of a measured coordinate, mm.
+    /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
-    /// Positions and directions.
+    /// Number of contacts (pairs of position and direction).
     pub contacts: usize,
-    /// Noise samples of all contacts and forces with an equilibrium.
+    /// Number of noise samples over all contacts and forces with an equilibrium.
     pub samples: usize,
-    /// Samples that the estimator refused.
+    /// Number of samples that the estimator refused.
     pub refused: usize,
-    /// Answers with a warning.
+    /// Number of answers with a warning.
     pub warned: usize,
-    /// Answers without a warning.
+    /// Number of answers without a warning.
     pub without_warning: usize,
-    /// Of the answers without a warning, the share whose interval holds the truth; `None` if there are none.
+    /// Share of answers without a warning whose interval contains the true force; `None` without such answers.
     pub covered_without_warning: Option<f64>,
-    /// The same of those with a warning.
+    /// Share of answers with a warning whose interval contains the true force; `None` without such answers.
     pub covered_with_warning: Option<f64>,
-    /// Rms error over rms stated sigma of the answers with a warning; `None` if there are none, or a map was counted.
+    /// Rms error over rms stated sigma of the answers with a warning, dimensionless; `None` without such answers, or for a counted map.
     pub error_over_sigma_with_warning: Option<f64>,
 }
 
@@ -63,8 +63,8 @@ impl Evidence for CoverageRow {
     }
 }
 
-/// Coverage on the co-rotational finger over positions and directions and, of the networks, at the contact nodes; also in the maps of
-/// the finger with softer ends, if there are some, of whose ends no estimator knows. None without noise.
+/// Coverage on the co-rotational finger: over positions and directions, and for networks at the contact nodes. Includes maps of the finger with
+/// softer ends, which no estimator's model has. Empty without noise.
 pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, Infallible> {
     let &Context { finger, noise_mm, forces, effort, is_paper, .. } = context;
     if noise_mm == 0.0 {
@@ -100,12 +100,12 @@ pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, 
     Ok(rows)
 }
 
-/// Coverage over the cells of a map; `None` if its estimator states no sigma.
+/// Coverage over the cells of a map; `None` if its estimator states no standard deviation.
 fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
     let stated = |cell: &MapCell| Some([cell.warned?, cell.covered?, cell.covered_warned?]);
     map.cells.iter().find_map(stated)?;
     let counts = map.cells.iter().map(|cell| {
-        // A cell of which every sample is refused states nothing.
+        // A cell with every sample refused states nothing.
         let [warned, covered, covered_warned] = stated(cell).unwrap_or_default();
         Counts {
             samples: cell.samples,
@@ -124,9 +124,9 @@ fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
 struct Counts {
     samples: usize,
     refused: usize,
-    /// Without and with a warning: answers, and those whose interval holds the truth.
+    /// For answers without and with a warning: their number, and how many intervals contain the true force.
     answers: [[usize; 2]; 2],
-    /// Sums of squares over the answers with a warning: of errors and of stated sigmas, N^2.
+    /// Sums over the answers with a warning: squared errors and squared stated standard deviations, N^2.
     squares_n2: [f64; 2],
 }
 
@@ -144,8 +144,8 @@ impl Add for Counts {
     }
 }
 
-/// Senses every contact and force of a grid in noise samples of its own, as many as the grid asks for, by each estimator; a
-/// row each. `progress` is called after each contact. The result does not depend on the number of threads.
+/// Senses every contact and force of a grid by each estimator, with as many independent noise samples as the grid requests. Returns one row for
+/// each estimator. `progress` is called after each contact. The result does not depend on the number of threads.
 pub fn coverage(
     finger: &Finger,
     truth: &dyn Truth,
@@ -186,7 +186,7 @@ pub fn coverage(
 }
 
 impl Counts {
-    /// The counts as shares of a finger, an estimator, a noise and so many positions and directions.
+    /// Converts the counts into shares for a finger, an estimator, a noise level (mm) and a number of contacts.
     fn row(self, (truth, estimator, noise_mm, contacts): (TruthId, EstimatorId, f64, usize)) -> CoverageRow {
         let share = |[answers, covered]: [usize; 2]| (answers > 0).then(|| covered as f64 / answers as f64);
         let [plain, warned] = self.answers;
@@ -205,7 +205,7 @@ impl Counts {
         }
     }
 
-    /// One sample; an estimator that is not made for the contact refuses.
+    /// Adds one sample; an estimator that does not support the contact refuses.
     fn sense(
         &mut self,
         prepared: Option<&mut (dyn PreparedEstimator + '_)>,
@@ -233,13 +233,13 @@ impl Counts {
 }
 
 impl CoverageRow {
-    /// Share of the samples that is answered without a warning.
+    /// Share of all samples answered without a warning.
     pub fn share_without_warning(&self) -> f64 {
         self.without_warning as f64 / self.samples.max(1) as f64
     }
 
-    /// What must hold on the finger that the estimators' models are refined to: all but hardly any samples are answered, 93 to 97 % of the
-    /// truths lie within 1.96 sigma where there is no warning, at least as many where there is one, by a sigma near the error.
+    /// Checks on the finger that equals the estimators' model. Nearly all samples are answered, and coverage is 93 to 97 % without a warning. With a
+    /// warning it is at least 93 %, with a sigma close to the error.
     pub fn checks(&self, is_paper: bool) -> Vec<Check> {
         if self.truth != TRUTH {
             return Vec::new();
@@ -266,7 +266,7 @@ impl CoverageRow {
         let plain = self
             .covered_without_warning
             .map(|covered| check("without a warning", covered, self.without_warning, NOMINAL, TOLERANCE));
-        // At least 93 %: from there up to all of them.
+        // The interval from 93 to 100 %, as a reference and a tolerance.
         let least = NOMINAL - TOLERANCE;
         let warned = self
             .covered_with_warning

@@ -1,9 +1,9 @@
-//! Forces of unknown direction at a known position: where direction and force are identifiable.
+//! Forces of unknown direction at a known position: cells where direction and magnitude are identifiable.
 //!
-//! The paper leaves them out ("will not work", Fig. 13): shapes under forces of other directions are nearly alike. How
-//! nearly, noise decides. Every position of the front plate is pushed in many directions; the nonlinear estimator
-//! knows the position alone, and answers or refuses each noise sample. A contact without friction pushes along the deformed normal: to
-//! assume that leaves one unknown less ([`without_friction`](DirectionStudy::without_friction)).
+//! The paper excludes unknown directions ("will not work", Fig. 13), because forces of other directions give nearly equal shapes. Camera noise
+//! decides whether they can be distinguished. Each position of the front plate is pushed in many directions. The nonlinear estimator knows only
+//! the position, and answers or refuses each noise sample. A contact without friction pushes along the deformed normal. That assumption removes
+//! one unknown ([`without_friction`](DirectionStudy::without_friction)).
 
 mod frictionless;
 
@@ -18,13 +18,13 @@ use finray_model::sensing::NonlinearEstimate;
 
 /// Forces on the paper's finger, N.
 pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];
-/// A direction counts as identified if its root mean square error is within this, degrees, ...
+/// Largest root mean square error of a direction that counts as identified, degrees.
 pub const IDENTIFIED_DEG: f64 = 10.0;
-/// ... the force's within this share, ...
+/// Largest relative root mean square error of a force that counts as identified.
 pub const IDENTIFIED_FORCE: f64 = 0.10;
-/// ... and at least this share of the samples is answered.
+/// Smallest share of answered samples of a cell that counts as identified.
 pub const IDENTIFIED_ANSWERED: f64 = 0.9;
-/// Of a report: about how many positions, degrees between directions, noise samples a cell. Refused samples take the time.
+/// Resolution in a report: approximate number of positions, step of the directions (degrees), noise samples a cell. Refusals dominate the time.
 const POSITIONS: usize = 12;
 const STEP_DEG: f64 = 20.0;
 const SAMPLES: usize = 8;
@@ -34,36 +34,36 @@ const SAMPLES: usize = 8;
 pub struct DirectionRequest<'m> {
     /// Mesh of the estimator.
     pub model: &'m Mesh,
-    /// Standard deviation of a coordinate, mm.
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// About how many positions along the front plate.
+    /// Approximate number of positions along the front plate.
     pub positions: usize,
-    /// Degrees from one direction to the next.
+    /// Step of the directions, degrees.
     pub step_deg: f64,
-    /// Noise samples a cell, the same for all.
+    /// Number of noise samples, shared by all cells.
     pub samples: usize,
-    /// Forces, N, growing.
+    /// Forces, N, ascending.
     pub forces_n: [f64; 3],
     /// Seed of the noise.
     pub seed: u64,
 }
 
-/// Results by position and direction and without friction.
+/// Results by position and direction, and for frictionless pushes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DirectionStudy {
-    /// Standard deviation of a coordinate, mm.
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Samples a cell.
+    /// Number of noise samples a cell.
     pub samples: usize,
-    /// Forces, N, growing.
+    /// Forces, N, ascending.
     pub forces_n: [f64; 3],
-    /// By position, then direction, then force.
+    /// Cells by position, then direction, then force.
     pub cells: Vec<DirectionCell>,
-    /// Pushes along the deformed normal, by node, force and assumption.
+    /// Pushes along the deformed normal, by node, force and assumption of the estimator.
     pub without_friction: Vec<FrictionlessPush>,
 }
 
-/// One force at one position in one direction.
+/// One force at one position and direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionCell {
     /// Position on the front plate, mm from the base.
@@ -74,22 +74,22 @@ pub struct DirectionCell {
     pub force_n: f64,
     /// Answers of the estimator.
     pub answers: Answers,
-    /// Least standard deviation of the direction for any unbiased estimator (Cramer-Rao), degrees.
+    /// Cramer-Rao bound: smallest standard deviation of the direction for an unbiased estimator, degrees.
     pub angle_bound_deg: Option<f64>,
-    /// The same of the force, as a share of it.
+    /// Cramer-Rao bound: smallest standard deviation of the force for an unbiased estimator, relative to the force.
     pub force_bound: Option<f64>,
 }
 
-/// Answers of the estimator to the noise samples of one push; errors are root mean squares over those that are answered.
+/// Answers of the estimator to the noise samples of one push. Errors are root mean squares over the answered samples.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Answers {
-    /// Noise samples; none where the finger carries no such force.
+    /// Number of noise samples; 0 if the finger has no equilibrium.
     pub samples: usize,
-    /// Samples that were answered.
+    /// Number of answered samples.
     pub answered: usize,
-    /// Error of the force as a share of it.
+    /// Error of the force, relative to it.
     pub force_error: Option<f64>,
-    /// Standard deviation that is stated of the force, as a share of it.
+    /// Stated standard deviation of the force, relative to it.
     pub force_sigma: Option<f64>,
     /// Error of the direction, degrees.
     pub angle_error_deg: Option<f64>,
@@ -103,7 +103,7 @@ impl Answers {
             && self.force_error.is_some_and(|error| error <= IDENTIFIED_FORCE)
     }
 
-    /// Senses every sample of what is seen under a force, all with the same question.
+    /// Senses every noise sample of a measurement with the same question.
     fn of(
         estimator: &mut NonlinearEstimator,
         seen: &Measurement,
@@ -133,7 +133,7 @@ impl Answers {
 
 impl Evidence for DirectionStudy {}
 
-/// Nothing without noise, which makes it a question, nor in a quick report.
+/// Direction study of a report; `None` in a quick report, and without noise, because every direction is then identifiable.
 pub(crate) fn run(context: &Context) -> Result<Option<DirectionStudy>, SensingError> {
     if context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);
@@ -153,11 +153,11 @@ pub(crate) fn run(context: &Context) -> Result<Option<DirectionStudy>, SensingEr
 }
 
 impl DirectionStudy {
-    /// Computes everything in parallel; the result does not depend on the number of threads. `progress` is called
+    /// Computes the study in parallel; the result does not depend on the number of threads. `progress` is called
     /// [`steps`](DirectionStudy::steps) times.
     ///
     /// # Errors
-    /// [`SensingError`] for a finger that has no contact.
+    /// [`SensingError`] for a finger without contact.
     pub fn run(
         truth: &dyn Truth,
         request: &DirectionRequest,
@@ -181,13 +181,13 @@ impl DirectionStudy {
         })
     }
 
-    /// How often progress is reported.
+    /// Number of progress calls.
     pub fn steps(request: &DirectionRequest) -> usize {
         let finger = request.model.finger();
         contacts(finger, request).len() + frictionless::nodes(finger).len()
     }
 
-    /// Cells of one force that the finger carries, and how many of them are identified.
+    /// Numbers of identified cells and of all cells with equilibrium, for one force (N).
     pub fn identified(&self, force_n: f64) -> [usize; 2] {
         let carried = self.cells.iter().filter(|cell| cell.force_n == force_n && cell.answers.samples > 0);
         carried
@@ -206,7 +206,7 @@ fn contacts(finger: &Finger, request: &DirectionRequest) -> Vec<Contact> {
     positions.iter().flat_map(|&s_mm| at(s_mm)).collect()
 }
 
-/// Noise of every coordinate in units of the noise, by sample.
+/// Noise of every coordinate in standard deviations, by sample.
 fn samples(finger: &Finger, request: &DirectionRequest) -> Vec<Vec<f64>> {
     let mut noise = Noise::new(request.seed);
     let mut sample = |number: usize| {
@@ -216,7 +216,7 @@ fn samples(finger: &Finger, request: &DirectionRequest) -> Vec<Vec<f64>> {
     (0..request.samples).map(&mut sample).collect()
 }
 
-/// The cells of one position and direction.
+/// Cells of one position and direction, by force.
 fn cells(
     truth: &dyn Truth,
     request: &DirectionRequest,
@@ -234,7 +234,7 @@ fn cells(
         let answers = seen.as_ref().map_or_else(Answers::default, |seen| {
             Answers::of(&mut estimator, seen, samples, request.noise_mm, contact, force_n)
         });
-        // Cramer-Rao: along and across its direction the force is two unknowns, and a small angle is the one over the other.
+        // Cramer-Rao bound: the components along and across the direction are the unknowns; a small angle is their ratio.
         components.reset();
         let bound = seen.and_then(|seen| components.estimate(&seen, Some(request.noise_mm)).ok());
         let sigma = |k: usize| bound.as_ref().map(|bound| bound.covariance_n2[(k, k)].sqrt() / force_n);
@@ -250,7 +250,7 @@ fn cells(
     Ok(request.forces_n.iter().enumerate().map(cell).collect())
 }
 
-/// From one direction to another the shorter way, degrees.
+/// Angle from one direction to another, degrees, in -180 to 180.
 fn turn_deg(from: f64, to: f64) -> f64 {
     let turn = (to - from).rem_euclid(360.0);
     if turn > 180.0 { turn - 360.0 } else { turn }

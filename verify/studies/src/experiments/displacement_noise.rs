@@ -1,9 +1,8 @@
-//! What the origin of the undeformed positions does to the floors of sensing: Cramer-Rao bounds and a Monte Carlo study beside them.
+//! Effect of the origin of the undeformed positions on noise floors: Cramer-Rao bounds, and a Monte Carlo study.
 //!
-//! The studies of the report draw an error of the camera's standard deviation for each displacement coordinate, as if the undeformed
-//! positions were exact. Here the same camera measures them too, or they come from the motor angle
-//! ([`DisplacementNoise`]). A generalised least-squares estimator knows the covariance; an
-//! ordinary one takes every coordinate's error for independent.
+//! The report's other studies draw an independent error for each displacement coordinate, as if the undeformed positions were exact. Here the
+//! same camera measures them too, or they follow from the motor angle ([`DisplacementNoise`]). A generalised least-squares estimator knows the
+//! covariance; an ordinary one assumes independent errors.
 
 use super::{Context, Evidence};
 use crate::experiments::table_two::contact_sets;
@@ -15,56 +14,56 @@ use finray_model::measurement::noise::base_motions;
 use finray_model::sensing::Response;
 use finray_numerics::optimise::{FromFunction, LevenbergMarquardt, Refusal, covariance};
 
-/// Standard deviation of the finger base's position along each axis where it is computed from the motor angle, mm. The offsets of motor and
-/// camera stand in figures of the paper that are not at hand: this is a choice.
+/// Standard deviation of the finger base's position along each axis, mm, if it is computed from the motor angle. The value is assumed, because the
+/// paper gives the offsets of motor and camera only in figures.
 pub const TRANSLATION_SD_MM: f64 = 0.05;
-/// Standard deviation of its rotation, degrees; likewise a choice.
+/// Standard deviation of the finger base's rotation, degrees; assumed for the same reason.
 pub const ROTATION_SD_DEG: f64 = 0.1;
-/// Frames that are averaged in the second bound: a second of the paper's camera.
+/// Number of frames averaged in the second bound: one second of the paper's camera.
 pub const FRAMES: usize = 25;
-/// Steps of an estimator.
+/// Largest number of iterations of an estimator.
 const MAX_STEPS: usize = 20;
-/// Standard errors that chance is allowed in a root mean square.
+/// Allowance for chance in a root mean square, in standard errors.
 const STANDARD_ERRORS: f64 = 4.0;
-/// Rounding of two ways to the same bound, as a share of it.
+/// Rounding difference of two computations of the same bound, relative.
 const SAME_BOUND: f64 = 1e-9;
 
-/// One set of contacts under one model of the noise. Of several forces, the root mean square over them.
+/// Results for one set of contacts under one noise model; for several forces, root mean squares over them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DisplacementNoiseRow {
-    /// Contact nodes, with spaces between.
+    /// Contact nodes, separated by spaces.
     pub nodes: String,
-    /// `independent`, `two images` or `motor angle`.
+    /// Noise model: `independent`, `two images` or `motor angle`.
     pub noise: &'static str,
     /// Cramer-Rao bound of a force from one frame, N.
     pub bound_n: f64,
-    /// The same from the mean of [`FRAMES`] frames that share their undeformed positions, N.
+    /// Cramer-Rao bound of a force from the mean of [`FRAMES`] frames that share their undeformed positions, N.
     pub bound_of_25_frames_n: f64,
-    /// Noise samples, and those in which an estimator found no minimum.
+    /// Number of noise samples, refused ones included.
     pub cases: usize,
-    /// Samples without an answer of one of the estimators.
+    /// Number of samples in which an estimator did not converge.
     pub refused: usize,
     /// Root mean square error of generalised least squares, which knows the covariance, N.
     pub generalised_rms_n: f64,
     /// Root mean square error of ordinary least squares, N.
     pub ordinary_rms_n: f64,
-    /// The bound by another way, N: sqrt(2) times that of one image, or the base's motion as further unknowns with a prior.
+    /// Cramer-Rao bound by a second method, N: sqrt(2) times that of one image, or with the base's motion as further unknowns with a prior.
     #[serde(skip)]
     pub other_way_n: f64,
 }
 
-/// The three models, by set of contacts.
+/// Results for the three noise models, by set of contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisplacementNoiseStudy {
-    /// Standard deviation of one coordinate in one image, mm.
+    /// Standard deviation of a coordinate in one image, mm.
     pub image_sd_mm: f64,
     /// Force at every contact along the normal, N.
     pub force_n: f64,
-    /// By set of contacts, then model.
+    /// Rows by set of contacts, then noise model.
     pub rows: Vec<DisplacementNoiseRow>,
 }
 
-/// The models for a camera, with their names.
+/// Noise models of a camera with standard deviation `image_sd_mm` (mm), with their names.
 pub fn models(image_sd_mm: f64) -> [(&'static str, DisplacementNoise); 3] {
     let kinematic = DisplacementNoise::Kinematic {
         image_sd_mm,
@@ -78,8 +77,8 @@ pub fn models(image_sd_mm: f64) -> [(&'static str, DisplacementNoise); 3] {
     ]
 }
 
-/// Cramer-Rao bound of forces: the covariance (J^T S^-1 J)^-1 for derivatives J (mm/N, two rows a node) and the covariance S of the mean of so
-/// many frames, N^2. `None` where the forces are not identifiable.
+/// Cramer-Rao bound of forces: the covariance (J^T S^-1 J)^-1, N^2. J holds derivatives (mm/N, two rows a node, one column a force). S is the
+/// covariance of the mean of `frames` frames. `None` if the forces are not identifiable.
 pub fn bound_n2(
     noise: &DisplacementNoise,
     positions_mm: &[Vector],
@@ -90,7 +89,7 @@ pub fn bound_n2(
     covariance(&whitened)
 }
 
-/// The same bound of one frame by another way: no covariance of the displacements is inverted. `None` as for [`bound_n2`].
+/// Cramer-Rao bound of one frame (N^2) by a second method that inverts no covariance of displacements. `None` as for [`bound_n2`].
 pub fn bound_with_base_as_unknown_n2(
     noise: &DisplacementNoise,
     positions_mm: &[Vector],
@@ -105,7 +104,7 @@ pub fn bound_with_base_as_unknown_n2(
             Some(one * 2.0)
         }
         DisplacementNoise::Kinematic { image_sd_mm, translation_sd_mm, rotation_sd_rad } => {
-            // Scaled to their standard deviations, the base's motions have the prior information 1.
+            // Scaled to standard deviations, the base's motions have the prior information 1.
             let mut base = base_motions(positions_mm);
             for (mut motion, sd) in base.column_iter_mut().zip([translation_sd_mm, translation_sd_mm, rotation_sd_rad])
             {
@@ -122,7 +121,7 @@ pub fn bound_with_base_as_unknown_n2(
     }
 }
 
-/// Nodes in a row of the finger frame, deformed, mm.
+/// Deformed positions of the marked nodes, mm, finger frame.
 fn positions_mm(finger: &Finger, displacements_mm: &DVector<f64>) -> Vec<Vector> {
     let displaced = |(i, node): (usize, NodeId)| {
         finger.position(node) + Vector::new(displacements_mm[2 * i], displacements_mm[2 * i + 1])
@@ -134,7 +133,8 @@ fn forces_at(nodes: &[NodeId], forces_n: &DVector<f64>) -> Vec<ContactForce> {
     nodes.iter().zip(forces_n).map(|(node, along_n)| ContactForce::plain(Contact::at_node(*node), *along_n)).collect()
 }
 
-/// Co-rotational least squares from a start, generalised with a noise model, else ordinary. `None` if the search does not settle.
+/// Co-rotational least squares from `start_n` (N): generalised with the noise model `known`, ordinary without. `None` if the search does not
+/// converge.
 pub fn least_squares(
     finger: &mut RespondingFinger,
     nodes: &[NodeId],
@@ -166,7 +166,7 @@ impl Evidence for DisplacementNoiseStudy {
     }
 }
 
-/// Nothing without noise.
+/// Study of a report; `None` without noise.
 pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadError> {
     let cases = context.effort.displacement_noise_cases();
     let study =
@@ -175,11 +175,11 @@ pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, L
 }
 
 impl DisplacementNoiseStudy {
-    /// All single contact nodes but the tip, and the pairs of Table II where the finger has them, each under `force_n` with this many noise
-    /// samples.
+    /// Study of single contact nodes (at most 12, without the tip) and of those pairs of Table II that the finger has. Each carries `force_n` (N) along
+    /// the normal, with `cases` noise samples of standard deviation `image_sd_mm` (mm). Contacts without equilibrium are left out.
     ///
     /// # Errors
-    /// [`LoadError`] for a finger without these nodes. Contacts that carry no such force are left out.
+    /// [`LoadError`] if a node is not on the finger.
     pub fn run(
         finger: &Finger,
         image_sd_mm: f64,
@@ -197,7 +197,7 @@ impl DisplacementNoiseStudy {
         Ok(DisplacementNoiseStudy { image_sd_mm, force_n, rows: rows?.concat() })
     }
 
-    /// Bounds by two ways, and generalised least squares at the bound.
+    /// Checks that both methods give the same bounds, and that generalised least squares reaches them.
     pub fn checks(&self) -> Vec<Check> {
         let mut checks = Vec::new();
         for (name, kind, source, problem) in [
@@ -216,7 +216,7 @@ impl DisplacementNoiseStudy {
         for (name, _) in models(self.image_sd_mm) {
             let rows: Vec<_> = self.rows.iter().filter(|row| row.noise == name).collect();
             let answered: usize = rows.iter().map(|row| row.cases - row.refused).sum();
-            // A row without an answer is not a number, and fails.
+            // A row without an answer is NaN, and fails.
             let squares = rows.iter().map(|row| {
                 (row.generalised_rms_n / row.bound_n).powi(2) * (row.cases - row.refused) as f64 / answered as f64
             });
@@ -257,7 +257,7 @@ fn rows_of(
             let errors = seen.markers().iter().flat_map(|marker| [marker.displacement.x, marker.displacement.y]);
             let seen_mm = &truth.displacements_mm + DVector::from_iterator(2 * at.len(), errors);
             let measured = positions_mm(finger, &seen_mm);
-            // The start is not the truth.
+            // The start differs from the true forces.
             let start_n = &truth_n * 0.8;
             let found = least_squares(&mut bent, nodes, &seen_mm, Some((&noise, &measured)), &start_n)
                 .zip(least_squares(&mut bent, nodes, &seen_mm, None, &start_n));

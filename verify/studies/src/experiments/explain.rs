@@ -1,8 +1,8 @@
-//! What explains an accuracy map: how well forces can be sensed, how far wrong directions and positions carry.
+//! Explanation of an accuracy map: noise floors of forces, and errors caused by wrong directions and positions.
 //!
-//! All of it follows from how the markers of the loaded finger move, to first order, when a little is added to the force
-//! (along it, and across it), or when the force moves along the plate: columns j, c and m of the tangent compliance of the
-//! co-rotational finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
+//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j, one
+//! across the load gives c, and a shift of the load along the plate gives m. They are columns of the co-rotational finger's tangent compliance in
+//! its loaded shape. The stiffness of the deformed finger differs from that at rest.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -10,53 +10,55 @@ use crate::sampling::map::MapRequest;
 use finray_model::sensing::{LARGEST_SPAN, marker_coordinates};
 use finray_model::statics::Ladder;
 
-/// What limits sensing of one force at one position and direction; all empty where the finger has no equilibrium.
+/// Limits of sensing one force at one position and direction; all `None` if the finger has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Explanation {
     /// Position on the front plate, mm from the base.
     pub s_mm: f64,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
-    /// The force, N.
+    /// Force, N.
     pub force_n: f64,
-    /// Cramer-Rao bound: least standard deviation of an unbiased estimate over the force, position and direction known.
+    /// Cramer-Rao bound with known position and direction: smallest standard deviation of an unbiased estimate, relative to the force.
     pub bound: Option<f64>,
-    /// The same if the direction is sought too; empty where the two components are not identifiable.
+    /// Cramer-Rao bound with unknown direction, relative to the force; `None` if the two components are not identifiable.
     pub bound_unknown_direction: Option<f64>,
-    /// Least standard deviation of the direction, degrees.
+    /// Cramer-Rao bound of the direction, degrees; `None` if the two components are not identifiable.
     pub direction_sigma_deg: Option<f64>,
-    /// Condition number: motion of the markers by the component of the force seen best over that by the one seen worst.
+    /// Condition number: motion of the markers by the best observed force component, over that by the worst observed one.
     pub condition: Option<f64>,
-    /// |d (sensed / true) / d angle|, per degree that the assumed direction is wrong.
+    /// |d (sensed / true) / d angle|, per degree of error in the assumed direction.
     pub error_per_deg: Option<f64>,
-    /// |d (sensed / true) / d position|, per mm that the assumed position is wrong; at a rib, where the plate stretches by another
-    /// rate on either side, of one side.
+    /// |d (sensed / true) / d position|, per mm of error in the assumed position. At a rib the plate's strain jumps, and the value is one-sided.
     pub error_per_mm: Option<f64>,
 }
 
-/// [`Explanation`]s by position, then direction, of one force.
+/// [`Explanation`]s of one force, by position, then direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExplanationMap {
     /// Positions on the front plate, mm from the base.
     pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
-    /// The force, N.
+    /// Force, N.
     pub force_n: f64,
-    /// Standard deviation of a measured coordinate, mm, which the bounds are proportional to.
+    /// Standard deviation of the noise of a measured coordinate, mm; the bounds are proportional to it.
     pub noise_mm: f64,
-    /// The cells.
+    /// Cells by position, then direction.
     pub cells: Vec<Explanation>,
 }
 
 impl Evidence for ExplanationMap {}
 
 /// Explains sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
+///
+/// # Errors
+/// [`LoadError`] for a position off the front plate.
 pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
     let (positions, step_deg, _) = effort.coarse_resolution();
-    // Explanations cost a single shape a cell.
+    // An explanation needs only one shape a cell, so directions can be fine.
     let (positions_mm, angles_deg) = match effort {
         Effort::Quick => {
             let coarse = MapRequest::grid(finger, positions, step_deg).0.len();
@@ -68,10 +70,10 @@ pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
 }
 
 impl ExplanationMap {
-    /// Explains a force at every position and direction, in parallel; all free key nodes are markers.
+    /// Explains sensing of `force_n` (N) at every position (mm) and direction (degrees), in parallel; all free key nodes are markers.
     ///
     /// # Errors
-    /// [`LoadError`] for a position that is not on the front plate.
+    /// [`LoadError`] for a position off the front plate.
     pub fn new(
         mesh: &Mesh,
         positions_mm: &[f64],
@@ -106,18 +108,18 @@ impl ExplanationMap {
     }
 }
 
-/// Displacements of the markers, by coordinate.
+/// Derivatives of the markers' displacements, by coordinate.
 struct Sensitivity {
-    /// mm per N added along the force: j.
+    /// Displacement per force added along the load, mm/N: j.
     along: DVector<f64>,
-    /// mm per N added across the force, 90 degrees further: c.
+    /// Displacement per force added across the load, 90 degrees further, mm/N: c.
     across: DVector<f64>,
-    /// mm per mm that the force moves towards the tip: m.
+    /// Displacement per shift of the load towards the tip, mm/mm: m.
     moved: DVector<f64>,
 }
 
 impl Sensitivity {
-    /// At the shape under a force; `None` where there is no equilibrium.
+    /// Sensitivity at the shape under a force (N); `None` without equilibrium.
     fn of(
         mesh: &Mesh,
         at_rest: &Statics<Ladder<'_>>,
@@ -148,27 +150,27 @@ impl Sensitivity {
         Ok(Some(Sensitivity { along, across, moved }))
     }
 
-    /// Projection of another motion of the markers on that of the force, by least squares: j+ x.
+    /// Least-squares coefficient of another motion of the markers on that of the force: j+ x.
     fn projected(&self, motion: &DVector<f64>) -> f64 {
         self.along.dot(motion) / self.along.norm_squared()
     }
 
-    /// Largest over smallest singular value of (j, c); that of (normal, tangential) is the same, as they are turned only.
+    /// Largest over smallest singular value of (j, c). It is equal for (normal, tangential), which is a rotation of (j, c).
     fn condition(&self) -> f64 {
         let values = DMatrix::from_columns(&[self.along.clone(), self.across.clone()]).singular_values();
         values.max() / values.min()
     }
 }
 
-/// Residual of a vector after projection on another.
+/// Norm of the residual of a vector after projection on another.
 fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
     (vector - other * (other.dot(vector) / other.norm_squared())).norm()
 }
 
 impl Explanation {
-    /// With s the noise and F the force: bound s / (F |j|); with the direction sought, s / (F |j - c c+ j|), and that of the
-    /// direction s / (F |c - j j+ c|). A direction that is wrong by a degree looks like a force F (pi / 180) c, of which
-    /// least squares takes j+ c for force; a position that is wrong by a mm like m.
+    /// Formulas, with noise s and force F: the bound is s / (F |j|). With unknown direction it is s / (F |j - c c+ j|), and that of the direction
+    /// s / (F |c - j j+ c|). An error of one degree in the direction acts like a force F (pi / 180) c, of which least squares attributes j+ c to the
+    /// force. An error of one mm in the position acts like m.
     fn of(s_mm: f64, angle_deg: f64, force_n: f64, noise_mm: f64, sensitivity: Option<&Sensitivity>) -> Explanation {
         let condition = sensitivity.map(Sensitivity::condition);
         let told_apart = sensitivity.filter(|_| condition.is_some_and(|condition| condition <= LARGEST_SPAN));

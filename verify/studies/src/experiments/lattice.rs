@@ -1,4 +1,4 @@
-//! The lattice: its error with the causes, its cost, and sensing of its shapes.
+//! Study of the lattice: its error with the causes, its computation time, and sensing of its shapes.
 
 use super::contact_scene::objects::Objects;
 use super::contact_scene::study::SceneStudy;
@@ -15,71 +15,71 @@ use finray_lattice::settling::Precision;
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
-/// Forces under which axial springs are compared, N; the first so small that rotations do not matter.
+/// Forces under which axial springs are compared, N; rotations are negligible under the first.
 const AXIAL_FORCES_N: [f64; 3] = [0.1, 2.0, 5.0];
-/// Finer lattices take many seconds to settle.
+/// Largest fineness with settling; finer lattices need many seconds.
 const SETTLED_FINENESS: usize = 4;
-/// The lattice of the maps has four segments a member and is within 1.2e-4 of the displacements under 3 N; linear sensing turns a
-/// difference of shapes into one of forces of the same size where it is well conditioned, as for one force, and at most twice that.
+/// Largest difference of sensed / true between lattice and beams. The maps' lattice (four segments a member) is within 1.2e-4 of the displacements
+/// under 3 N. Linear sensing turns it into a force error of at most twice that for one force.
 const MAP_TOLERANCE: f64 = 2.6e-4;
-/// The nonlinear estimator's four elements a member are within 4e-4 under 3 N; the lattice's own coarseness comes on top.
+/// Largest error of the nonlinear estimator on the lattice: four elements a member have 4e-4 under 3 N, and the lattice adds its own error.
 const NONLINEAR_TOLERANCE: f64 = 5.3e-4;
 
-/// All that is computed of the lattice for a report.
+/// All results of the lattice for a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeStudy {
-    /// Error and cost by fineness; settling only of the coarser ones in a full study.
+    /// Error and time by fineness; only a full study settles, at the coarser finenesses.
     pub rows: Vec<FinenessRow>,
-    /// Loads that the rows stand for, and those that settled for them.
+    /// Loads of the rows for Newton's method, and for settling.
     pub loads: [LoadGrid; 2],
-    /// Axial springs of a beam and others, with [`FINENESS`] segments a member.
+    /// Errors with axial springs of a beam and with others, for [`FINENESS`] segments a member.
     pub axial: Vec<AxialRow>,
-    /// Forces of the axial springs, N.
+    /// Forces at which axial springs are compared, N.
     pub axial_forces_n: Vec<f64>,
-    /// Ways of settling, with [`FINENESS`] segments a member; none in a quick study.
+    /// Errors by setting of settling, for [`FINENESS`] segments a member; empty in a quick study.
     pub settling: Vec<SettlingRow>,
-    /// Loads of the ways of settling.
+    /// Loads under which settings of settling are compared.
     pub settled: LoadGrid,
-    /// Largest force out of balance when the equilibrium's positions are rounded to single precision, as a share of the load.
+    /// Largest unbalanced force after rounding the equilibrium to single precision, relative to the load.
     pub out_of_balance: f64,
-    /// Checks of [`problems::lattice`]; none in a quick study.
+    /// Checks of [`problems::lattice`]; empty in a quick study.
     pub problem_checks: Vec<Check>,
-    /// Differences that are expected; none in a quick study.
+    /// Figures that are expected to differ from their references; empty in a quick study.
     pub comparisons: Vec<Comparison>,
-    /// Force, N, and largest difference of linear beams from the lattice over the largest displacement.
+    /// Forces (N), each with the largest difference of linear beams from the lattice, relative to the largest displacement.
     pub linear: Vec<(f64, f64)>,
-    /// The lattice as it is sensed.
+    /// Maps of sensing on the lattice.
     pub sensing: LatticeSensing,
 }
 
-/// Sensing from the lattice's displacements, without noise but for `others`.
+/// Maps of sensing from the lattice's displacements; only `others` have noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSensing {
-    /// By linear least squares.
+    /// Map by linear least squares.
     pub least_squares: AccuracyMap,
-    /// By the nonlinear estimator, on fewer positions and directions.
+    /// Map by the nonlinear estimator, at fewer positions and directions.
     pub nonlinear: AccuracyMap,
-    /// The same with noise, and ridge regression without and with it.
+    /// Maps of both estimators with noise, and of ridge regression with and without noise.
     pub others: Vec<AccuracyMap>,
-    /// Least squares on the lattice against least squares on the co-rotational finger.
+    /// Difference of the least-squares maps on the lattice and on the co-rotational finger.
     pub difference: MapDifference,
 }
 
-/// Difference of two maps without noise, over the cells that both have.
+/// Difference of two maps without noise, over the cells of both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapDifference {
-    /// Cells that were compared.
+    /// Number of compared cells.
     pub cells: usize,
-    /// Largest difference of sensed / true.
+    /// Largest difference of sensed / true, dimensionless.
     pub largest: f64,
-    /// MapCell of one map that has it.
+    /// Cell with the largest difference, from the first map.
     pub at: Option<MapCell>,
-    /// Cells with an equilibrium in one map alone.
+    /// Number of cells with an equilibrium in only one of the maps.
     pub in_one_alone: usize,
 }
 
 impl MapDifference {
-    /// Compares two maps.
+    /// Compares two maps without noise.
     pub fn of(ours: &AccuracyMap, theirs: &AccuracyMap) -> MapDifference {
         let mut difference = MapDifference { cells: 0, largest: 0.0, at: None, in_one_alone: 0 };
         let key = |cell: &MapCell| [cell.s_mm, cell.angle_deg, cell.force_n].map(f64::to_bits);
@@ -101,13 +101,13 @@ impl MapDifference {
     }
 }
 
-/// Effort: how much is computed.
+/// Size of the study by effort.
 struct Extent {
     finenesses: RangeInclusive<usize>,
-    /// Loads by fineness and for the axial springs: every how many nodes, and directions in degrees.
+    /// Loads by fineness and for the axial springs: every `nodes`-th node, and directions in degrees.
     nodes: usize,
     angles_deg: &'static [f64],
-    /// Positions and degrees between directions, for least squares and nonlinear; both divide those of the co-rotational map.
+    /// Positions and step of the directions (degrees), for least squares and nonlinear; both are subsets of the co-rotational map's.
     maps: [(usize, f64); 2],
 }
 
@@ -134,8 +134,8 @@ impl Evidence for LatticeStudy {
     }
 }
 
-/// The lattice of the paper's finger, beside the objects that are pressed: each settles for long on a single thread. `maps` has that of
-/// least squares on the co-rotational finger without noise.
+/// The lattice of the paper's finger, in parallel with objects that are pressed, because both settle long on a single thread. `maps` includes the
+/// map of least squares on the co-rotational finger without noise.
 pub(crate) fn run_beside_objects(
     context: &Context,
     maps: &[AccuracyMap],
@@ -157,11 +157,11 @@ pub(crate) fn run_beside_objects(
 }
 
 impl LatticeStudy {
-    /// Steps of a study.
+    /// Number of progress calls of a study.
     pub const STEPS: usize = 7;
 
-    /// Computes everything; `theirs` is the map of least squares on the co-rotational finger without noise, `noise` the
-    /// standard deviations of a coordinate (mm; the first is 0) and the number of samples of the maps.
+    /// Computes the study. `theirs` is the map of least squares on the co-rotational finger without noise. `noise` holds the standard deviations of a
+    /// coordinate (mm; the first is 0) and the number of samples of the maps.
     pub(crate) fn run(
         finger: &Finger,
         effort: Effort,
@@ -175,15 +175,15 @@ impl LatticeStudy {
         let nodes = full_grid.nodes.iter().copied().step_by(extent.nodes).collect();
         let all = LoadGrid { nodes, angles_deg: extent.angles_deg.to_vec(), ..full_grid };
         let few = LoadGrid::few(finger);
-        // A load of middle size in the middle of the finger.
+        // A medium load in the middle of the finger.
         let middle = few.nodes[few.nodes.len() / 2];
         let one = LoadGrid { nodes: vec![middle], angles_deg: vec![few.angles_deg[1]], forces_n: vec![2.0] };
         let largest = few.forces_n.iter().copied().fold(0.0, f64::max);
-        // Near the tip sweeps converge worst.
+        // Sweeps converge most slowly near the tip.
         let settled = LoadGrid { nodes: few.nodes[..1].to_vec(), forces_n: vec![largest], ..few };
         let finenesses: Vec<usize> = extent.finenesses.clone().collect();
 
-        // Timed rows keep to one core while the others do the rest.
+        // Timed rows run on one core in parallel with the other computations.
         let settles = |fineness| (full && fineness <= SETTLED_FINENESS).then(|| one.clone());
         let rows = || study(finger, &finenesses, &all, settles).inspect(|_| step());
         let problem = || if full { problems::lattice::checks(finger).inspect(|_| step()) } else { Ok(Vec::new()) };
@@ -217,7 +217,7 @@ impl LatticeStudy {
         })
     }
 
-    /// All checks; those of sensing hold for the paper's forces.
+    /// All checks; those of sensing apply only to the paper's forces.
     pub fn checks(&self, forces: ReportForces) -> Vec<Check> {
         let mut checks = self.problem_checks.clone();
         if forces == ReportForces::PAPER {
@@ -249,7 +249,7 @@ impl LatticeSensing {
         };
         let coarse = Mesh::key_nodes(finger);
         let fine = Mesh::with_elements_per_member(finger, ELEMENTS);
-        // The first of each is without noise.
+        // The first map of each estimator is without noise.
         let mut linear = map(&[&BeamEstimator::least_squares(&coarse), &BeamEstimator::ridge(&coarse)], &linear);
         let mut nonlinear = map(&[&BeamEstimator::nonlinear(&fine)], &nonlinear);
         let (least_squares, exact) = (linear.remove(0), nonlinear.remove(0));
@@ -258,33 +258,33 @@ impl LatticeSensing {
         Ok(LatticeSensing { least_squares, nonlinear: exact, others: linear, difference })
     }
 
-    /// The two maps without noise that are compared.
+    /// The two maps without noise that are compared with the co-rotational finger's.
     pub fn maps(&self) -> [&AccuracyMap; 2] {
         [&self.least_squares, &self.nonlinear]
     }
 
-    /// The largest force of the maps, N.
+    /// Largest force of the maps, N.
     pub fn largest_n(&self) -> f64 {
         self.least_squares.request.forces_n.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Every map.
+    /// All maps.
     pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
         self.maps().into_iter().chain(&self.others)
     }
 
-    /// Largest error of the nonlinear estimator; not a number where it does not answer.
+    /// Largest relative error of the nonlinear estimator; NaN if a cell has no answer.
     pub fn nonlinear_error(&self) -> f64 {
         worst(self.nonlinear.cells.iter().map(|cell| cell.mean_error.unwrap_or(f64::NAN)))
     }
 
-    /// Checks that sensing errs on the lattice as on the co-rotational finger, and the nonlinear estimator hardly.
+    /// Checks that least squares has equal errors on the lattice and on the co-rotational finger, and the nonlinear estimator a small error.
     pub fn checks(&self) -> [Check; 3] {
         let forces: Vec<String> = self.least_squares.request.forces_n.iter().map(f64::to_string).collect();
         let forces = forces.join(", ");
         let name = |what: &str, cells: usize| format!("{what}, {forces} N, {cells} cells, no noise");
         let MapDifference { cells, largest, in_one_alone, .. } = self.difference;
-        // Maps without a common cell show nothing.
+        // Without common cells the check must fail.
         let largest = if cells > 0 { largest } else { f64::NAN };
         let map = name("map of least squares on the lattice against that on the co-rotational finger", cells);
         let map = Kind::Internal.on(map, NEWTON);

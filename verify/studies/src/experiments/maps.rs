@@ -1,4 +1,4 @@
-//! Maps of where sensing fails, for every truth and estimator.
+//! Accuracy maps for every truth and estimator.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -14,8 +14,8 @@ struct Plan {
     request: MapRequest,
 }
 
-/// A map for each truth and estimator, those of scenes other than the paper's on their own beams alone. Those of the spring lattice that
-/// need no network are of [its own study](super::lattice).
+/// A map for each truth and estimator. Scenes other than the paper's have only truths of their own beams. Maps on the spring lattice are part of
+/// [its own study](super::lattice), except those of networks.
 pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     let finger = context.finger;
     let ids: Vec<TruthId> =
@@ -41,7 +41,7 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     Ok(plans.iter().flat_map(map).collect())
 }
 
-/// Where and how often an estimator is asked about a truth: less where it takes long or needs no fine grid. `None`: not here.
+/// Grid of the map of an estimator on a truth: coarser for slow estimators, and for maps that vary little. `None` if another study covers the pair.
 fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<Option<Plan>, TruthError> {
     let is_asked = if estimator.at_nodes() { context.is_paper } else { !truth.id().has_study() };
     if !is_asked {

@@ -1,6 +1,6 @@
-//! Images of a finger under forces that were measured: what is sensed in each, and what each thing that is known of the finger brings.
+//! Images of a finger under measured forces: the force sensed in each, and the benefit of each piece of prior knowledge.
 //!
-//! The scene is taken as it is: whether these images were used to calibrate it is for the reader to know.
+//! The scene is used unchanged. It does not record whether these images served for its calibration.
 
 mod knowledge;
 mod lens;
@@ -15,92 +15,92 @@ use image::RgbImage;
 use knowledge::{KNOWLEDGE, Knowledge};
 use picture::Picture;
 
-/// A force that was sensed in an image, or why none was.
+/// The force sensed in an image, or the reason of its refusal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasuredForce {
-    /// The image.
+    /// Name of the image.
     pub image: String,
-    /// What pressed the finger; empty where that is not known.
+    /// Object that pressed the finger; empty if unknown.
     pub object: String,
-    /// What was known.
+    /// Prior knowledge of the estimator, in words.
     pub known: &'static str,
-    /// The measured force, N.
+    /// Measured force, N.
     pub measured_n: f64,
-    /// The sensed one, N.
+    /// Sensed force, N; `None` if refused.
     pub sensed_n: Option<f64>,
-    /// Its standard deviation, N.
+    /// Stated standard deviation of the sensed force, N.
     pub sigma_n: Option<f64>,
-    /// Its error as a share of the measured force.
+    /// Error of the sensed force, relative to the measured force.
     pub error: Option<f64>,
-    /// Its error in standard deviations.
+    /// Error of the sensed force, in standard deviations.
     pub error_over_sigma: Option<f64>,
-    /// Where it was sensed to act, mm along the front plate.
+    /// Sensed position of the force along the front plate, mm.
     pub s_mm: Option<f64>,
-    /// Why it was refused.
+    /// Reason of a refusal; empty otherwise.
     pub refused: String,
 }
 
-/// What is left of a marker where the finger is bent by the measured force, its place and base being those that fit best.
+/// Residual of a marker for the finger under the measured force, with the best-fitting contact position and base.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MarkerResidual {
-    /// The image.
+    /// Name of the image.
     pub image: String,
-    /// The node.
+    /// Node of the marker.
     pub node: usize,
-    /// Where the marker is seen, finger frame of the image, mm.
+    /// Observed position of the marker along x, finger frame of the image, mm.
     pub x_mm: f64,
-    /// The same.
+    /// Observed position of the marker along y, finger frame of the image, mm.
     pub y_mm: f64,
-    /// Computed less seen, mm.
+    /// Computed minus observed position along x, mm.
     pub residual_x_mm: f64,
-    /// The same.
+    /// Computed minus observed position along y, mm.
     pub residual_y_mm: f64,
 }
 
-/// Images with measured forces as the scene has them.
+/// Results on the images with measured forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredStudy {
-    /// Images whose force was measured.
+    /// Number of images with a measured force.
     pub images: usize,
-    /// Forces: for each thing that is known, all images.
+    /// Sensed forces: by prior knowledge, then image.
     pub forces: Vec<MeasuredForce>,
-    /// What is left of the markers.
+    /// Residuals of all markers.
     pub residuals: Vec<MarkerResidual>,
-    /// The same over some of the images, where these are there.
+    /// Pictures of the residuals over those images whose files are given.
     pub pictures: Vec<Picture>,
 }
 
-/// An image file that was located, by its name.
+/// Name and content of a located image file.
 pub type NamedImage = (String, RgbImage);
 
-/// Why images are not compared.
+/// Why the study of measured images failed.
 #[derive(Debug, thiserror::Error)]
 pub enum MeasuredError {
-    /// An image has no explanation under its measured force.
+    /// No shape explains an image under its measured force.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// An image that was not located, or has no measured force.
+    /// The image was not located, or has no measured force.
     #[error("image {name:?} is not among those that were located and whose force was measured")]
     NotLocated {
-        /// Its name.
+        /// Name of the image.
         name: String,
     },
-    /// A picture that cannot be made.
+    /// A picture of the residuals cannot be made.
     #[error(transparent)]
     Picture(#[from] image::ImageError),
 }
 
 impl MeasuredStudy {
-    /// What was known, in the order of the study, with its forces.
+    /// Prior knowledge in the order of the study, with the sensed forces.
     pub fn by_knowledge(&self) -> impl Iterator<Item = (&'static str, &[MeasuredForce])> {
         self.forces.chunk_by(|a, b| a.known == b.known).map(|forces| (forces[0].known, forces))
     }
 }
 
-/// Senses the force in every image whose force was measured. Of the images that are given, pictures show what is left of the markers.
+/// Senses the force in every image with a measured force. Pictures show the residuals of the markers over the given image files.
 ///
 /// # Errors
-/// [`MeasuredError`] where an image has no explanation under its measured force, or one is given that was not located.
+/// [`MeasuredError`] if no shape explains an image under its measured force, or a given image was not located.
 pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result<MeasuredStudy, MeasuredError> {
     let measured: Vec<(&LocatedView, Vector)> =
         seen.iter().filter_map(|seen| seen.view.force.map(|force| (seen, force))).collect();
@@ -148,7 +148,7 @@ pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result
     Ok(MeasuredStudy { images: measured.len(), forces, residuals, pictures })
 }
 
-/// One image; `None` where the direction is not known as it should be.
+/// Senses the force in one image; `None` if the direction is not available as this prior knowledge requires.
 fn sensed(
     scene: &Scene,
     finger: &Finger,
@@ -159,7 +159,7 @@ fn sensed(
     let measured = Direction::Angle(scene.finger.angle_deg(force));
     let direction = (knowledge.direction)(measured, scene.contact.lean)?;
     let question = ContactQuestion { position: None, direction };
-    // Displacements count from the finger that is meant; by what it misses its markers is part of their noise.
+    // Displacements are relative to the assumed finger; its model error counts as noise of the markers.
     let mut scene = Scene { finger: finger.clone(), ..scene.clone() };
     let mut observation = seen.observation.clone();
     if !knowledge.base_is_sought {

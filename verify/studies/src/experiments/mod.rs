@@ -1,6 +1,6 @@
-//! Experiments on fingers, estimators and models: one a file, each with results of its own type.
+//! Experiments on fingers, estimators and models: one file each, with its own type of results.
 //!
-//! Those of the report `run` on the [`Context`] and results that they rest on; [`study`](crate::study) lists them.
+//! Those of the report `run` on the [`Context`] and on earlier results; [`study`](crate::study) lists them.
 
 pub mod assumed;
 pub mod camera;
@@ -38,110 +38,110 @@ use grasp::GraspError;
 /// Input of every experiment of a report.
 #[derive(Clone, Copy)]
 pub struct Context<'c> {
-    /// The scene.
+    /// The scene, with its object's outline.
     pub given: &'c SceneWithOutline,
-    /// Its finger.
+    /// The finger of the scene.
     pub finger: &'c Finger,
-    /// Whether it is the paper's finger: only then there are reference values.
+    /// Whether the finger is the paper's; reference values exist for that finger alone.
     pub is_paper: bool,
-    /// Standard deviation of one coordinate of the camera, mm.
+    /// Standard deviation of the camera noise of one coordinate, mm.
     pub noise_mm: f64,
-    /// Forces of maps and drawings, and of what explains them.
+    /// Forces of maps, drawings and their explanations.
     pub forces: ReportForces,
-    /// Effort: how much is computed.
+    /// Amount of computation.
     pub effort: Effort,
     /// The finger's [fine mesh](crate::truths::fine_mesh).
     pub fine: &'c Mesh,
-    /// The co-rotational finger on it.
+    /// The co-rotational finger on the fine mesh.
     pub corotational: &'c MeshTruth<'c>,
-    /// The networks that ship.
+    /// The shipped networks.
     pub networks: &'c Networks,
-    /// Callbacks of progress.
+    /// Progress callbacks.
     pub progress: &'c dyn Progress,
 }
 
 impl Context<'_> {
-    /// Forces of studies whose checks and claims hold for fixed ones.
+    /// Forces of studies whose checks and claims hold for fixed forces.
     pub fn checked_forces(&self) -> ReportForces {
         self.forces.checked(self.is_paper)
     }
 
-    /// No noise, and the camera's if it has any; mm.
+    /// Noise levels, mm: 0, and the camera's if it has noise.
     pub fn noise_levels_mm(&self) -> Vec<f64> {
         if self.noise_mm > 0.0 { vec![0.0, self.noise_mm] } else { vec![0.0] }
     }
 }
 
-/// Why an experiment could not be finished.
+/// Why an experiment could not be completed.
 #[derive(Debug, thiserror::Error)]
 pub enum ExperimentError {
-    /// A finger could not be meshed.
+    /// A finger cannot be meshed.
     #[error(transparent)]
     Mesh(#[from] MeshSizeError),
-    /// A finger could not be solved.
+    /// A finger cannot be solved.
     #[error(transparent)]
     Statics(#[from] StaticsError),
     /// A lattice has no equilibrium.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
-    /// A finger with other zones or modulus is impossible.
+    /// A finger with other zones or another modulus is impossible.
     #[error(transparent)]
     Finger(#[from] ImpossibleFinger),
     /// A contact is not on the finger.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A modulus or zones could not be calibrated.
+    /// A modulus or zones cannot be calibrated.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
     /// A contact cannot be sensed.
     #[error(transparent)]
     Sensing(#[from] SensingError),
-    /// An estimator refuses what it is made for.
+    /// An estimator refuses a case that it supports.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
-    /// A network does not read.
+    /// A network cannot be read.
     #[error(transparent)]
     Network(#[from] NetworkError),
-    /// A network could not be trained.
+    /// A network cannot be trained.
     #[cfg(feature = "train")]
     #[error(transparent)]
     Train(#[from] finray_model::train::TrainError),
-    /// A scene that ships does not read.
+    /// A shipped scene cannot be read.
     #[error("a scene that ships: {0}")]
     Scene(#[from] SceneError),
-    /// It is no grasp.
+    /// A grasp cannot be set up.
     #[error(transparent)]
     Grasp(#[from] GraspError),
-    /// Markers that no camera would measure.
+    /// The markers are invalid for a camera.
     #[error(transparent)]
     Markers(#[from] MeasurementError),
-    /// There is no twin.
+    /// The finger has no digital twin.
     #[error(transparent)]
     Twin(#[from] TwinError),
-    /// A reference problem, or the lattice.
+    /// A reference problem, or the lattice, failed.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// An object.
+    /// A study of a pressed object failed.
     #[error("contact scene: {0}")]
     Object(#[from] SceneStudyError),
-    /// A finger cannot carry a weight.
+    /// The finger has no equilibrium under a weight.
     #[error("the finger cannot carry {weight_g} g at node {node}")]
     NotCarried {
         /// The loaded node.
         node: NodeId,
-        /// The weight, g.
+        /// Mass of the weight, g.
         weight_g: f64,
     },
 }
 
-/// Evidence from results: checks, and comparisons without a tolerance.
+/// Evidence from results: checks, and comparisons without tolerance.
 pub trait Evidence {
-    /// Figures against references, with tolerances.
+    /// Checks of figures against references, with tolerances.
     fn checks(&self, _context: &Context) -> Vec<Check> {
         Vec::new()
     }
 
-    /// Figures beside others, where a difference is expected.
+    /// Figures that are expected to differ from their references.
     fn comparisons(&self) -> Vec<Comparison> {
         Vec::new()
     }

@@ -1,4 +1,4 @@
-//! Sensing of random forces under camera noise: one contact and two.
+//! Sensing of random forces under camera noise, with one contact and with two.
 
 use super::{Context, Evidence};
 use crate::experiments::table_two::condition_number;
@@ -6,49 +6,50 @@ use crate::prelude::*;
 use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow, scatter_controlled};
 use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
 
-/// Largest mean error of one force at nodes 14 to 24, which was asked for; the Cramer-Rao bound comes nearest to it at node 24, 1.2 %.
+/// Largest mean relative error of one force at nodes 14 to 24. The Cramer-Rao bound is largest at node 24, 1.2 %.
 const ONE_FORCE_TOLERANCE: f64 = 0.013;
-/// A mean of this many relative errors over its bound is known to 3 %, a third of its tolerance. It is what is drawn that decides whether a
-/// tolerance applies, not what is answered: refusals must not make a check vanish.
+/// Number of drawn cases from which checks at nodes apply. With it, mean relative errors over their bound are known to 3 %, a third of their
+/// tolerance. Drawn cases count, not answered ones, so that refusals cannot remove a check.
 const ENOUGH_CASES: usize = 1000;
-/// Cases of a pair that are drawn so that its tolerance is held as it stands. With fewer, two standard errors of a mean are allowed, as
-/// neighbours have their bound right below the tolerance; relative errors of evenly drawn forces scatter by this many times their mean.
+/// Number of drawn cases from which a pair's tolerance has no allowance for chance. With fewer, two standard errors are allowed, because the bound
+/// of neighbours is just below the tolerance. Relative errors of uniformly drawn forces have a standard deviation of `MEAN_SCATTER` times their mean.
 const ENOUGH_PAIR_CASES: usize = 2000;
 const MEAN_SCATTER: f64 = 1.1;
 const MEAN_STANDARD_ERRORS: f64 = 2.0;
-/// Contact nodes whose errors are checked.
+/// Contact nodes with checked errors.
 pub const CHECKED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
-/// Contact nodes of which the mean error of a force (both forces taken together) must be below a limit, and that limit.
+/// Pairs of contact nodes with the limit of their mean relative error, averaged over both forces.
 pub const CHECKED_PAIRS: [([usize; 2], f64); 4] =
     [([19, 20], 0.03), ([16, 17], 0.03), ([18, 20], 0.012), ([16, 20], 0.012)];
-/// Errors are within this share of the Cramer-Rao bound: mean errors of nodes and sums, root mean squares of every pair.
+/// Largest relative difference from the Cramer-Rao bound: of mean errors at nodes and of sums, and of root mean squares of every pair.
 pub const BOUND_TOLERANCE: f64 = 0.10;
-/// Largest standard error of a figure that is held to [`BOUND_TOLERANCE`]: chance does not hide an error of twice the tolerance (four
-/// standard errors). Neighbours have 2 %, nodes apart a few tenths of a per cent.
+/// Largest standard error of a figure checked with [`BOUND_TOLERANCE`]. Chance then does not hide an error of twice the tolerance (four
+/// standard errors). Neighbours have 2 %, distant nodes a few tenths of a per cent.
 pub const BOUND_STANDARD_ERROR: f64 = BOUND_TOLERANCE / 4.0;
 
-/// Random forces sensed under noise.
+/// Results on random forces sensed under noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseStudy {
-    /// Standard deviation of one coordinate, mm.
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// One contact node each, forces of [`ONE_FORCE_N`] (scaled for another finger), by the nonlinear estimator.
+    /// Results of single contact nodes under forces of [`ONE_FORCE_N`] (scaled for another finger), by the nonlinear estimator.
     pub single: Vec<ScatterRow>,
-    /// Every pair of contact nodes, forces of [`TWO_FORCES_N`] likewise, by the nonlinear estimator; none in a quick study.
+    /// Results of every pair of contact nodes under forces of [`TWO_FORCES_N`] (scaled for another finger), by the nonlinear estimator. Empty in a
+    /// quick study.
     pub pairs: Vec<ScatterRow>,
-    /// The same samples by linear least squares.
+    /// Results of every pair with the same samples, by linear least squares.
     pub linear_pairs: Vec<ScatterRow>,
-    /// Largest over smallest singular value of the linear finger's compliance, by `pairs`.
+    /// Condition number of the linear finger's compliance (largest over smallest singular value), by `pairs`.
     pub condition_numbers: Vec<f64>,
-    /// Pairs of the paper's finger for which errors are checked, by the nonlinear estimator, in more cases.
+    /// Results of the checked pairs of the paper's finger, by the nonlinear estimator, with more cases.
     pub checked: Vec<ScatterRow>,
 }
 
-/// Sources of the checks: forces that were put on, and the bound of the same model.
+/// Sources of the references: applied forces, and the bound of the same model.
 const TRUE_FORCES: &str = "true forces";
 const BOUND: &str = "Cramer-Rao bound";
 
-/// Random cases for each set of contacts.
+/// Numbers of random cases for each set of contacts.
 struct Cases {
     single: usize,
     pairs: usize,
@@ -70,7 +71,7 @@ impl Evidence for NoiseStudy {
     }
 }
 
-/// Nothing without noise.
+/// Noise study of a report; `None` without noise.
 pub(crate) fn run(context: &Context) -> Result<Option<NoiseStudy>, EstimatorError> {
     (context.noise_mm > 0.0).then(|| NoiseStudy::run(context)).transpose()
 }
@@ -90,7 +91,7 @@ impl NoiseStudy {
         progress.part("noise", singles.len() + pairs.len() + checked.len());
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
         let nonlinear = BeamEstimator::nonlinear(&model);
-        // Of pairs, errors are shown and no stated deviations: what the model adds to these need not be found.
+        // For pairs only errors are shown, so the model's share of the stated deviations is not computed.
         let of_pairs = [BeamEstimator::nonlinear, BeamEstimator::least_squares]
             .map(|estimator| estimator(&model).of_noise_alone());
         let noise_levels_mm = [noise_mm];
@@ -109,7 +110,7 @@ impl NoiseStudy {
         let both = scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, two_n, &step)?;
         let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
             both.into_iter().partition(|row| row.estimator == EstimatorId::Nonlinear);
-        // Pairs that are checked, and too near to the tolerance to decide, are drawn again, all of their cases anew.
+        // Checked pairs too close to the tolerance to decide are computed again, with more new cases.
         let is_open = |&i: &usize| is_paper && nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE);
         let open: Vec<usize> = (0..pairs.len()).filter(is_open).collect();
         let sets: Vec<Vec<NodeId>> = open.iter().map(|&i| pairs[i].clone()).collect();
@@ -127,7 +128,7 @@ impl NoiseStudy {
         })
     }
 
-    /// Checks of the paper's finger under the camera's noise. Which apply depends on the cases drawn; one with a refused case fails.
+    /// Checks of the paper's finger under the camera's noise. The number of drawn cases decides which apply; a refused case fails its check.
     pub fn checks(&self) -> Vec<Check> {
         if self.noise_mm != CAMERA_NOISE_MM {
             return Vec::new();
@@ -149,12 +150,12 @@ impl NoiseStudy {
             .with_refused(counts.refused, counts.drawn)
     }
 
-    /// Each node against its bound, and the worst against the tolerance that was asked for; none where few cases were drawn.
+    /// Checks of each node against its bound, and of the worst node against the tolerance; empty if too few cases were drawn.
     fn node_checks(&self) -> Vec<Check> {
         if self.single.iter().map(ScatterRow::drawn).max().is_none_or(|most| most < ENOUGH_CASES) {
             return Vec::new();
         }
-        // A node without a row, or whose forces the finger does not carry, has no figure, and fails.
+        // A node without a row, or without equilibrium, gives NaN, and its check fails.
         let row = |node: usize| self.single.iter().find(move |row| row.nodes == [node]);
         let over_bound = |node: usize| Some(row(node)?.mean_error()? / row(node)?.mean_error_bound()?);
         let of_node = |node: usize| {
@@ -176,7 +177,7 @@ impl NoiseStudy {
         CHECKED_NODES.map(of_node).chain([all]).collect()
     }
 
-    /// The forces of a pair against their limit, the sum against its bound.
+    /// Checks of a pair: its forces against their limit, and the sum against its bound.
     fn pair_checks(&self, pair: &ScatterRow, limit: f64) -> [Check; 2] {
         let drawn = pair.drawn();
         let chance = match drawn {
@@ -198,7 +199,7 @@ impl NoiseStudy {
         ]
     }
 
-    /// All pairs reach the bound within 10 %, and are known well enough to say so; none where no pairs were sensed.
+    /// Checks that all pairs reach the bound within 10 %, and that the standard errors are small enough; empty without pairs.
     fn bound_checks(&self) -> Vec<Check> {
         if self.pairs.is_empty() {
             return Vec::new();
@@ -208,7 +209,7 @@ impl NoiseStudy {
             .iter()
             .flat_map(|row| row.forces.iter().chain(&row.sum).map(|scatter| scatter.bound?.controlled))
             .collect();
-        // A pair without a figure has forces that the finger does not carry, or that could not be bounded.
+        // A pair lacks a figure if the finger has no equilibrium or the bound does not exist.
         let complete = figures.len() == 3 * self.pairs.len();
         let over_all = |figure: fn(Controlled) -> f64| {
             if complete { worst(figures.iter().map(|found| found.map_or(f64::NAN, figure))) } else { f64::NAN }

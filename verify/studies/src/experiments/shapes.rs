@@ -1,4 +1,4 @@
-//! Example shapes.
+//! Example shapes of the finger, for drawings.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -9,42 +9,42 @@ use std::convert::Infallible;
 
 impl Evidence for BentFinger {}
 
-/// A bent finger, for drawing.
+/// A deformed finger, for drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BentFinger {
-    /// Its load and kinematics.
+    /// Text on load and kinematics.
     pub label: String,
-    /// Kinematics it was solved with.
+    /// Kinematics of the solution.
     pub kinematics: Kinematics,
-    /// The force, N, and where it acts in the deformed position, mm.
+    /// Force vector, N, finger frame.
     pub force: Vector,
-    /// Where the force acts.
+    /// Deformed position of the force, mm, finger frame.
     pub at: Vector,
-    /// Nodes along every member, mm.
+    /// Deformed positions of the nodes along every member, mm, finger frame.
     pub lines: Vec<Vec<Vector>>,
     /// Validity of the beam model in this shape.
     pub validity: Validity,
 }
 
-/// The finger under a force at a contact node: positions of its key nodes, mm, from node 1 on.
+/// The finger under a force at a contact node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TouchedFinger {
-    /// The node.
+    /// Loaded node.
     pub node: usize,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
     /// Force, N.
     pub force_n: f64,
-    /// Its shape.
+    /// Displacements and rotations of the key nodes, from node 1 on.
     pub shape: FingerShape,
 }
 
 impl Evidence for TouchedFinger {}
 
-/// Degrees between two directions of [`touched`].
+/// Step of the directions of [`touched`], degrees.
 const TOUCHED_STEP_DEG: f64 = 20.0;
 
-/// The co-rotational finger under the drawn force at contact nodes (a dozen of many), in all directions that carry.
+/// The co-rotational finger under the drawn force at 13 or fewer contact nodes, in all directions with equilibrium.
 pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
     let (finger, force_n) = (context.finger, context.forces.drawn_n());
     let every = finger.contact_nodes().len().div_ceil(13);
@@ -60,7 +60,7 @@ pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallibl
     Ok(contacts.par_iter().filter_map(shape).collect())
 }
 
-/// The finger under the drawn force at three nodes, linear and co-rotational, where there is an equilibrium.
+/// The finger under the drawn force at up to three nodes, linear and co-rotational; shapes without equilibrium are left out.
 pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
     let (finger, mesh, force_n) = (context.finger, context.fine, context.forces.drawn_n());
     let nodes: Vec<_> = finger.contact_nodes().collect();
@@ -90,7 +90,7 @@ pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
     Ok(bent)
 }
 
-/// From key nodes to the joints of their ribs, where brackets hold ribs off the plates.
+/// Lines from key nodes to the joints of their ribs, for fingers whose brackets hold the ribs off the plates.
 fn brackets(mesh: &Mesh) -> impl Iterator<Item = Vec<NodeIndex>> {
     let ends = mesh.finger().free_nodes().map(|node| [mesh.frame_node(node), mesh.hinge_node(node)]);
     ends.filter(|[node, hinge]| node != hinge).map(Vec::from)

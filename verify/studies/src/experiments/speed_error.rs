@@ -1,8 +1,8 @@
-//! Time against error: every model of the finger and every estimator.
+//! Computation time against error, for every model of the finger and every estimator.
 //!
-//! Each point is timed where it is computed, on one core, as the median and the 95th percentile of its answers. Preparing for a finger or a
-//! mesh is not counted: a stream of frames, or a sweep, pays for it once; preparing for a contact is given apart. Results of
-//! [criterion] and of [other programs](peers) join them where they were handed over.
+//! Each point is timed when it is computed, on one core, as the median and 95th percentile over its answers. Preparation for a finger or mesh
+//! is excluded, because a stream of frames or a sweep needs it only once. Preparation for a contact is stated separately. Results of
+//! [criterion] and of [other programs](peers) are added if given.
 
 pub mod criterion;
 pub mod file;
@@ -25,19 +25,19 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Task {
-    /// The shape under a load.
+    /// Computing the shape under a load.
     Solve,
-    /// One force from a noisy frame.
+    /// Sensing one force from a noisy frame.
     SenseOne,
-    /// Two forces at neighbouring nodes from a noisy frame.
+    /// Sensing two forces at neighbouring nodes from a noisy frame.
     SenseNeighbours,
 }
 
 impl Task {
-    /// All of them.
+    /// All tasks.
     pub const ALL: [Task; 3] = [Task::Solve, Task::SenseOne, Task::SenseNeighbours];
 
-    /// Name as in files.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
             Task::Solve => "solve",
@@ -47,19 +47,19 @@ impl Task {
     }
 }
 
-/// Source of a time.
+/// Source of a time measurement.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub enum TimedBy {
-    /// The report itself, where it computed the point.
+    /// The report, which computes the point.
     Report,
     /// Criterion, in the project's benches.
     Criterion,
-    /// A script that ran another program.
+    /// A script that runs another program.
     OtherProgram {
-        /// Its name.
+        /// Name of the program.
         program: String,
-        /// Its version.
+        /// Version of the program.
         version: String,
     },
 }
@@ -80,20 +80,20 @@ impl From<TimedBy> for String {
     }
 }
 
-/// Start of an answer.
+/// Starting point of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
-    /// Nothing: the answer is found without iteration, or from rest.
+    /// No starting point: a direct solution, or a start from rest.
     None,
     /// Least squares on the linear finger, as for an unrelated measurement.
     Cold,
-    /// The answer to the frame before.
+    /// The answer to the previous frame.
     Warm,
 }
 
 impl Start {
-    /// As it ends a setting in words.
+    /// Suffix of a setting in words.
     pub fn suffix(self) -> &'static str {
         match self {
             Start::None => "",
@@ -103,36 +103,35 @@ impl Start {
     }
 }
 
-/// One way to answer.
+/// Time and error of one method.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeedErrorPoint {
-    /// The task.
+    /// Task of the point.
     pub task: Task,
-    /// The model or estimator.
+    /// Name of the model or estimator.
     pub model: String,
-    /// Which estimator, if it is one of ours.
+    /// The estimator; `None` for other programs and for models.
     #[serde(skip)]
     pub estimator: Option<EstimatorId>,
-    /// Its setting, the start included.
+    /// Setting in words, including the start.
     pub setting: String,
-    /// Start of each answer.
+    /// Starting point of each answer.
     pub start: Start,
     /// Median time of an answer, s.
     pub seconds: f64,
-    /// 95th percentile of the time of an answer, s; `None` where only a median was handed over.
+    /// 95th percentile of the time of an answer, s; `None` if only a median is given.
     pub seconds_95: Option<f64>,
-    /// Median time of preparing for a new contact, s, of ways to sense that were timed here.
+    /// Median preparation time for a new contact, s; only for sensing that was timed by the report.
     pub preparation_seconds: Option<f64>,
-    /// Of shapes the worst difference from the reference, as a share of the largest displacement; of forces the mean
-    /// |sensed / true - 1|.
+    /// Relative error. For shapes: worst difference from the reference over the largest displacement. For forces: mean of |sensed / true - 1|.
     pub error: f64,
-    /// Largest error where frames carry no noise, in standard deviations of the noise alone: what the model and its mesh are off.
+    /// Largest error for frames without noise, in standard deviations of the noise: the error of the model and its mesh.
     pub bias_sigmas: Option<f64>,
-    /// Answers that were refused, or had no equilibrium; they count nowhere else.
+    /// Number of answers that were refused or had no equilibrium; all other figures exclude them.
     pub failed: usize,
-    /// Answers asked for.
+    /// Number of requested answers.
     pub asked: usize,
-    /// Whether no other point of the task is both faster and nearer; points of other programs take no part.
+    /// Whether the point is on the Pareto front of its task: no other point is both faster and more accurate. Other programs do not compete.
     pub on_front: bool,
     /// Source of the time.
     pub timed_by: TimedBy,
@@ -145,19 +144,19 @@ impl SpeedErrorPoint {
     }
 }
 
-/// Nodes along the front plate that forces are asked for at; all of the paper's finger that it loads, and fewer where it has fewer.
+/// Largest number of nodes along the front plate at which forces are requested: all nodes that the paper loads on its finger.
 pub const ASKED_NODES: usize = 11;
 
-/// Requirements of a task on a finger.
+/// Load cases of a task on a finger.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Asked {
-    /// The loaded nodes, as `14-24`, or one by one.
+    /// Loaded nodes, as a range `14-24`, or separated by spaces.
     pub nodes: String,
-    /// The sizes of the forces, N, as `3` or `0.3-3`.
+    /// Forces, N, as `3` or as a range `0.3-3`.
     pub forces_n: String,
 }
 
-/// The load cases of a task's points.
+/// Load cases of a task's points.
 pub fn asked(finger: &Finger, forces: ReportForces, task: Task) -> Asked {
     let sets = match task {
         Task::SenseNeighbours => neighbours(finger),
@@ -178,7 +177,7 @@ pub fn asked(finger: &Finger, forces: ReportForces, task: Task) -> Asked {
     Asked { nodes, forces_n }
 }
 
-/// Marks the points of each task that no other beats in both time and error.
+/// Marks the Pareto front of each task: points that no other point surpasses in both time and error.
 fn mark_fronts(points: &mut [SpeedErrorPoint]) {
     let ours = |point: &SpeedErrorPoint| !matches!(point.timed_by, TimedBy::OtherProgram { .. });
     let beaten = |point: &SpeedErrorPoint, by: &SpeedErrorPoint| {
@@ -195,7 +194,7 @@ fn mark_fronts(points: &mut [SpeedErrorPoint]) {
     }
 }
 
-/// This number of contact nodes, evenly spaced, without the tip.
+/// At most `nodes` contact nodes, evenly spaced, without the tip.
 fn spread(finger: &Finger, nodes: usize) -> impl Iterator<Item = NodeId> {
     let contact: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
     let every = contact.len().div_ceil(nodes.max(1)).max(1);

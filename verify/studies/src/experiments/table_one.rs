@@ -1,4 +1,4 @@
-//! The protocol of Table I of Xu et al. (2021): weights on a single finger, force sensed by the linear model.
+//! The protocol of Table I of Xu et al. (2021): weights on a single finger, with the force sensed by the linear model.
 
 use super::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
@@ -8,11 +8,11 @@ use finray_model::calibration::{self, CalibrationCase};
 
 /// Standard gravity, m/s^2 (CGPM 1901).
 pub const STANDARD_GRAVITY: f64 = 9.80665;
-/// The weights, g (sec. V-A and V-B).
+/// Masses of the weights, g (sec. V-A and V-B).
 pub const WEIGHTS_G: [f64; 6] = [50.0, 100.0, 150.0, 200.0, 250.0, 300.0];
 /// Nodes at which Young's modulus is calibrated (sec. V-A).
 pub const CALIBRATION_NODES: [NodeId; 3] = [NodeId(17), NodeId(19), NodeId(21)];
-/// Loaded nodes and the paper's mean error at each (Table I, as the text of sec. V-B gives it).
+/// Loaded nodes, with the paper's mean relative error at each (Table I, as in the text of sec. V-B).
 pub const PAPER_MEAN_ERRORS: [(NodeId, f64); 6] = [
     (NodeId(14), 0.563),
     (NodeId(16), 0.121),
@@ -22,35 +22,35 @@ pub const PAPER_MEAN_ERRORS: [(NodeId, f64); 6] = [
     (NodeId(24), 0.200),
 ];
 
-/// The paper's largest error at nodes 16 and 24 (sec. V-B).
+/// The paper's largest relative error at nodes 16 and 24 (sec. V-B).
 pub const PAPER_LARGEST_ERRORS: [(NodeId, f64); 2] = [(NodeId(16), 0.18), (NodeId(24), 0.242)];
-/// The paper's smallest and largest error at node 14 (sec. V-B).
+/// The paper's smallest and largest relative error at node 14 (sec. V-B).
 pub const PAPER_RANGE_AT_14: [f64; 2] = [0.496, 0.637];
-/// Bounds that the paper states of the mean and of the largest error at nodes 18, 20 and 22 (sec. V-B).
+/// Bounds of the mean and of the largest relative error at nodes 18, 20 and 22, as stated by the paper (sec. V-B).
 pub const PAPER_MIDDLE_BOUNDS: [f64; 2] = [0.03, 0.05];
 
-/// Force of a weight, N.
+/// Force of a weight with mass `weight_g` (g), N.
 pub fn weight_n(weight_g: f64) -> f64 {
     weight_g * 1e-3 * STANDARD_GRAVITY
 }
 
-/// One loaded node.
+/// Results at one loaded node.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TableOneRow {
-    /// Direction of the weight, degrees from the inward normal.
+    /// Direction of the weight, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
     /// The loaded node.
     pub node: usize,
-    /// Sensed / true - 1 for each weight.
+    /// Sensed / true - 1 for each weight, dimensionless.
     pub errors: Vec<f64>,
     /// Mean of |sensed / true - 1| over the weights.
     pub mean_error: f64,
-    /// The paper's mean error.
+    /// The paper's mean relative error.
     pub paper_mean_error: f64,
 }
 
 impl TableOneRow {
-    /// The smallest and the largest of sensed / true - 1 over the weights.
+    /// Smallest and largest value of sensed / true - 1 over the weights.
     pub fn range(&self) -> [f64; 2] {
         Span::of(self.errors.iter().copied()).map_or([f64::NAN; 2], Span::ends)
     }
@@ -61,17 +61,17 @@ impl TableOneRow {
 pub struct TableOne {
     /// The true finger.
     pub truth: TruthId,
-    /// Direction of the weights, degrees from the inward normal.
+    /// Direction of the weights, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
-    /// Modulus by eq. (11) from the shapes under weights at nodes 17, 19 and 21, as a factor on the true one.
+    /// Ratio of calibrated to true Young's modulus: eq. (11), from the shapes under weights at nodes 17, 19 and 21.
     pub modulus_factor: f64,
-    /// A row a loaded node, from tip to base.
+    /// One row for each loaded node, from tip to base.
     pub rows: Vec<TableOneRow>,
 }
 
 impl Evidence for TableOne {}
 
-/// Table I for each assumed direction, on the co-rotational finger; of the paper's finger alone.
+/// Table I for each assumed direction, on the co-rotational finger; empty unless the finger is the paper's.
 pub(crate) fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
     if !context.is_paper {
         return Ok(Vec::new());
@@ -85,10 +85,11 @@ pub(crate) fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
     TABLE_ONE_ANGLES_DEG.into_iter().map(table).collect()
 }
 
-/// Runs the protocol: calibrates the modulus on the truth, then senses each weight at each node without noise.
+/// Runs the protocol: calibrates the modulus on the truth, then senses each weight at each node without noise. `angle_deg` is the direction of the
+/// weights, degrees.
 ///
 /// # Errors
-/// [`ExperimentError`] if a weight cannot be carried or sensed.
+/// [`ExperimentError`] if the truth has no equilibrium under a weight, or a weight cannot be sensed.
 pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<TableOne, ExperimentError> {
     let forces_n = WEIGHTS_G.map(weight_n);
     let modulus_factor = modulus_factor(finger, truth, angle_deg, &CALIBRATION_NODES)?;
@@ -112,7 +113,7 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
     Ok(TableOne { truth: truth.id(), angle_deg, modulus_factor, rows })
 }
 
-/// Young's modulus by eq. (11) from the truth's shapes under the weights at some nodes, as a factor on the finger's.
+/// Ratio of calibrated to assumed Young's modulus: eq. (11), from the truth's shapes under the weights at some nodes.
 pub(crate) fn modulus_factor(
     finger: &Finger,
     truth: &dyn Truth,
@@ -130,7 +131,7 @@ pub(crate) fn modulus_factor(
     Ok(calibration::youngs_modulus(finger, &cases)?.factor)
 }
 
-/// Shapes under growing weights (N) along the normal at some nodes, as far as the truth carries them.
+/// Shapes under ascending weights (N) along the normal at some nodes. At each node they end before the first weight without equilibrium.
 pub fn weighed(finger: &Finger, truth: &dyn Truth, nodes: &[NodeId], weights_n: &[f64]) -> Vec<CalibrationCase> {
     let under = |&node: &NodeId| {
         let contact = Contact::at_node(node);
@@ -144,7 +145,7 @@ pub fn weighed(finger: &Finger, truth: &dyn Truth, nodes: &[NodeId], weights_n: 
     nodes.iter().flat_map(under).collect()
 }
 
-/// The truth's shapes under the weights at a node.
+/// Shapes of the truth under all weights at a node and direction (degrees).
 fn shapes(truth: &dyn Truth, node: NodeId, angle_deg: f64) -> Result<(Contact, Vec<FingerShape>), ExperimentError> {
     let contact = Contact { position: ContactPosition::Node(node), angle_deg };
     let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));

@@ -1,7 +1,7 @@
-//! The protocol of Table II of Xu et al. (2021): forces of 0.3 to 3 N on one node, on two neighbours and on two nodes apart.
+//! The protocol of Table II of Xu et al. (2021): forces of 0.3 to 3 N on one node, on two neighbours and on two distant nodes.
 //!
-//! The paper measures on its gripper, at the nodes that sec. V-C names, and lists the mean over the tests of each kind; here a
-//! finger of known kinematics stands for it, seen without and with camera noise, the same samples for every estimator.
+//! The paper measures on its gripper, at the nodes of sec. V-C, and lists the mean over the tests of each group. Here a finger of known kinematics
+//! replaces the gripper, with and without camera noise. All estimators get the same samples.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -10,16 +10,16 @@ use crate::settings::TWO_FORCES_N;
 use crate::truths::TruthId;
 use finray_model::estimators::network::NetworkSensing;
 
-/// A row of the paper's table: the contacts of its tests (sec. V-C), and the mean errors over these tests.
+/// A row of the paper's table: the contacts of its tests (sec. V-C), and mean errors over these tests.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactGroup {
-    /// Short name.
+    /// Short name of the group.
     pub name: &'static str,
     /// Contact nodes of each test.
     pub sets: &'static [&'static [usize]],
-    /// The paper's mean error of each force.
+    /// The paper's mean relative error of each force.
     pub paper_force: f64,
-    /// The paper's mean error of their sum, of several.
+    /// The paper's mean relative error of the sum of two forces; `None` for one force.
     pub paper_sum: Option<f64>,
 }
 
@@ -29,24 +29,24 @@ pub const CONTACT_GROUPS: [ContactGroup; 3] = [
     ContactGroup { name: "neighbours", sets: &[&[19, 20], &[16, 17]], paper_force: 0.475, paper_sum: Some(0.074) },
     ContactGroup { name: "apart", sets: &[&[18, 20], &[16, 20]], paper_force: 0.298, paper_sum: Some(0.076) },
 ];
-/// The paper's mean absolute error of a single force, N (sec. V-C: forces of 0 to 3 N).
+/// The paper's mean absolute error of a single force, N (sec. V-C, for forces of 0 to 3 N).
 pub const PAPER_ERROR_N: f64 = 0.07;
 
-/// Every set of contacts, in the order of the groups.
+/// Contact nodes of every test, in the order of the groups.
 pub fn contact_sets() -> Vec<&'static [usize]> {
     CONTACT_GROUPS.iter().flat_map(|group| group.sets).copied().collect()
 }
 
-/// The contacts at which training recipes are compared: one set of each group.
+/// A set of contacts at which training recipes are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedSet {
-    /// Short name.
+    /// Short name of the set.
     pub name: &'static str,
     /// Contact nodes.
     pub nodes: &'static [usize],
 }
 
-/// One set of each group.
+/// One set of contacts from each group.
 pub const COMPARED_SETS: [ComparedSet; 3] = [
     ComparedSet { name: "node 19", nodes: &[19] },
     ComparedSet { name: "19 and 20", nodes: &[19, 20] },
@@ -56,45 +56,45 @@ pub const COMPARED_SETS: [ComparedSet; 3] = [
 /// Range of each force, N (sec. V-C).
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 
-/// Cases of each set for the nonlinear estimator on the linear finger, whose shapes no co-rotational finger takes: it searches
-/// from every start and often refuses, a hundred times slower than where it fits.
+/// Largest number of cases of each set for the nonlinear estimator on the linear finger. No co-rotational finger fits its shapes. The search then
+/// tries every start, often refuses, and takes a hundred times as long.
 pub const CASES_WITHOUT_FIT: usize = 20;
-/// And no more than this share of the cases.
+/// Largest part of the cases for the nonlinear estimator on the linear finger: one case in this many.
 const SHARE_WITHOUT_FIT: usize = 4;
-/// Most cases of each set for the nonlinear estimator, which takes as long as everything else together: a mean error over the
-/// sets of a group, whose relative errors scatter by 1.1 of their mean, is known to 4 %.
+/// Largest number of cases of each set for the nonlinear estimator, which takes as long as everything else together. A mean error over the sets of a
+/// group is then known to 4 %, because relative errors have a standard deviation of 1.1 times their mean.
 pub const MOST_FITS: usize = 500;
-/// How often progress is reported: each of four runs reports every set of contacts.
+/// Number of progress calls: four runs with one call for each set of contacts.
 pub const STEPS: usize = 4 * {
     let [one, neighbours, apart] = CONTACT_GROUPS;
     one.sets.len() + neighbours.sets.len() + apart.sets.len()
 };
-/// Seed of forces and noise.
+/// Seed of the forces and the noise.
 const SEED: u64 = 1;
 
-/// Table II on two fingers.
+/// Results of Table II on two fingers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableTwo {
-    /// Random cases for each set of contacts; the nonlinear estimator senses the first of them, [`MOST_FITS`] and on the
-    /// linear finger a quarter of them, at most [`CASES_WITHOUT_FIT`].
+    /// Number of random cases for each set of contacts. The nonlinear estimator senses the first [`MOST_FITS`] of them; on the linear finger it senses
+    /// a quarter, at most [`CASES_WITHOUT_FIT`].
     pub cases: usize,
-    /// Largest over smallest singular value of the linear compliance, by [`contact_sets`]: growth of a wrong shape.
+    /// Condition number of the linear compliance (largest over smallest singular value), for each of [`contact_sets`]: amplification of shape errors.
     pub condition_numbers: Vec<f64>,
-    /// By true finger.
+    /// Results by true finger.
     pub fingers: Vec<TableTwoFinger>,
 }
 
-/// Table II on one finger.
+/// Results of Table II on one finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableTwoFinger {
     /// The true finger.
     pub truth: TruthId,
-    /// By [`contact_sets`], level of noise, estimator.
+    /// Rows by contact set (in the order of [`contact_sets`]), noise level, and estimator.
     pub rows: Vec<ScatterRow>,
 }
 
 impl TableTwo {
-    /// Errors of one estimator on one finger at one level of noise, by [`contact_sets`].
+    /// Errors of one estimator on one finger at one noise level (mm), one row for each of [`contact_sets`].
     pub fn of(&self, truth: TruthId, noise_mm: f64, estimator: EstimatorId) -> impl Iterator<Item = &ScatterRow> {
         let finger = self.fingers.iter().find(|finger| finger.truth == truth);
         let rows = finger.map_or(&[][..], |finger| &finger.rows);
@@ -102,27 +102,27 @@ impl TableTwo {
     }
 }
 
-/// Errors of an estimator in the tests of one group: the mean over its sets, as in the paper's table.
+/// Errors of an estimator in the tests of one group: means over its sets, as in the paper's table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroupErrors {
-    /// Mean error of each force.
+    /// Mean relative error of each force.
     pub force: f64,
     /// Mean absolute error of each force, N.
     pub force_n: f64,
-    /// Mean error of the sum, of several forces.
+    /// Mean relative error of the sum of several forces; `None` for one force.
     pub sum: Option<f64>,
-    /// Mean error of each force at the Cramer-Rao bound; `None` without noise.
+    /// Mean relative error of each force for an estimator that reaches the Cramer-Rao bound; `None` without noise.
     pub force_bound: Option<f64>,
-    /// Mean error of the sum at the bound.
+    /// Mean relative error of the sum for an estimator that reaches the Cramer-Rao bound; `None` without noise or for one force.
     pub sum_bound: Option<f64>,
-    /// Cases that were sensed; the means are over these.
+    /// Number of answered cases, over which the means are taken.
     pub answered: usize,
-    /// Cases that were refused.
+    /// Number of refused cases.
     pub refused: usize,
 }
 
 impl GroupErrors {
-    /// The mean over rows of one estimator, a row a set of the group; `None` if a set is missing or none of its cases was sensed.
+    /// Means over the rows of one estimator, one row for each set of the group. `None` if a set is missing or has no answered case.
     pub fn of<'r>(group: &ContactGroup, rows: impl IntoIterator<Item = &'r ScatterRow>) -> Option<GroupErrors> {
         let rows: Vec<&ScatterRow> = rows.into_iter().collect();
         let of_set = |nodes: &&[usize]| rows.iter().find(|row| row.nodes == *nodes).copied();
@@ -130,7 +130,7 @@ impl GroupErrors {
         let mean = |figure: &dyn Fn(&ScatterRow) -> Option<f64>| {
             mean(rows.iter().map(|row| figure(row)).collect::<Option<Vec<f64>>>()?)
         };
-        // The sum of one force is that force.
+        // The sum of a single force is that force.
         let several = |figure: Option<f64>| figure.filter(|_| group.paper_sum.is_some());
         Some(GroupErrors {
             force: mean(&ScatterRow::mean_error)?,
@@ -145,7 +145,7 @@ impl GroupErrors {
 }
 
 impl TableTwo {
-    /// Errors of one estimator in a group of tests on one finger at one level of noise.
+    /// Errors of one estimator in a group of tests on one finger at one noise level (mm).
     pub fn group(
         &self,
         group: &ContactGroup,
@@ -156,7 +156,7 @@ impl TableTwo {
         GroupErrors::of(group, self.of(truth, noise_mm, estimator))
     }
 
-    /// The least and the greatest condition number of a group's sets.
+    /// Smallest and largest condition number of a group's sets.
     pub fn condition_range(&self, group: &ContactGroup) -> Option<[f64; 2]> {
         let of_sets = contact_sets().into_iter().zip(&self.condition_numbers);
         let numbers = of_sets.filter(|(set, _)| group.sets.contains(set)).map(|(_, number)| *number);
@@ -166,7 +166,7 @@ impl TableTwo {
 
 impl Evidence for TableTwo {}
 
-/// Table II of the paper's finger, by every estimator.
+/// Table II by every estimator; `None` unless the finger is the paper's.
 pub(crate) fn run(context: &Context) -> Result<Option<TableTwo>, EstimatorError> {
     if !context.is_paper {
         return Ok(None);
@@ -178,11 +178,11 @@ pub(crate) fn run(context: &Context) -> Result<Option<TableTwo>, EstimatorError>
     table_two(context.fine, &context.noise_levels_mm(), cases, &[&sensing], &step).map(Some)
 }
 
-/// Runs the protocol on the linear finger and on `fine`, the mesh of the co-rotational one: least squares, ridge,
-/// `further` estimators and the nonlinear one. `progress` is called after each set of contacts, [`STEPS`] times in all.
+/// Runs the protocol on the linear finger and on `fine`, the mesh of the co-rotational one, at the given noise levels (mm). Estimators are least
+/// squares, ridge, `further` ones and the nonlinear one. `progress` is called after each set of contacts, [`STEPS`] times in all.
 ///
 /// # Errors
-/// [`EstimatorError`] for a finger without these nodes, or an estimator that is not made for one of the sets.
+/// [`EstimatorError`] for a finger without these nodes, or an estimator that does not support one of the sets.
 pub fn table_two(
     fine: &Mesh,
     noise_levels_mm: &[f64],
@@ -199,7 +199,7 @@ pub fn table_two(
     let sets: Vec<Vec<NodeId>> =
         contact_sets().iter().map(|set| set.iter().map(|&node| NodeId(node)).collect()).collect();
     let run = |mesh, kinematics, cases, estimators: &[&dyn Estimator]| {
-        // The bound changes little with the mesh: the coarsest serves.
+        // The bound depends little on the mesh, so the coarsest mesh suffices.
         let request = ScatterRequest { truth: mesh, kinematics, model: &key_nodes, noise_levels_mm, cases, seed: SEED };
         scatter(&request, estimators, &sets, FORCES_N, progress)
     };
@@ -221,7 +221,7 @@ pub fn table_two(
     Ok(TableTwo { cases, condition_numbers, fingers })
 }
 
-/// Largest over smallest singular value of the displacements of all markers under unit forces along the normal.
+/// Condition number: largest over smallest singular value of the displacements of all markers under unit forces along the normal.
 pub(crate) fn condition_number(finger: &Finger, nodes: &[NodeId]) -> Result<f64, EstimatorError> {
     let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
     let estimator = LinearEstimator::new(finger, &contacts, &Measurement::at_rest(finger))?;

@@ -1,23 +1,23 @@
-//! Error of the lattice against converged beams, and its cost, by its fineness.
+//! Error of the lattice against converged beams, and its computation time, by fineness.
 
 use crate::prelude::*;
 
-/// Elements a member of beams that count as converged: twice as many change the paper's finger under 5 N by 1e-6 at most.
+/// Elements a member of converged beams: doubling them changes the paper's finger under 5 N by a share of 1e-6 at most.
 pub const CONVERGED_ELEMENTS: usize = 32;
 
-/// Loads under which lattice and beams are compared.
+/// Grid of loads under which lattice and beams are compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadGrid {
     /// Loaded nodes.
     pub nodes: Vec<NodeId>,
-    /// Directions, degrees from the inward normal.
+    /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
-    /// Forces, N, growing.
+    /// Forces, N, ascending.
     pub forces_n: Vec<f64>,
 }
 
 impl LoadGrid {
-    /// All contact nodes but the tip, -60 to 60 degrees, 0.1 to 5 N.
+    /// All contact nodes except the tip, -60 to 60 degrees, 0.1 to 5 N.
     pub fn full(finger: &Finger) -> LoadGrid {
         LoadGrid {
             nodes: finger.contact_nodes().skip(1).collect(),
@@ -26,7 +26,7 @@ impl LoadGrid {
         }
     }
 
-    /// A few loads between those of the full grid, for what takes long.
+    /// A few loads at other directions than the full grid, for slow computations.
     pub fn few(finger: &Finger) -> LoadGrid {
         let nodes: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
         let every = nodes.len().div_ceil(3).max(1);
@@ -37,13 +37,13 @@ impl LoadGrid {
         }
     }
 
-    /// Every node with every direction, as the shapes of a grid are ordered.
+    /// Every pair of node and direction (degrees), in the order in which the shapes of a grid are listed.
     pub fn directions(&self) -> Vec<(NodeId, f64)> {
         self.nodes.iter().flat_map(|&node| self.angles_deg.iter().map(move |&angle_deg| (node, angle_deg))).collect()
     }
 }
 
-/// Shapes of the converged beam finger over a grid of loads: by node and direction, then force.
+/// Shapes of the converged beam finger over a grid of loads, indexed by node and direction, then force.
 pub(crate) fn beam_shapes(
     finger: &Finger,
     grid: &LoadGrid,
@@ -61,12 +61,12 @@ pub(crate) fn beam_shapes(
     grid.directions().par_iter().map(shapes).collect()
 }
 
-/// Shapes of least energy of a lattice over a grid of loads, like [`beam_shapes`].
+/// Shapes of least energy of a lattice over a grid of loads, indexed like [`beam_shapes`].
 pub(crate) fn lattice_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<Vec<Vec<FingerShape>>, LatticeError> {
     grid.directions().par_iter().map(|at| lattice_path(lattice, at, grid)).collect()
 }
 
-/// Shapes at one node and direction.
+/// Shapes of a lattice at one node and direction, by force.
 fn lattice_path(lattice: &Lattice, at: &(NodeId, f64), grid: &LoadGrid) -> Result<Vec<FingerShape>, LatticeError> {
     match lattice.path(&[load(lattice.finger(), at, 1.0)], &grid.forces_n)? {
         (shapes, None) => Ok(shapes),
@@ -74,27 +74,27 @@ fn lattice_path(lattice: &Lattice, at: &(NodeId, f64), grid: &LoadGrid) -> Resul
     }
 }
 
-/// A force (N) on a node in a direction.
+/// A force (N) on a node in a direction (degrees from the inward normal).
 pub(super) fn load(finger: &Finger, &(node, angle_deg): &(NodeId, f64), force_n: f64) -> Load {
     Load::at_node(node, finger.direction(angle_deg) * force_n)
 }
 
-/// Largest difference of a key node's displacement between two shapes, as a share of the reference's largest.
+/// Largest difference of a key node's displacement between two shapes, relative to the reference's largest displacement.
 pub fn difference(reference: &FingerShape, other: &FingerShape) -> f64 {
     let pairs = reference.motions().iter().zip(other.motions());
     worst(pairs.map(|(a, b)| (a.displacement - b.displacement).norm())) / reference.largest_displacement_mm()
 }
 
-/// The largest [`difference`] over all nodes and directions, for each force.
+/// Largest [`difference`] over all nodes and directions, dimensionless, for each of the `forces` forces.
 pub fn worst_by_force(reference: &[Vec<FingerShape>], other: &[Vec<FingerShape>], forces: usize) -> Vec<f64> {
     let at = |force: usize| worst(reference.iter().zip(other).map(|(a, b)| difference(&a[force], &b[force])));
     (0..forces).map(at).collect()
 }
 
-/// One fineness.
+/// Error and computation time of the lattice at one fineness.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FinenessRow {
-    /// Segments in a plate member of mean length.
+    /// Number of segments in a plate member of mean length.
     pub fineness: usize,
     /// Number of rigid bodies.
     pub bodies: usize,
@@ -102,39 +102,39 @@ pub struct FinenessRow {
     pub springs: usize,
     /// Forces, N.
     pub forces_n: Vec<f64>,
-    /// Largest difference of the lattice's equilibrium from converged beams over the largest displacement, by force.
+    /// Largest difference of the lattice's equilibrium from converged beams, relative to the largest displacement, by force.
     pub errors: Vec<f64>,
-    /// Mean time of a way through all the forces by Newton's method, ms, on one core.
+    /// Mean time of Newton's method for all forces at one node and direction, ms, on one core.
     pub newton_ms: f64,
-    /// Settling, if it was asked for.
+    /// Error and time of settling, if requested.
     pub settling: Option<SettlingCost>,
 }
 
-/// Error of a settled lattice against its own equilibrium, and its cost.
+/// Error of a settled lattice against its own equilibrium, and its computation time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SettlingCost {
-    /// Largest difference of a settled lattice from its own equilibrium, as a share of the largest displacement.
+    /// Largest difference of a settled lattice from its own equilibrium, relative to the largest displacement.
     pub error: f64,
-    /// Most steps to rest.
+    /// Largest number of steps to rest under one load.
     pub steps: usize,
     /// Mean time under one load, ms, on one core.
     pub ms: f64,
 }
 
-/// Why an accuracy study was not computed.
+/// Why an accuracy study could not be computed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum AccuracyError {
-    /// The lattice.
+    /// The lattice cannot be built, has no equilibrium, or does not settle.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
-    /// The beams.
+    /// The beams have no equilibrium.
     #[error(transparent)]
     Beams(#[from] StaticsError),
 }
 
-/// Error and cost by fineness: Newton's method over the `grid`, settling over the loads that `settled` names, if any.
+/// Error and time by fineness: Newton's method over `grid`; settling over the loads that `settled` returns for a fineness, if any.
 ///
-/// Times are of one core: what is timed is computed one after the other, and hands nothing to other threads.
+/// Times hold for one core: the timed computations run in sequence on one thread.
 ///
 /// # Errors
 /// [`AccuracyError`] if a load has no equilibrium or a lattice does not settle.
@@ -172,18 +172,18 @@ fn settling_cost(lattice: &Lattice, loads: &LoadGrid) -> Result<SettlingCost, La
     Ok(SettlingCost { error, steps: settled.steps, ms: settled.mean_ms })
 }
 
-/// Settled shapes over a grid of loads, and what they cost.
+/// Settled shapes over a grid of loads, with their computation time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SettledGrid {
-    /// By node and direction, then force.
+    /// Shapes by node and direction, then force.
     pub shapes: Vec<Vec<FingerShape>>,
-    /// Most steps.
+    /// Largest number of steps to rest.
     pub steps: usize,
-    /// Mean time, ms.
+    /// Mean time under one load, ms.
     pub mean_ms: f64,
 }
 
-/// Settles a lattice under every load of a grid, one after the other.
+/// Settles a lattice under every load of a grid, in sequence.
 pub(crate) fn settled_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<SettledGrid, LatticeError> {
     let (mut steps, start) = (0, Instant::now());
     let mut settle = |at: &(NodeId, f64), force_n: f64| {

@@ -6,10 +6,10 @@ use finray_lattice::energy::{BodyMotion, Energy};
 use finray_lattice::settling::{Precision, SWEEPS, Settling};
 use finray_lattice::springs::AxialSprings;
 
-/// This many times stiffer, axial springs are as good as rigid: a hundred times more changes the paper's finger by a thousandth.
+/// Stiffness factor at which axial springs count as rigid: 100 times more changes the paper's finger by a share of 1e-3.
 pub const AS_GOOD_AS_RIGID: f64 = 1e3;
 
-/// Axial springs that are tried, a beam's first.
+/// Axial springs to compare, with their names; those of a beam are first.
 pub const AXIAL_SPRINGS: [(&str, AxialSprings); 4] = [
     ("as a beam's", AxialSprings::OF_A_BEAM),
     ("fixed at the segments' ends", AxialSprings { inset: 0.0, ..AxialSprings::OF_A_BEAM }),
@@ -17,18 +17,18 @@ pub const AXIAL_SPRINGS: [(&str, AxialSprings); 4] = [
     ("left out", AxialSprings { stiffness: 0.0, ..AxialSprings::OF_A_BEAM }),
 ];
 
-/// The lattice with some axial springs against converged beams.
+/// Error of the lattice with one setting of its axial springs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxialRow {
-    /// The springs, in words.
+    /// Setting of the springs, in words.
     pub name: &'static str,
-    /// The springs.
+    /// The axial springs.
     pub axial: AxialSprings,
-    /// Largest difference from converged beams, by force, over the largest displacement; none without equilibrium.
+    /// Largest difference from converged beams, relative to the largest displacement, by force; `None` without equilibrium.
     pub errors: Option<Vec<f64>>,
 }
 
-/// Compares the lattice with each of [`AXIAL_SPRINGS`] over a grid of loads.
+/// Compares the lattice with each of [`AXIAL_SPRINGS`] against converged beams over a grid of loads.
 ///
 /// # Errors
 /// [`AccuracyError`] if the beams have no equilibrium or no lattice can be built.
@@ -46,7 +46,7 @@ pub fn axial(finger: &Finger, fineness: usize, grid: &LoadGrid) -> Result<Vec<Ax
     AXIAL_SPRINGS.par_iter().map(row).collect()
 }
 
-/// Ways of settling that are tried: fewer sweeps than usual, the usual, more, and positions in single precision.
+/// Settings of settling to compare, as sweeps a step and precision of positions. The default number of sweeps is `SWEEPS`.
 pub const SETTLINGS: [(usize, Precision); 5] = [
     (8, Precision::Double),
     (16, Precision::Double),
@@ -54,26 +54,26 @@ pub const SETTLINGS: [(usize, Precision); 5] = [
     (2 * SWEEPS, Precision::Double),
     (SWEEPS, Precision::Single),
 ];
-/// Steps after which a way of settling counts as one that does not settle: several times what the paper's finger takes.
+/// Number of steps after which a lattice counts as not settled: several times the number that the paper's finger needs.
 const MOST_STEPS: usize = 20_000;
 
-/// One way of settling against the lattice's own equilibrium.
+/// Error of one setting of settling against the lattice's own equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettlingRow {
-    /// Sweeps over the springs in a step.
+    /// Sweeps over the springs in one step.
     pub sweeps: usize,
-    /// Precision of the positions.
+    /// Floating-point precision of the positions.
     pub positions: Precision,
-    /// Largest difference from the equilibria over the largest displacement; none if a load does not settle.
+    /// Largest difference from the equilibria, relative to the largest displacement; `None` if a load does not settle.
     pub error: Option<f64>,
-    /// Most steps to rest; none if a load does not settle.
+    /// Largest number of steps to rest; `None` if a load does not settle.
     pub steps: Option<usize>,
 }
 
-/// Lets a lattice settle in each of [`SETTLINGS`] under all loads of a grid.
+/// Settles a lattice with each of [`SETTLINGS`] under all loads of a grid.
 ///
 /// # Errors
-/// [`LatticeError`] if a load has no equilibrium.
+/// [`LatticeError`] if a load has no equilibrium or settling fails for another reason than too many steps.
 pub fn settling(lattice: &Lattice, grid: &LoadGrid) -> Result<Vec<SettlingRow>, LatticeError> {
     let shapes = lattice_shapes(lattice, grid)?;
     let directions = grid.directions();
@@ -103,8 +103,8 @@ pub fn settling(lattice: &Lattice, grid: &LoadGrid) -> Result<Vec<SettlingRow>, 
     SETTLINGS.par_iter().map(row).collect()
 }
 
-/// What rounding alone does to balance: the bodies of the equilibrium under each load of a grid, their positions and
-/// rotations rounded once, and the largest force then out of balance on a body, as a share of the load.
+/// Imbalance caused by rounding alone: the largest unbalanced force on a body, relative to the load. The bodies are at equilibrium under each
+/// load of a grid, with positions and rotations rounded once to the given precision.
 ///
 /// # Errors
 /// [`LatticeError`] if a load has no equilibrium.
@@ -123,7 +123,7 @@ pub fn out_of_balance(lattice: &Lattice, grid: &LoadGrid, positions: Precision) 
             motion.rotation = positions.round(sine).atan2(positions.round(cosine));
         }
         let left = energy.expand(&motions, &loads, 1.0).gradient;
-        // Of each body's three, the moment is not a force.
+        // Each body has three entries: two force components and a moment, which is ignored.
         Ok(worst(left.chunks(3).map(|body| body[0].hypot(body[1]))) / force_n)
     };
     let cases: Vec<_> =

@@ -1,47 +1,46 @@
-//! A second formulation of plane beams for the problems with limit loads: the differential equation of the elastic
-//! line, integrated from one end to the other (shooting). It shares neither elements nor
-//! solver with the model, but the same Euler-Bernoulli theory.
+//! A second formulation of plane beams, for problems with limit loads: the differential equation of the elastic line, integrated from one end
+//! to the other (shooting). It shares the Euler-Bernoulli theory with the model, but neither elements nor solver.
 
 use super::ProblemError;
 use nalgebra::{DMatrix, DVector};
 
-/// Steps of the integration for each straight piece; the error falls with their fourth power and is below 1e-10.
+/// Integration steps for each straight segment. The error falls with the fourth power of their length and is below 1e-10.
 const STEPS: usize = 200;
-/// Step of central differences, as a share of each unknown's scale: truncation and rounding both stay below 1e-9.
+/// Step of central differences, relative to the scale of each unknown. Truncation and rounding errors both stay below 1e-9.
 const DIFFERENCE_STEP: f64 = 1e-5;
-/// The search has ended when its correction is below this share of each unknown's scale: as far as differences of
-/// differences go. The limit load itself does not change, to first order, with where on the path it is looked for.
+/// Correction, relative to the scale of each unknown, below which the search has converged; second differences allow no smaller one. To first
+/// order, an error of the position on the path does not change the limit load.
 const CORRECTION_TOLERANCE: f64 = 1e-7;
-/// More corrections than this mean that the start was too far away.
+/// Largest number of corrections; a search that needs more started too far away.
 const MAX_CORRECTIONS: usize = 40;
 
-/// Rigidities of a beam.
+/// Rigidities of a beam, in the consistent units of its problem.
 #[derive(Debug, Clone, Copy)]
 pub struct Rigidity {
-    /// EA.
+    /// Axial rigidity EA, in units of force.
     pub axial: f64,
-    /// EI.
+    /// Bending rigidity EI, in units of force times length squared.
     pub bending: f64,
 }
 
-/// A cross-section of the deformed beam: where it is, how its axis is turned, and what the part beyond puts on it.
+/// A cross-section of the deformed beam: position, direction of the axis, and stress resultants, in the consistent units of its problem.
 #[derive(Debug, Clone, Copy)]
 pub struct Section {
-    /// Position.
+    /// Position (x, y), in units of length.
     pub at: [f64; 2],
-    /// Direction of the axis, rad from x to y.
+    /// Direction of the axis, rad, from x towards y.
     pub direction: f64,
-    /// Force of the part beyond.
+    /// Force (x, y) that the rest of the beam exerts on this section, in units of force.
     pub force: [f64; 2],
-    /// Moment of the part beyond.
+    /// Moment that the rest of the beam exerts on this section, in units of force times length.
     pub moment: f64,
 }
 
 impl Section {
-    /// The section at the end of a straight piece of the given length, by the classical Runge-Kutta method.
+    /// The section at the end of a straight segment of the given undeformed length, by the classical Runge-Kutta method.
     ///
-    /// With stretch 1 + N / EA along the axis t and curvature M / EI, both per undeformed length s:
-    /// r' = (1 + N / EA) t, direction' = M / EI, M' = -r' x F; the force F is constant.
+    /// Elongation N / EA and curvature M / EI are per undeformed length s, along the axis t with constant force F:
+    /// r' = (1 + N / EA) t, direction' = M / EI, M' = -r' x F.
     ///
     /// Source: Antman, Nonlinear Problems of Elasticity, ch. 4 (planar elastica without shear).
     pub fn beyond(self, length: f64, rigidity: Rigidity) -> Section {
@@ -65,8 +64,11 @@ impl Section {
     }
 }
 
-/// The limit load next to `start`: unknowns and, last, the load at which the conditions `miss` (one fewer) hold and have
-/// a singular derivative by the unknowns. `scale` gives the size of each.
+/// The limit load next to `start`. The vector holds the unknowns and, last, the load. At the limit load the N conditions `miss` are zero and
+/// their derivative with respect to the unknowns is singular. `scale` holds the magnitude of each entry.
+///
+/// # Errors
+/// [`ProblemError`] if the search does not converge.
 pub(crate) fn limit_load<const N: usize, const M: usize>(
     miss: impl Fn(&[f64; M]) -> [f64; N],
     start: [f64; M],
@@ -77,7 +79,7 @@ pub(crate) fn limit_load<const N: usize, const M: usize>(
         moved[i] += share * scale[i];
         moved
     };
-    // Derivatives by the scaled unknowns and load.
+    // Derivatives with respect to the scaled unknowns and load.
     let derivative = |at: &[f64; M]| {
         let columns: [_; M] = std::array::from_fn(|i| {
             let (plus, minus) = (miss(&moved(at, i, DIFFERENCE_STEP)), miss(&moved(at, i, -DIFFERENCE_STEP)));
@@ -90,7 +92,7 @@ pub(crate) fn limit_load<const N: usize, const M: usize>(
     for _ in 0..MAX_CORRECTIONS {
         let (missed, by) = (miss(&at), derivative(&at));
         let value = DVector::from_fn(M, |i, _| if i < N { missed[i] } else { singular(&at) });
-        // Differences of differences want longer steps.
+        // The determinant holds differences already, so its differences need longer steps.
         let step = 100.0 * DIFFERENCE_STEP;
         let by_singular: [f64; M] =
             std::array::from_fn(|i| (singular(&moved(&at, i, step)) - singular(&moved(&at, i, -step))) / (2.0 * step));

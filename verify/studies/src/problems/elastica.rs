@@ -1,20 +1,21 @@
-//! Clamped inextensible cantilever under a dead tip load, also oblique: the elastica.
+//! Inextensible cantilever (elastica) under a dead tip load, perpendicular or oblique.
 //!
-//! Source: `fixtures/elastica.csv`, to 1e-7; equal to Mattiasson, Int. J. Numer. Methods Eng. 17 (1981). L = EI = 1.
+//! Source: `fixtures/elastica.csv`, accurate to 1e-7; equal to Mattiasson, Int. J. Numer. Methods Eng. 17 (1981). L = EI = 1.
 
 use super::ProblemError;
 use crate::prelude::*;
 use finray_model::frame::{NodeIndex, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
 
-/// Elements of the cantilever.
+/// Number of elements of the cantilever.
 const ELEMENTS: usize = 400;
-/// EA L^2 / EI: the reference beam does not stretch; 1e6 would still leave 8e-6.
+/// EA L^2 / EI, large because the reference beam is inextensible; 1e6 would cause an error of 8e-6.
 const AXIAL_RIGIDITY: f64 = 1e9;
-/// Largest difference of a deflection (of the length) or rotation (rad): what the reference is known to; elements and stretching add less.
+/// Largest error of a deflection (relative to the length) or rotation (rad): the accuracy of the reference. Discretisation and stretching
+/// cause smaller errors.
 pub const TOLERANCE: f64 = 1e-7;
 
-/// One row of the reference.
+/// One row of the reference: load and tip displacements, dimensionless; angles in degrees and rad.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 struct Row {
     load_pl2_ei: f64,
@@ -24,7 +25,7 @@ struct Row {
     theta_rad: f64,
 }
 
-/// A cantilever of length and bending rigidity one along x, clamped at its first node.
+/// A cantilever of unit length and unit bending rigidity along x, clamped at its first node.
 pub(super) fn cantilever(elements: usize, axial_rigidity_n: f64) -> (PlaneFrame, Vec<NodeIndex>) {
     let mut frame = PlaneFrame::new();
     let nodes: Vec<_> = (0..=elements).map(|i| frame.add_node(Vector::new(i as f64 / elements as f64, 0.0))).collect();
@@ -35,7 +36,7 @@ pub(super) fn cantilever(elements: usize, axial_rigidity_n: f64) -> (PlaneFrame,
     (frame, nodes)
 }
 
-/// Deflection across (w) and shortening along (u) the beam, and rotation of its end.
+/// Deflection w across and shortening u along the beam (both relative to its length), and rotation of its end (rad). `load` is P L^2 / EI.
 pub(super) fn solve(
     load: f64,
     angle_deg: f64,

@@ -1,6 +1,6 @@
-//! The elastic energy of the bent finger is the work of its load along the way.
+//! The elastic energy of the bent finger equals the work of its load.
 //!
-//! Source: conservation of energy. The work is F u(F) less the integral of u over F, by Boole's rule.
+//! Source: conservation of energy. The work is F u(F) minus the integral of u over F, by Boole's rule.
 
 use super::ProblemError;
 use crate::prelude::*;
@@ -10,13 +10,13 @@ use finray_model::statics::{Statics, elastic_energy};
 const FORCE_N: f64 = 3.0;
 /// Loaded nodes: beside the tip, in the middle, near the base.
 const NODES: [usize; 3] = [14, 19, 24];
-/// Intervals of the quadrature.
+/// Number of intervals of the quadrature.
 const STEPS: usize = 64;
-/// Largest difference, as a share of the work. Simpson's rule alone errs by 4e-10 at most here (its change from half as
-/// many intervals, over 15), the extrapolation by far less; the rest is where Newton's method stops.
+/// Largest difference of energy and work, relative to the work. Simpson's rule alone has an error of at most 4e-10 here: its change from half
+/// as many intervals, divided by 15. Its extrapolation has a much smaller error. The rest is the convergence error of Newton's method.
 pub const TOLERANCE: f64 = 1e-10;
 
-/// Energy and work, N mm.
+/// Elastic energy and work of the load, N mm.
 fn solve(mesh: &Mesh, node: NodeId) -> Result<[f64; 2], ProblemError> {
     let force = mesh.finger().direction(0.0) * FORCE_N;
     let load = mesh.frame_load(&Load::at_node(node, force)).map_err(|error| ProblemError::Statics(error.into()))?;
@@ -37,7 +37,7 @@ fn solve(mesh: &Mesh, node: NodeId) -> Result<[f64; 2], ProblemError> {
     Ok([energy, work(1) + (work(1) - work(2)) / 15.0])
 }
 
-/// A row for each loaded node.
+/// One check for each loaded node.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let mesh = Mesh::key_nodes(finger);
     let mut checks = Vec::new();

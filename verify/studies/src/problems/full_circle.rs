@@ -9,16 +9,17 @@ use finray_model::frame::{FrameLoad, NodeIndex};
 use finray_model::statics::solve_frame;
 use std::f64::consts::{PI, TAU};
 
-/// Elements of the cantilever.
+/// Number of elements of the cantilever.
 const ELEMENTS: usize = 64;
-/// EA L^2 / EI; without an axial force its value only sets how well the equations are conditioned.
+/// EA L^2 / EI. There is no axial force, so it only affects the conditioning of the equations.
 const AXIAL_RIGIDITY: f64 = 1e6;
-/// Rounding: equal elements turn by equal angles, so their chords close whatever their number.
+/// Rounding error: equal elements turn by equal angles, so their chords form a closed polygon for any number of elements.
 pub const CLOSURE_TOLERANCE: f64 = 1e-9;
-/// An element bent to the half angle a has the chord 1 - a^2 / 6, not sin a / a: short by a^4 / 120, 4.8e-8.
+/// Error of the middle's height, relative to the length. An element with half angle a has the chord 1 - a^2 / 6 instead of sin a / a. It is too
+/// short by a^4 / 120, here 4.8e-8.
 pub const CHORD_TOLERANCE: f64 = 1e-7;
 
-/// Where the tip comes to rest, how far it turns, and how far away the middle is.
+/// Checks of the tip's position, the tip's rotation, and the height of the middle.
 pub(crate) fn checks() -> Result<Vec<Check>, ProblemError> {
     let (frame, nodes) = cantilever(ELEMENTS, AXIAL_RIGIDITY);
     let (tip, middle) = (nodes[ELEMENTS], nodes[ELEMENTS / 2]);

@@ -2,58 +2,58 @@
 //!
 //! Source: P. J. Roache, J. Fluids Eng. 116 (1994) 405-413; I. B. Celik et al., J. Fluids Eng. 130 (2008) 078001.
 //!
-//! What order to expect: an element that bends by the angle phi, of the order of its length h, misses phi^2 of its
-//! chord with the strain of the chord, and phi^4 with the shallow arch: orders 2 and 4. The shallow arch also leaves
-//! out that a stretched beam has the more length to bend, a share phi^2 of its strain. So where beams are stretched
-//! its order falls to 2 on very fine meshes, with an error that is smaller by the strain (here 1e-4 to 1e-3).
+//! Expected orders: an element bends by an angle phi proportional to its length h. The relative error of its chord is of order phi^2 with chord
+//! strain and phi^4 with shallow-arch strain, which gives orders 2 and 4. The shallow-arch strain also ignores that an elongated beam has more
+//! length to bend, an error of phi^2 times the strain. On very fine meshes of elongated beams the order therefore falls to 2. That error is
+//! smaller by the factor of the strain (here 1e-4 to 1e-3).
 
 use super::{ProblemError, elastica};
 use crate::prelude::*;
 
 /// Factor of safety for three meshes (Roache).
 const SAFETY: f64 = 1.25;
-/// The order that both strains keep on any mesh; the index trusts no higher one.
+/// Order that both strains reach on any mesh; the index uses no higher order.
 const FORMAL_ORDER: f64 = 2.0;
-/// Order of an inextensible cantilever: the next term of the error on 4 to 16 elements.
+/// Tolerance of the order for an inextensible cantilever: the next term of the error on 4 to 16 elements.
 pub const CANTILEVER_TOLERANCE: f64 = 0.1;
-/// Order of the finger at 3 N, where elements of different length share one mesh and the second order begins to show.
+/// Tolerance of the order for the finger at 3 N. Its elements differ in length, and the term of second order begins to matter.
 pub const FINGER_TOLERANCE: f64 = 0.25;
-/// Load of the cantilever, P L^2 / EI, across its axis.
+/// Load of the cantilever, P L^2 / EI, perpendicular to its axis.
 const CANTILEVER_LOAD: f64 = 2.0;
 /// Force on the finger, N.
 const FORCE_N: f64 = 3.0;
 /// Loaded nodes: beside the tip, in the middle, near the base.
 const NODES: [usize; 3] = [14, 19, 24];
-/// Elements a member of the meshes whose index is tested.
+/// Elements a member of the three meshes whose index is checked.
 const ELEMENTS: [usize; 3] = [4, 8, 16];
-/// The paper's two meshes and a finer one, which puts the index to the test.
+/// Numbers of nodes: the paper's two meshes, and a finer one as reference for the index.
 const NODE_COUNTS: [usize; 3] = [25, 684, 5000];
-/// Difference that 684 nodes may leave, as a share of the displacement.
+/// Largest error of the displacement on 684 nodes, relative to the displacement.
 pub const FINE_MESH_TOLERANCE: f64 = 1e-4;
-/// Index that 5000 nodes must reach, as a share of the displacement: small against what 684 nodes may leave.
+/// Largest index on 5000 nodes, relative to the displacement: small against [`FINE_MESH_TOLERANCE`].
 pub const FINEST_MESH_TOLERANCE: f64 = 1e-6;
 
-/// Three meshes, the coarsest first, and the mesh-independent solution that they extrapolate to.
+/// Figures on three meshes, the coarsest first, and their extrapolation to the mesh-independent solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridConvergence {
-    /// Nodes of the meshes.
+    /// Numbers of nodes of the meshes.
     pub nodes: [usize; 3],
-    /// Lengths of their elements, in any unit.
+    /// Representative element lengths of the meshes, in any common unit.
     pub sizes: [f64; 3],
-    /// The figure that is watched, on each mesh.
+    /// Figure under study on each mesh, in its own unit.
     pub values: [f64; 3],
-    /// Observed order of convergence; not a number if the values do not differ.
+    /// Observed order of convergence; NaN if the values do not differ.
     pub order: f64,
-    /// Richardson's extrapolation.
+    /// Mesh-independent value by Richardson extrapolation, in the unit of the values.
     pub extrapolated: f64,
-    /// Grid convergence index: error of the finest mesh with a factor of safety of 1.25, as a share of its value. It
-    /// takes the observed order, but none above 2, which the errors keep on any mesh.
+    /// Grid convergence index: error of the finest mesh with a factor of safety of 1.25, relative to its value. It uses the observed order, but at
+    /// most 2, which the errors reach on any mesh.
     pub index: f64,
 }
 
 impl GridConvergence {
-    /// The procedure of Celik et al., eqs (3) to (7): the order p solves p ln(r21) = |ln|e32 / e21| + q(p)| with q(p) =
-    /// ln((r21^p - s) / (r32^p - s)), s = sign(e32 / e21), by repeated substitution.
+    /// Procedure of Celik et al., eqs (3) to (7). The order p solves p ln(r21) = |ln|e32 / e21| + q(p)| by fixed-point iteration, with
+    /// q(p) = ln((r21^p - s) / (r32^p - s)) and s = sign(e32 / e21).
     pub fn of(nodes: [usize; 3], sizes: [f64; 3], values: [f64; 3]) -> GridConvergence {
         let [r32, r21] = [sizes[0] / sizes[1], sizes[1] / sizes[2]];
         let [e32, e21] = [values[0] - values[1], values[1] - values[2]];
@@ -70,19 +70,19 @@ impl GridConvergence {
     }
 }
 
-/// Displacement of a loaded node, mm, under 3 N along the inward normal.
+/// Displacement of the loaded node, mm, under 3 N along the inward normal.
 fn displacement(mesh: &Mesh, node: NodeId, kinematics: Kinematics) -> Result<f64, ProblemError> {
     let load = Load::at_node(node, mesh.finger().direction(0.0) * FORCE_N);
     Ok(statics::solve(mesh, &[load], kinematics)?.motion(node).displacement.norm())
 }
 
-/// Grid convergence of the displacement (mm) of a node under 3 N along the inward normal.
+/// Grid convergence of a node's displacement (mm) under 3 N along the inward normal.
 pub(crate) fn of_finger(
     meshes: [&Mesh; 3],
     node: NodeId,
     kinematics: Kinematics,
 ) -> Result<GridConvergence, ProblemError> {
-    // Elements of one mesh differ in length, but all meshes divide the same members: their number counts.
+    // Elements of one mesh differ in length, but all meshes divide the same members, so the inverse number of elements serves as size.
     let sizes = meshes.map(|mesh| 1.0 / mesh.frame().members().len() as f64);
     let mut values = [0.0; 3];
     for (value, mesh) in values.iter_mut().zip(meshes) {
@@ -91,7 +91,7 @@ pub(crate) fn of_finger(
     Ok(GridConvergence::of(meshes.map(Mesh::node_count), sizes, values))
 }
 
-/// Grid convergence of the deflection of an inextensible cantilever, which has no second order.
+/// Grid convergence of the deflection of an inextensible cantilever, whose error has no term of second order with the shallow-arch strain.
 fn of_cantilever(kinematics: Kinematics) -> Result<GridConvergence, ProblemError> {
     let mut values = [0.0; 3];
     for (value, elements) in values.iter_mut().zip(ELEMENTS) {
@@ -100,7 +100,7 @@ fn of_cantilever(kinematics: Kinematics) -> Result<GridConvergence, ProblemError
     Ok(GridConvergence::of(ELEMENTS.map(|n| n + 1), ELEMENTS.map(|n| 1.0 / n as f64), values))
 }
 
-/// Observed orders; the index tested; 25, 684 and 5000 nodes.
+/// Checks of observed orders, of the index against 5000 nodes, and of the meshes with 684 and 5000 nodes.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let [coarse, medium, fine] = ELEMENTS.map(|elements| Mesh::with_elements_per_member(finger, elements));
     let meshes = [&coarse, &medium, &fine];

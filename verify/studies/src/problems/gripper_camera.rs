@@ -1,6 +1,6 @@
-//! The camera on the gripper: where it has the undeformed fingers as the gripper closes, from which displacements are counted.
+//! The camera on the gripper: positions of the undeformed fingers in its images as the gripper closes. Displacements are relative to them.
 //!
-//! Source: Xu et al. (IEEE T-RO 2021), eq. (10), and the joint of rocker and link by Newton's method. Lens, pose and lengths are chosen.
+//! Source: Xu et al. (IEEE T-RO 2021), eq. (10), and the joint of rocker and link by Newton's method. Lens, pose and lengths are assumed.
 
 use super::ProblemError;
 use super::linkage::{TOLERANCE, over_reach};
@@ -9,23 +9,24 @@ use finray_model::camera::{Camera, Distortion, Lens, Pixel, Pose};
 use finray_model::gripper::{Gripper, LinkagePose};
 use nalgebra::{Matrix2, Matrix3, Matrix3x4, Matrix4, Point2, Vector3, Vector4};
 
-/// w_cam, h_cam and l_cam of eq. (10): how far the camera is from the left rocker's fixed joint, across, along the screw and from the plane of the nodes, mm.
+/// w_cam, h_cam and l_cam of eq. (10), mm: distances of the camera across, along the screw, and from the plane of the nodes. The first two are
+/// relative to the left rocker's fixed joint.
 const CAMERA_MM: [f64; 3] = [30.0, 95.0, 200.0];
-/// How a camera is turned that looks onto the gripper askew: the Rodrigues vector of R, rad.
+/// Orientation of a camera that views the gripper obliquely: Rodrigues vector of R, rad.
 const ASKEW_RAD: [f64; 3] = [2.9, 0.2, -0.1];
 /// Focal length, px.
 const FOCAL_PX: f64 = 1360.0;
-/// Size of the image, px; the camera's axis meets its middle.
+/// Size of the image, px; the optical axis meets its middle.
 const SIZE_PX: [u32; 2] = [1600, 1400];
-/// Height of the markers above the plane of the beams on the camera's side, mm.
+/// Height of the markers above the plane of the beams, towards the camera, mm.
 const HEIGHT_MM: f64 = 2.0;
-/// Steps of Newton's method, which doubles its digits in each.
+/// Steps of Newton's method, which converges quadratically.
 const MOST_STEPS: usize = 20;
 
-/// Rows for the finger frames in the camera's frame, and for undeformed nodes in its images.
+/// Checks of the finger frames in the camera's frame, and of undeformed nodes in its images.
 ///
 /// # Errors
-/// [`ProblemError`] if the camera's lens is none.
+/// [`ProblemError`] if the camera's lens is invalid.
 pub fn checks(finger: &Finger, gripper: &Gripper) -> Result<Vec<Check>, ProblemError> {
     let angles = over_reach(gripper);
     let size_mm: f64 = gripper.description().link_mm.iter().sum();
@@ -62,7 +63,7 @@ pub fn checks(finger: &Finger, gripper: &Gripper) -> Result<Vec<Check>, ProblemE
     ])
 }
 
-/// Distance of both fingers' markers, in the camera's frame, from where eq. (10) and its mirror image have them, mm; axes as in the paper.
+/// Largest distance of a marker, in the camera's frame, from its position by eq. (10) or by the mirror image of eq. (10), mm. Axes as in the paper.
 fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
     let ([l1, _], l4) = (gripper.description().link_mm, gripper.description().fixed_joint_mm);
     let [w, h, l] = CAMERA_MM;
@@ -75,21 +76,22 @@ fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
         0.0, 0.0, 1.0, l,
         0.0, 0.0, 0.0, 1.0,
     );
-    // The frame of the gripper has its origin on the screw's axis.
+    // The origin of the gripper's frame is on the screw's axis.
     let camera = Pose::new([0.0; 3], [l4 - w, -h, l]);
     let [left, right] = gripper.fingers(pose).map(|finger| camera.of_placed_finger(&finger));
     let of_node = |at: Vector| {
-        // The paper's finger frame has its first axis along the finger's base, the second towards the tip.
+        // The first axis of the paper's finger frame is along the finger's base, the second points towards the tip.
         let there = matrix * Vector4::new(at.y, at.x, HEIGHT_MM, 1.0);
         let mirrored = Vector3::new(2.0 * (l4 - w) - there.x, there.y, there.z);
-        // The third axis of the left finger points the other way.
+        // The third axis of the left finger has the opposite direction.
         let of_left = (left.to_camera(&at.push(-HEIGHT_MM)) - there.xyz()).norm();
         of_left.max((right.to_camera(&at.push(HEIGHT_MM)) - mirrored).norm())
     };
     worst(key_nodes(finger).map(of_node))
 }
 
-/// Apparent displacements of undeformed nodes, mm: link from `joint` to nut, pinhole's matrix, back by eq. (10)'s finger frame.
+/// Largest apparent displacement of an undeformed node, mm. The link runs from `joint` to the nut; nodes are projected by the pinhole matrix and
+/// mapped back to the finger frame of eq. (10).
 fn images_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose, joint: &Vector, camera: &Camera) -> f64 {
     let [_, link_mm] = gripper.description().link_mm;
     let nut = Vector::new(gripper.description().fixed_joint_mm, pose.slider_mm);
@@ -102,7 +104,7 @@ fn images_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose, joint: &Vec
     extrinsic.set_column(3, &camera.pose.translation_mm);
     let pinhole = intrinsic * extrinsic;
     let of_node = |at: Vector| {
-        // In the frame of the gripper, of which the left finger is on the negative side.
+        // Positions in the gripper's frame; the left finger is on the negative side.
         let left = joint + along * at.y + upwards * at.x - Vector::new(nut.x, 0.0);
         let right = Vector::new(-left.x, left.y);
         let seen = gripper.fingers(pose).into_iter().zip([left, right]).map(|(placement, there)| {
@@ -121,7 +123,8 @@ fn key_nodes(finger: &Finger) -> impl Iterator<Item = Vector> + '_ {
     (1..=finger.key_node_count()).map(|node| finger.position(finray_model::NodeId(node)))
 }
 
-/// The joint of rocker and link, mechanism frame, mm, at motor angles from the one nearest to 0, rocker outwards, to both ends.
+/// Position of the joint of rocker and link, mm, mechanism frame, for each motor angle (degrees). The search starts at the angle nearest to 0
+/// with the rocker outwards, and continues to both ends.
 fn joints(gripper: &Gripper, angles: &[f64]) -> Vec<Vector> {
     let begin = angles.iter().position(|motor_deg| *motor_deg >= 0.0).unwrap_or(angles.len() - 1);
     let outwards = Vector::new(-gripper.description().link_mm[0], 0.0);
@@ -135,7 +138,7 @@ fn joints(gripper: &Gripper, angles: &[f64]) -> Vec<Vector> {
     joints
 }
 
-/// Where the end of the rocker is as far from the nut as the link is long: Newton's method on both distances.
+/// Position of the joint at the rocker's length from the fixed joint and the link's length from the nut, mm, by Newton's method from `near`.
 fn joint(gripper: &Gripper, motor_deg: f64, near: Vector) -> Vector {
     let description = gripper.description();
     let [rocker_mm, link_mm] = description.link_mm;

@@ -1,4 +1,4 @@
-//! Lee's frame: a hinged right-angled frame that snaps back. Two limit loads, one pushing and one pulling.
+//! Lee's frame: a hinged right-angled frame with snap-back. It has two limit loads, one downwards and one upwards.
 //!
 //! Source: S. L. Lee, F. S. Manuel, E. C. Rossow, Large deflections and stability of elastic frames, J. Eng. Mech. Div.
 //! ASCE 94 (1968) 521-547; the limit loads to more digits from the elastic line ([`elastic_line`]).
@@ -9,22 +9,22 @@ use crate::prelude::*;
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, reaction};
 
-/// E = 720, A = 6, I = 2.
+/// Rigidities from E = 720, A = 6, I = 2; all units of this problem are consistent.
 const RIGIDITY: Rigidity = Rigidity { axial: 4320.0, bending: 1440.0 };
-/// Height of the column and length of the beam.
+/// Height of the column and length of the beam, in units of length.
 const LENGTH: f64 = 120.0;
-/// Distance of the load from the corner.
+/// Distance of the load from the corner, in units of length.
 const LOAD_AT: f64 = 24.0;
-/// Elements in 24 units of length.
+/// Number of elements in 24 units of length.
 const ELEMENTS: usize = 8;
-/// First limit load, as the literature on path following cites it, from many hands: a literature solution, not one author's table.
+/// First limit load, in units of force: the value that several authors cite in the literature on path following.
 const LITERATURE: f64 = 1.85565;
-/// Relative difference from the literature: its last digits are uncertain.
+/// Largest difference from the literature, relative to it; its last digits are uncertain.
 pub const LITERATURE_TOLERANCE: f64 = 1e-4;
-/// Relative difference from the elastic line: 40 elements a member leave 1e-7.
+/// Largest difference from the elastic line, relative to it: 40 elements a member cause an error of 1e-7.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// The frame: base hinge, corner, loaded node, hinge of the beam.
+/// The frame, and its nodes at the base hinge, the corner, the load, and the hinge of the beam.
 fn frame() -> (PlaneFrame, [NodeIndex; 4]) {
     let corners = [(0.0, 0.0), (0.0, LENGTH), (LOAD_AT, LENGTH), (LENGTH, LENGTH)].map(|(x, y)| Vector::new(x, y));
     let section = Section { axial_rigidity_n: RIGIDITY.axial, bending_rigidity_nmm2: RIGIDITY.bending };
@@ -46,7 +46,7 @@ fn frame() -> (PlaneFrame, [NodeIndex; 4]) {
     (frame, nodes)
 }
 
-/// How far the elastic line from the base misses the other hinge (position and moment, over the frame's size).
+/// Residuals of the elastic line at the hinge of the beam: position relative to the frame's size, and dimensionless moment.
 fn miss(&[rotation, fx, fy, load]: &[f64; 4]) -> [f64; 3] {
     let quarter = std::f64::consts::FRAC_PI_2;
     let base = elastic_line::Section { at: [0.0; 2], direction: quarter + rotation, force: [fx, fy], moment: 0.0 };
@@ -58,10 +58,10 @@ fn miss(&[rotation, fx, fy, load]: &[f64; 4]) -> [f64; 3] {
     [end.at[0] / LENGTH - 1.0, end.at[1] / LENGTH - 1.0, end.moment * LENGTH / RIGIDITY.bending]
 }
 
-/// Both limit loads, and between them no stable shape.
+/// Checks of both limit loads, and of the unstable branch between them.
 ///
 /// # Errors
-/// [`ProblemError`] if the path is lost.
+/// [`ProblemError`] if the equilibrium path cannot be followed.
 pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let (frame, [base, _, loaded, _]) = frame();
     let load = FrameLoad::Node { node: loaded, force: Vector::new(0.0, -1.0), moment_nmm: 0.0 };
@@ -77,13 +77,13 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let shooting = against(Kind::Internal, "elastic line by shooting");
     for (quantity, limit) in ["first limit load", "second limit load"].into_iter().zip(&path.limits) {
         let held = reaction(&frame, &limit.motion, Kinematics::Corotational, &[], base).force;
-        // The search on the elastic line starts from the frame's own state, with a fault of one per cent.
+        // The search on the elastic line starts from the frame's own state, perturbed by 1 %.
         let start = [limit.motion.rotations[frame.rotation_of(base)], -held.x, -held.y, limit.multiple];
         let reference = elastic_line::limit_load(miss, start.map(|x| x * 1.01), start.map(f64::abs))?;
         let tolerance = TOLERANCE * reference.abs();
         checks.push(shooting.is(quantity, reference, limit.multiple, tolerance));
     }
-    // The first and the last branch are stable, the one between the limits is not.
+    // The first and the last branch are stable, the branch between the limits is unstable.
     let limits: Vec<usize> = path.limits.iter().map(|limit| limit.after).collect();
     let between = |i: usize| limits.first().is_some_and(|&a| i > a) && limits.last().is_some_and(|&b| i <= b);
     let wrong = path.points.iter().enumerate().filter(|(i, point)| point.is_stable() == between(*i)).count();

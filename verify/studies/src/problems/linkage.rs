@@ -1,40 +1,42 @@
 //! The gripper's linkage over its whole reach: closed forms against the equations that they solve.
 //!
-//! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths are those of the scenes that ship: chosen.
+//! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths are those of the shipped scenes, which are assumed.
 
 use super::ProblemError;
 use crate::prelude::*;
 use finray_model::gripper::{Gripper, LinkagePose};
 use nalgebra::{Matrix3, Vector3};
 
-/// Motor angles over the reach.
+/// Number of intervals between motor angles over the reach.
 const ANGLES: usize = 200;
-/// Share of the reach that is left out at both ends, where the derivative is infinite.
+/// Share of the reach omitted at both ends, where the derivative is infinite.
 const END: f64 = 0.01;
-/// Rounding of lengths, as a share of both links, and of the opening by way of the inverse, whose cosine loses half of the digits next to its ends.
+/// Rounding error of lengths, relative to the sum of both links.
 pub const TOLERANCE: f64 = 1e-12;
-/// The same of the opening by way of the inverse.
+/// Rounding error of the opening computed through the inverse, relative to the sum of both links. The inverse loses half of its digits at the
+/// ends of the reach, because of its cosine.
 pub const INVERSE_TOLERANCE: f64 = 1e-9;
-/// Step of the differences, degrees of the motor.
+/// Step of the differences, degrees of the motor angle.
 const STEP_DEG: f64 = 0.1;
-/// Derivative against differences, next to the ends of the reach, where it grows without bound.
+/// Largest difference between the derivative and finite differences, relative to the screw's pitch. The derivative grows without bound towards
+/// the ends of the reach.
 pub const SLOPE_TOLERANCE: f64 = 1e-6;
 
-/// The linkage of the scenes that ship.
+/// The linkage of the shipped scenes.
 pub(super) fn shipped() -> Result<Gripper, ProblemError> {
     let reference = |what: String| ProblemError::Reference(what);
     let scene = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).map_err(|error| reference(error.to_string()))?;
     scene.gripper.ok_or_else(|| reference("the scene has no gripper".to_owned()))
 }
 
-/// Motor angles over the reach of a gripper, rising.
+/// Motor angles over the reach of a gripper, degrees, ascending.
 pub(super) fn over_reach(gripper: &Gripper) -> Vec<f64> {
     let [from_deg, to_deg] = gripper.reach_deg();
     let angle = |i: usize| from_deg + (END + (1.0 - 2.0 * END) * i as f64 / ANGLES as f64) * (to_deg - from_deg);
     (0..=ANGLES).map(angle).collect()
 }
 
-/// Rows for the equations of the linkage, the frames of both fingers, the opening's derivative and its inverse.
+/// Checks of the linkage's equations, the frames of both fingers, the opening's derivative, and the inverse of the opening.
 pub fn checks(finger: &Finger, gripper: &Gripper) -> Vec<Check> {
     let angles = over_reach(gripper);
     let pose = |motor_deg: &f64| gripper.pose(*motor_deg);
@@ -47,7 +49,7 @@ pub fn checks(finger: &Finger, gripper: &Gripper) -> Vec<Check> {
     let of_slope = angles.iter().map(|motor_deg| {
         let over =
             |step_deg: f64| (opening(motor_deg + step_deg) - opening(motor_deg - step_deg)) / (2.0 * step_deg) * 360.0;
-        // Their errors of second order cancel (Richardson).
+        // Errors of second order cancel (Richardson extrapolation).
         let differences = (4.0 * over(0.5 * STEP_DEG) - over(STEP_DEG)) / 3.0;
         let slope = pose(motor_deg).and_then(|pose| gripper.opening_per_turn_mm(finger, &pose)).unwrap_or(f64::NAN);
         (slope - differences).abs() / gripper.description().screw_pitch_mm
@@ -92,7 +94,7 @@ pub fn checks(finger: &Finger, gripper: &Gripper) -> Vec<Check> {
     ]
 }
 
-/// What is left of eqs (6) to (8) at a motor angle, mm.
+/// Residual of eqs (6) to (8) at a motor angle (degrees), mm.
 fn residual_mm(gripper: &Gripper, motor_deg: f64) -> f64 {
     let description = gripper.description();
     let [l1, l2] = description.link_mm;
@@ -103,7 +105,7 @@ fn residual_mm(gripper: &Gripper, motor_deg: f64) -> f64 {
     of_7.hypot(of_8)
 }
 
-/// Distance of both fingers' key nodes from the matrix of eq. (9), and its mirror image, mm; the paper's axes are swapped.
+/// Largest distance of a key node of either finger from its position by eq. (9) or by its mirror image, mm; the paper's axes are swapped.
 fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
     let ([l1, _], l4) = (gripper.description().link_mm, gripper.description().fixed_joint_mm);
     let (sin, cos) = pose.phi2_rad.sin_cos();

@@ -1,6 +1,6 @@
-//! Reference problems: one short file each, with its source, its reference values and its tolerance.
+//! Reference problems: one short file each, with its source, reference values and tolerance.
 //!
-//! Every problem answers with [`Check`]s or [`Comparison`]s, which report and tests take. To add one: its file, and a line of [`ALL`].
+//! Every problem returns [`Check`]s or [`Comparison`]s, which report and tests use. A new problem needs a file and a line in [`ALL`].
 
 pub mod elastic_line;
 pub mod elastica;
@@ -21,7 +21,7 @@ pub mod toggle;
 use crate::lattice::accuracy::AccuracyError;
 use crate::prelude::*;
 
-/// Every problem, in the report's order; the lattice's are part of [its study](crate::experiments::lattice).
+/// Every problem, in the report's order. The lattice's problems are part of [its study](crate::experiments::lattice).
 pub const ALL: &[Problem] = &[
     Problem { name: "elastica of a cantilever", applies_to: |_| true, solve: |_, _| Ok(elastica::checks()?.into()) },
     Problem {
@@ -86,23 +86,23 @@ pub const ALL: &[Problem] = &[
     },
 ];
 
-/// A problem with a known answer.
+/// A problem with a known solution.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem {
-    /// The problem.
+    /// Name of the problem.
     pub name: &'static str,
-    /// Whether there are reference values for a finger.
+    /// Whether the problem has reference values for a finger.
     pub applies_to: fn(&Finger) -> bool,
-    /// Solves it; a finger without reference values under the report's forces.
+    /// Solves the problem; problems without fixed forces use the report's forces.
     pub solve: fn(&Finger, ReportForces) -> Result<ProblemResults, ProblemError>,
 }
 
 /// Results of problems.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ProblemResults {
-    /// Figures against references, with tolerances.
+    /// Checks of figures against references, with tolerances.
     pub checks: Vec<Check>,
-    /// Figures beside others, where a difference is expected.
+    /// Figures that are expected to differ from their references.
     pub comparisons: Vec<Comparison>,
 }
 
@@ -112,7 +112,7 @@ impl From<Vec<Check>> for ProblemResults {
     }
 }
 
-/// Solves [`ALL`] that apply to a finger, in parallel.
+/// Solves, in parallel, those of [`ALL`] that apply to a finger.
 pub(crate) fn solve_all(finger: &Finger, forces: ReportForces) -> Result<ProblemResults, ProblemError> {
     let applying = ALL.par_iter().with_max_len(1).filter(|problem| (problem.applies_to)(finger));
     let solved: Vec<ProblemResults> =
@@ -124,25 +124,25 @@ pub(crate) fn solve_all(finger: &Finger, forces: ReportForces) -> Result<Problem
     }))
 }
 
-/// A reference problem that could not be computed at all.
+/// Why a reference problem could not be solved.
 #[derive(Debug, thiserror::Error)]
 pub enum ProblemError {
-    /// A shipped reference file is not what it should be.
+    /// A shipped reference file is invalid.
     #[error("reference data: {0}")]
     Reference(String),
-    /// The problem's own finger or frame has no solution.
+    /// The finger or frame of the problem has no equilibrium.
     #[error(transparent)]
     Statics(#[from] StaticsError),
     /// The finger's lattice has no equilibrium, or does not settle.
     #[error(transparent)]
     Lattice(#[from] finray_lattice::LatticeError),
-    /// The lattice, or the beams that it is held against.
+    /// The lattice, or the beams that it is compared with, has no equilibrium.
     #[error(transparent)]
     Accuracy(#[from] AccuracyError),
-    /// A table exported from MuJoCo is not what it should be.
+    /// A table exported from MuJoCo is invalid.
     #[error(transparent)]
     Export(#[from] crate::mujoco::ExportError),
-    /// The problem's own mesh cannot be made.
+    /// The mesh of the problem cannot be built.
     #[error(transparent)]
     Mesh(#[from] finray_model::mesh::MeshSizeError),
 }

@@ -1,7 +1,7 @@
-//! Fingers solved by MuJoCo 4.0.0 (discrete elastic rods between rigid rods), and a cylinder pushed into the paper's.
+//! Fingers solved by MuJoCo 4.0.0 (discrete elastic rods between rigid rods), and a cylinder pushed into the paper's finger.
 //!
-//! MuJoCo shares neither discretisation (its rods bend at vertices alone) nor code with the beams, but is given the same EA and EI, so
-//! both tend to the same limit: it verifies solver and kinematics, not the beam theory behind EA and EI.
+//! MuJoCo shares neither discretisation (its rods bend only at vertices) nor code with the beams. It uses the same EA and EI, so both converge
+//! to the same limit. It verifies solver and kinematics, not the beam theory behind EA and EI.
 
 use super::{ProblemError, ProblemResults};
 use crate::lattice::accuracy::difference;
@@ -15,38 +15,38 @@ const SOURCE: &str = "MuJoCo";
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
 const ROTATION: &str = "largest rotation difference (rad)";
 
-/// Largest difference of a displacement under single forces, as a share of the case's largest: that of the case nearest to a limit load
-/// (tip, 5 N at -60 deg, 1.6e-4), for which MuJoCo itself states 2e-3.
+/// Largest difference of a displacement under single forces, relative to the case's largest displacement. The case nearest to a limit load (tip,
+/// 5 N at -60 deg) has 1.6e-4; MuJoCo states an uncertainty of 2e-3 for it.
 pub const STATIC_TOLERANCE: f64 = 2e-4;
-/// The same over the cases for which MuJoCo states an uncertainty below `CERTAIN`. Its extrapolated meshes and ours miss their common
-/// limit by 1e-5 on a uniform finger, and by 3.1e-5 where a zone ends inside elements, which average over it.
+/// Largest difference over cases for which MuJoCo states an uncertainty below `CERTAIN`. Its extrapolated meshes and the beams' differ by 1e-5
+/// on a uniform finger. They differ by 3.1e-5 where a zone ends inside elements, because such elements average over the zone's end.
 pub const CERTAIN_TOLERANCE: f64 = 4e-5;
-/// Share of the largest displacement below which MuJoCo's stated uncertainty is small; above it the exporter refined further.
+/// Uncertainty stated by MuJoCo, relative to the largest displacement, up to which a case counts as certain. Above it the export used a finer mesh.
 const CERTAIN: f64 = 2e-4;
-/// Largest difference of a rotation, rad: [`CERTAIN_TOLERANCE`] of displacements of some 20 mm, over the 12 mm between two ribs.
+/// Largest difference of a rotation, rad: [`CERTAIN_TOLERANCE`] times displacements of about 20 mm, divided by 12 mm between two ribs.
 pub const ROTATION_TOLERANCE_RAD: f64 = CERTAIN_TOLERANCE * 20.0 / 12.0;
-/// A difference may be so many times both stated uncertainties: they are no bounds, and rounding adds under 0.01 N (1.7).
+/// Largest difference, as a multiple of the sum of both solvers' stated uncertainties. They are no bounds, and rounding matters at 0.01 N (1.7).
 pub const UNCERTAINTIES: f64 = 2.0;
-/// The finger is linear under forces up to this, N, within [`LINEAR_TOLERANCE`].
+/// Largest force, N, under which the finger counts as linear, within [`LINEAR_TOLERANCE`].
 const LINEAR_FORCE_N: f64 = 0.01;
-/// Error of linear theory at 0.01 N: 1.22e-3 by co-rotational beams as by MuJoCo, and above 1e-3 for 7 of 60 loads.
+/// Largest error of linear theory at 0.01 N, relative. It is 1.22e-3 against co-rotational beams and MuJoCo, and above 1e-3 for 7 of 60 loads.
 pub const LINEAR_TOLERANCE: f64 = 1.3e-3;
-/// Displacements under the exported contact forces, as a share of the step's largest: what its meshes of 16 and 32, extrapolated, and ours
-/// of 32 leave (5e-6), as under single forces, and as much again.
+/// Largest difference of a displacement under the exported contact forces, relative to the step's largest displacement. The meshes (16 and 32
+/// extrapolated, and 32 of the beams) differ by 5e-6; the tolerance is twice that.
 pub const CONTACT_TOLERANCE: f64 = 1e-5;
-/// Elements a member of the two meshes of beams that are extrapolated: their error falls with the square of the size.
+/// Elements a member of the two meshes of beams that are extrapolated. Their error falls with the square of the element length.
 const ELEMENTS: [usize; 2] = [16, 32];
 
-/// A case and how far beams are from it.
+/// A case, and the deviation of the beams from it.
 #[derive(Debug, Clone)]
 pub struct CaseDeviation {
     /// The case.
     pub case: StaticCase,
-    /// Largest difference of a key node's displacement, as a share of the largest displacement.
+    /// Largest difference of a key node's displacement, relative to the largest displacement.
     pub displacement: f64,
     /// Largest difference of a key node's rotation, rad.
     pub rotation_rad: f64,
-    /// The differences as shares of the uncertainties that both solvers state, the larger of the two.
+    /// Largest difference of a displacement or rotation, divided by the sum of both solvers' stated uncertainties; dimensionless.
     pub uncertainties: f64,
 }
 
@@ -111,10 +111,10 @@ pub(super) fn solve(finger: &Finger) -> Result<ProblemResults, ProblemError> {
     Ok(ProblemResults { checks: [checks, contact_checks()?].concat(), comparisons: triangle()? })
 }
 
-/// Every exported finger under every exported force, against converged beams, and against linear beams under the least force.
+/// Checks of one exported finger: all exported forces against converged beams, and the smallest force against linear beams.
 ///
 /// # Errors
-/// [`ProblemError`] where a shape was not exported or a finger has no equilibrium.
+/// [`ProblemError`] if the export cannot be read or a case has no equilibrium.
 pub fn static_checks(exported: &ExportedFinger) -> Result<Vec<Check>, ProblemError> {
     let deviations = deviations(exported)?;
     let over_all = |figure: fn(&CaseDeviation) -> f64| worst(deviations.iter().map(figure));
@@ -150,7 +150,7 @@ fn linear_check(exported: &ExportedFinger) -> Result<Check, ProblemError> {
     Ok(Check::new(Kind::External, problem, SOURCE, DISPLACEMENT, 0.0, worst(differences), LINEAR_TOLERANCE))
 }
 
-/// Displacements of a step of a push against converged beams under the exported contact forces, as a share of the largest.
+/// Largest difference of a displacement between a step of a push and beams on `mesh` under the exported contact forces, relative to the largest.
 pub(crate) fn contact_deviation(mesh: &Mesh, step: &ContactStep) -> Result<f64, ProblemError> {
     let load = |rod: &TouchedRod| Load::Node { node: rod.node, force: rod.force, moment_nmm: rod.moment_nmm };
     let loads: Vec<Load> = step.touched.iter().map(load).collect();
@@ -158,7 +158,7 @@ pub(crate) fn contact_deviation(mesh: &Mesh, step: &ContactStep) -> Result<f64, 
     Ok(difference(&step.shape, &ours))
 }
 
-/// A cylinder pushed into the paper's finger: beams under MuJoCo's contact forces take MuJoCo's shape.
+/// Checks on a cylinder pushed into the paper's finger: beams under MuJoCo's contact forces have MuJoCo's shape.
 ///
 /// # Errors
 /// [`ProblemError`] if the table cannot be read or a step has no equilibrium.
@@ -176,7 +176,7 @@ pub fn contact_checks() -> Result<Vec<Check>, ProblemError> {
     pushes.into_iter().map(check).collect()
 }
 
-/// Beams, lattice and MuJoCo as a triangle, under each force on the paper's finger: differences that no tolerance bounds.
+/// Pairwise differences of beams, lattice and MuJoCo under each force on the paper's finger, without tolerance.
 ///
 /// # Errors
 /// [`ProblemError`] if the table cannot be read.

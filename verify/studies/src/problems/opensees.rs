@@ -1,14 +1,15 @@
 //! Fingers solved by OpenSees 3.7.1 (elasticBeamColumn; Linear and Corotational transformations).
 //!
-//! OpenSees shares the theory (Euler-Bernoulli beams of the same EA and EI, co-rotation, strain of the chord) but none of the code, so the
-//! two must agree to the digits printed. It verifies the solver, not the theory.
+//! OpenSees shares the theory with the model (Euler-Bernoulli beams of the same EA and EI, co-rotation, strain of the chord), but no code. Both
+//! must agree to the printed digits. It verifies the solver, not the theory.
 
 use super::ProblemError;
 use crate::prelude::*;
 
-/// Largest difference of a linear displacement, as a share of the case's largest: OpenSees prints nine digits.
+/// Largest difference of a linear displacement, relative to the case's largest displacement: OpenSees prints nine digits.
 pub const LINEAR_TOLERANCE: f64 = 1e-8;
-/// Largest difference of a co-rotational displacement: nine digits printed, and both Newton iterations stop below 1e-9 of the solution.
+/// Largest difference of a co-rotational displacement, relative to the case's largest displacement. OpenSees prints nine digits, and both Newton
+/// iterations stop below 1e-9 of the solution.
 pub const COROTATIONAL_TOLERANCE: f64 = 1e-8;
 
 /// One row of a reference file: a key node in a load case.
@@ -26,7 +27,7 @@ struct Row {
     ux_mm: f64,
     uy_mm: f64,
     theta_rad: f64,
-    /// Displacement of the joint of a rib, where brackets hold ribs off the plates.
+    /// Displacement of a rib's joint, mm, for fingers whose brackets hold the ribs off the plates.
     hinge_ux_mm: Option<f64>,
     hinge_uy_mm: Option<f64>,
 }
@@ -41,20 +42,20 @@ impl Row {
     }
 }
 
-/// A load case and how far we are from it.
+/// A load case, and the deviation of the model from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseDeviation {
     /// Number of the case in its file.
     pub case: usize,
     /// Kinematics of the case.
     pub kinematics: Kinematics,
-    /// Nodes of the mesh.
+    /// Number of nodes of the mesh.
     pub mesh_nodes: usize,
     /// Loaded node.
     pub load_node: NodeId,
-    /// Force, N.
+    /// Force, N, finger frame.
     pub force: Vector,
-    /// Largest difference of a key node's displacement, or of a joint's, as a share of the largest displacement.
+    /// Largest difference of the displacement of a key node or joint, relative to the largest displacement.
     pub displacement: f64,
     /// Largest difference of a key node's rotation, rad.
     pub rotation_rad: f64,
@@ -63,7 +64,7 @@ pub struct CaseDeviation {
 /// Solves every case of a reference file with the model.
 ///
 /// # Errors
-/// [`ProblemError`] if the file is not one of OpenSees' or a case cannot be solved.
+/// [`ProblemError`] if the file is not a valid table from OpenSees or a case cannot be solved.
 pub fn deviations(finger: &Finger, reference_csv: &str) -> Result<Vec<CaseDeviation>, ProblemError> {
     let rows: Vec<Row> = csv::Reader::from_reader(reference_csv.as_bytes()).deserialize().collect::<Result<_, _>>()?;
     rows.chunk_by(|a, b| a.case == b.case).map(|case| deviation(finger, case)).collect()
@@ -97,7 +98,7 @@ fn deviation(finger: &Finger, rows: &[Row]) -> Result<CaseDeviation, ProblemErro
     })
 }
 
-/// The paper's finger on the paper's two meshes: a check for each kinematics and mesh, over its worst case.
+/// Checks on the paper's finger with the paper's two meshes: one for each kinematics and mesh, over all its cases.
 pub(crate) fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
     let deviations = deviations(paper, finray_fixtures::OPENSEES_PAPER)?;
     let mut groups: Vec<(Kinematics, usize)> = deviations.iter().map(|d| (d.kinematics, d.mesh_nodes)).collect();
@@ -123,7 +124,7 @@ pub(crate) fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
         .collect())
 }
 
-/// Difference of the linear finger from the co-rotational one, case by case: no tolerance, but why linear sensing errs.
+/// Difference of the linear finger from the co-rotational one, by case, without tolerance: it explains errors of linear sensing.
 pub(crate) fn linear_against_corotational(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
     let rows: Vec<Row> =
         csv::Reader::from_reader(finray_fixtures::OPENSEES_PAPER.as_bytes()).deserialize().collect::<Result<_, _>>()?;

@@ -1,6 +1,6 @@
-//! The paper's two meshes against each other: 25 and 684 nodes.
+//! The paper's two meshes compared: 25 and 684 nodes.
 //!
-//! Linear frame theory is exact at nodes: refinement changes rounding alone. The paper found 0.26 % (sec. III).
+//! Linear frame theory is exact at nodes, so refinement changes only rounding. The paper reports a difference of 0.26 % (sec. III).
 
 use super::ProblemError;
 use crate::lattice::accuracy::difference;
@@ -8,14 +8,15 @@ use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::fine_mesh;
 
-/// Rounding of a double-precision solution on 684 nodes, which grows about as the fourth power of the node count.
+/// Rounding error of a double-precision solution on 684 nodes, relative to the largest displacement. It grows about as the fourth power of the
+/// number of nodes.
 pub const ROUNDING_TOLERANCE: f64 = 1e-8;
-/// Force on the linear finger, whose shapes are proportional to it, N.
+/// Force on the linear finger, N. Its shapes are proportional to the force, so any value serves.
 const ANY_FORCE_N: f64 = ReportForces::PAPER.drawn_n();
 /// Directions, degrees from the inward normal.
 const ANGLES_DEG: [f64; 3] = [-45.0, 0.0, 45.0];
 
-/// Largest difference between two meshes at a key node over the largest displacement, a force in three directions.
+/// Largest difference of a key node's displacement between two meshes, relative to the largest displacement, over three directions of the force (N).
 fn refined(
     finger: &Finger,
     meshes: [&Mesh; 2],
@@ -30,7 +31,7 @@ fn refined(
     Ok(worst(differences.into_iter().collect::<Result<Vec<_>, _>>()?))
 }
 
-/// Largest difference between the linear finger's two meshes, over loads along the front plate, as a share of the largest displacement.
+/// Largest difference between the linear finger's two meshes, relative to the largest displacement, over loads along the front plate.
 pub(crate) fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let differences = sampled_nodes(finger)
@@ -39,7 +40,7 @@ pub(crate) fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     Ok(worst(differences.collect::<Result<Vec<_>, _>>()?))
 }
 
-/// The linear finger does not change with the mesh. Unchecked with zones, whose ends cut elements, and where plates taper.
+/// Checks that the linear finger does not depend on the mesh. Fingers with zones (their ends cut elements) or tapered plates have no check.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let tapers = [Plate::Front, Plate::Back].into_iter().any(|plate| finger.tapers(plate));
     if tapers || !finger.description().zones.is_empty() {
@@ -52,7 +53,7 @@ pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     Ok(vec![exact.vanishes(quantity, linear_difference(finger)?, ROUNDING_TOLERANCE)])
 }
 
-/// Difference of coarse co-rotational meshes from the fine one under a force, by loaded node.
+/// Difference of the coarse co-rotational mesh from the fine one under a force (N), by loaded node.
 pub(crate) fn comparisons(finger: &Finger, force_n: f64) -> Result<Vec<Comparison>, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let mut comparisons = Vec::new();

@@ -1,4 +1,4 @@
-//! A finger turned as a rigid body: nothing deforms, so nothing may push back.
+//! A finger rotated as a rigid body has no strain, so no nodal forces.
 //!
 //! Source: objectivity (invariance of the strains under rigid motions).
 
@@ -6,14 +6,14 @@ use crate::prelude::*;
 use finray_model::frame::{FrameMotion, PlaneFrame};
 use finray_model::statics::Assembly;
 
-/// Angles, rad.
+/// Angles of rotation, rad.
 const ANGLES: [f64; 7] = [1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.0, std::f64::consts::PI];
-/// Elements a member: lengths from a fraction of a millimetre to the whole rib.
+/// Elements a member: element lengths range from a fraction of a millimetre to a whole rib.
 const ELEMENTS: [usize; 3] = [1, 4, 16];
-/// Largest force left, as a share of what a linear frame answers.
+/// Largest nodal force, relative to that of a linear frame: EA times the angle.
 pub const TOLERANCE: f64 = 1e-10;
 
-/// All nodes turned about the origin, by the half angle: differences of positions would lose small turns' digits.
+/// Motion of all nodes rotated about the origin by `angle` (rad). Half-angle formulas keep the digits of small rotations.
 fn turned(frame: &PlaneFrame, angle: f64) -> FrameMotion {
     let half = (0.5 * angle).sin();
     let displaced = |at: Vector| Vector::new(-at.y, at.x) * angle.sin() - at * (2.0 * half * half);
@@ -25,7 +25,7 @@ fn turned(frame: &PlaneFrame, angle: f64) -> FrameMotion {
     motion
 }
 
-/// Largest nodal force of the turned frame, as a share of EA times the turn (the displacements would strain by as much).
+/// Largest nodal force of the rotated frame, relative to EA times the angle, the force if the displacements were strains.
 fn force(frame: &PlaneFrame, kinematics: Kinematics) -> f64 {
     let rigidity = worst(frame.members().iter().map(|member| member.beam.axial_rigidity_n));
     let mut assembly = Assembly::new(frame, kinematics);
@@ -35,7 +35,7 @@ fn force(frame: &PlaneFrame, kinematics: Kinematics) -> f64 {
     }))
 }
 
-/// One row for each co-rotational kinematics, the worst of all angles and meshes.
+/// One check for each co-rotational kinematics, over all angles and meshes.
 pub fn checks(finger: &Finger) -> Vec<Check> {
     let meshes = ELEMENTS.map(|elements| Mesh::with_elements_per_member(finger, elements));
     [(Kinematics::Corotational, "shallow-arch strain"), (Kinematics::CorotationalChord, "chord strain")]

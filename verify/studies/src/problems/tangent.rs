@@ -1,5 +1,5 @@
-//! Every derivative against central differences: nodal forces are those of the energy, the tangent is that of the
-//! nodal forces. For one element, for a load between its ends, and for a whole finger.
+//! Analytical derivatives against central differences: nodal forces as derivatives of the energy, the tangent stiffness as derivative of the
+//! nodal forces. The subjects are one element, a load between its ends, and a whole finger.
 //!
 //! Source: differences of fourth order, (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12 h.
 
@@ -9,24 +9,24 @@ use finray_model::element::{Beam, EndMotion, Response};
 use finray_model::statics::Assembly;
 
 const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
-/// A strongly bent and stretched beam: its ends' displacements (mm) and rotations (rad).
+/// End displacements (mm) and rotations (rad) of a strongly bent and elongated beam: x, y and rotation of each end.
 const BENT: [f64; 6] = [0.3, -0.2, 0.4, -0.5, 0.9, -0.3];
-/// Step of the differences, mm and rad: its fourth power is far below the tolerance, and so is rounding over it.
+/// Step of the differences, mm and rad. Truncation error (its fourth power) and rounding error (divided by it) are far below the tolerance.
 const STEP: f64 = 2e-3;
-/// Largest difference, as a share of the largest derivative.
+/// Largest difference, relative to the largest derivative.
 pub const TOLERANCE: f64 = 1e-9;
 
-/// Derivative at 0 by differences.
+/// Derivative at 0 by finite differences of fourth order.
 fn slope(f: impl Fn(f64) -> DVector<f64>) -> DVector<f64> {
     ((f(STEP) - f(-STEP)) * 8.0 - (f(2.0 * STEP) - f(-2.0 * STEP))) / (12.0 * STEP)
 }
 
-/// Largest difference of two vectors, as a share of the largest entry.
+/// Largest difference of two vectors, relative to the largest entry of the second.
 fn difference(ours: &DVector<f64>, theirs: &DVector<f64>) -> f64 {
     (ours - theirs).amax() / theirs.amax()
 }
 
-/// Difference of gradient and tangent of an element's scalar from finite differences.
+/// Relative errors of an element's gradient and tangent against finite differences.
 fn of_element(scalar: impl Fn(&[EndMotion; 2]) -> Response) -> [f64; 2] {
     let response = |coordinate: usize, by: f64| {
         let mut x = BENT;
@@ -37,14 +37,14 @@ fn of_element(scalar: impl Fn(&[EndMotion; 2]) -> Response) -> [f64; 2] {
     let gradient = DVector::from_fn(6, |i, _| slope(|by| DVector::from_element(1, response(i, by).energy))[0]);
     let tangent = (0..6).map(|i| {
         let column = slope(|by| DVector::from_column_slice(response(i, by).gradient.as_slice()));
-        // A load on the linear beam has no tangent: its forces give the size then.
+        // A load on the linear beam has no tangent; its forces then give the scale.
         let size = at.tangent.amax().max(at.gradient.amax());
         (column - DVector::from_column_slice(at.tangent.column(i).as_slice())).amax() / size
     });
     [difference(&DVector::from_column_slice(at.gradient.as_slice()), &gradient), worst(tangent)]
 }
 
-/// How far residual and tangent of a finger in a bent state, in a direction that moves everything, are from differences.
+/// Relative errors of a bent finger's residual and tangent against finite differences, in a direction that moves every unknown.
 fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 2] {
     let assembly = Assembly::new(mesh.frame(), kinematics);
     let unknowns = assembly.equations().count();
@@ -60,7 +60,7 @@ fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 
         assembly
     };
     let residual = |by: f64, loads: &[FrameLoad]| DVector::from_column_slice(at(by, loads).residual());
-    // The energy is that of the beams alone, without loads.
+    // This energy excludes the loads: it is that of the beams alone.
     let power = slope(|by| DVector::from_element(1, at(by, &[]).elastic_energy()));
     let mut change = DVector::zeros(unknowns);
     for (value, (row, column)) in at(0.0, loads).stiffness() {
@@ -72,7 +72,7 @@ fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 
     ]
 }
 
-/// Two rows each for an element, a load between its ends and the finger; the worst of all kinematics.
+/// Two checks each for an element, a load between its ends, and the finger, over all kinematics.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let beam = Beam {
         direction: Vector::new(0.8, 0.6),

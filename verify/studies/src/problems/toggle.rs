@@ -1,4 +1,4 @@
-//! Williams' toggle: two shallow straight members, clamped, rigidly joined, loaded at the apex. It snaps through.
+//! Williams' toggle with snap-through: two shallow straight members, clamped, rigidly joined, loaded at the apex.
 //!
 //! Source: F. W. Williams, The non-linear behaviour of rigid jointed plane frameworks with finite deflections, Quart.
 //! J. Mech. Appl. Math. 17 (1964) 451-469; limit loads from the [`elastic_line`].
@@ -15,12 +15,12 @@ const RIGIDITY: Rigidity = Rigidity { axial: 1.885e6, bending: 9.27e3 };
 const HALF_SPAN: f64 = 12.943;
 /// Height of the apex, in.
 const HEIGHT: f64 = 0.386;
-/// Elements in each member.
+/// Number of elements in each member.
 const ELEMENTS: usize = 32;
-/// Relative difference of a limit load: 32 elements a member leave 1.5e-7.
+/// Largest difference of a limit load, relative to it: 32 elements a member cause an error of 1.5e-7.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// The toggle: left clamp and apex.
+/// The toggle, and its nodes at the left clamp and the apex.
 fn frame() -> (PlaneFrame, [NodeIndex; 2]) {
     let section = Section { axial_rigidity_n: RIGIDITY.axial, bending_rigidity_nmm2: RIGIDITY.bending };
     let mut frame = PlaneFrame::new();
@@ -38,8 +38,8 @@ fn frame() -> (PlaneFrame, [NodeIndex; 2]) {
     (frame, [nodes[0], nodes[ELEMENTS]])
 }
 
-/// How far the elastic line, shot from the clamp with a thrust and a moment there, misses the apex: its direction, which
-/// symmetry keeps, and its position across the middle, as a share of the half span.
+/// Residuals of the elastic line at the apex, shot from the clamp with a thrust and a moment there. They are the direction of the axis, which
+/// symmetry keeps constant, and the horizontal position relative to half the span.
 fn miss(&[pull, moment, load]: &[f64; 3]) -> [f64; 2] {
     let direction = HEIGHT.atan2(HALF_SPAN);
     let clamp = elastic_line::Section { at: [0.0; 2], direction, force: [pull, -0.5 * load], moment };
@@ -47,10 +47,10 @@ fn miss(&[pull, moment, load]: &[f64; 3]) -> [f64; 2] {
     [apex.direction - direction, apex.at[0] / HALF_SPAN - 1.0]
 }
 
-/// Both limit loads.
+/// Checks of both limit loads.
 ///
 /// # Errors
-/// [`ProblemError`] if the path is lost.
+/// [`ProblemError`] if the equilibrium path cannot be followed.
 pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let (frame, [clamp, apex]) = frame();
     let load = FrameLoad::Node { node: apex, force: Vector::new(0.0, -1.0), moment_nmm: 0.0 };
@@ -62,7 +62,7 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let mut checks = vec![literature.counts("limit points of the path", 2, path.limits.len())];
     for (quantity, limit) in ["limit load (lb)", "load where it stiffens again (lb)"].into_iter().zip(&path.limits) {
         let held = reaction(&frame, &limit.motion, Kinematics::Corotational, &[], clamp);
-        // The search on the elastic line starts from the toggle's own state, with a fault of one per cent.
+        // The search on the elastic line starts from the toggle's own state, perturbed by 1 %.
         let start = [-held.force.x, -held.moment_nmm, limit.multiple];
         let reference = elastic_line::limit_load(miss, start.map(|x| x * 1.01), start.map(f64::abs))?;
         checks.push(shooting.is(quantity, reference, limit.multiple, TOLERANCE * reference));

@@ -1,7 +1,7 @@
-//! The accuracy map: how wrong a single force is sensed, by its position on the front plate and its direction.
+//! The accuracy map: error of a single sensed force by position on the front plate and direction.
 //!
-//! Position and direction are known to the estimator; only the size of the force is sought. The error is
-//! |sensed / true - 1|, averaged over the forces and the noise samples of a cell.
+//! The estimator knows position and direction, and seeks only the magnitude. The error is |sensed / true - 1|, averaged over the forces and
+//! noise samples of a cell.
 
 use crate::prelude::*;
 use crate::sampling::sweep::{self, CellState, Grid, MapCell, Sweep};
@@ -9,26 +9,26 @@ use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 use crate::truths::{Truth, TruthId};
 use std::io::Read;
 
-/// Request of maps: the grid of the [`Sweep`] that they sum up, one map for each level of noise.
+/// Request of maps: the grid of the [`Sweep`] that they summarise. Each noise level gives one map.
 pub type MapRequest = Grid;
 
-/// An accuracy map: cells by position, then direction, then force.
+/// An accuracy map, with its cells by position, direction and force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyMap {
-    /// The request.
+    /// Grid of positions, directions, forces and noise.
     pub request: MapRequest,
     /// The true finger.
     pub truth: TruthId,
     /// The estimator.
     pub estimator: EstimatorId,
-    /// Standard deviation of a measured coordinate, mm.
+    /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
-    /// The cells.
+    /// Cells by position, then direction, then force.
     pub cells: Vec<MapCell>,
 }
 
-/// Computes a map for each estimator and noise level in parallel, position by position: by estimator, then noise. The result does
-/// not depend on the number of threads. `progress` is called once for every finished position and direction.
+/// Computes a map for each estimator and noise level, in this order, in parallel by position. The result does not depend on the number of
+/// threads. `progress` is called after each position and direction.
 pub fn accuracy_maps(
     finger: &Finger,
     truth: &dyn Truth,
@@ -55,10 +55,10 @@ pub fn accuracy_maps(
 }
 
 impl AccuracyMap {
-    /// Reads the cells of a sweep with one truth, estimator and noise, written as [`Table::Map`](sweep::Table::Map).
+    /// Reads the cells of a sweep with one truth, estimator and noise level, written as [`Table::Map`](sweep::Table::Map).
     ///
     /// # Errors
-    /// [`csv::Error`] if the table is none.
+    /// [`csv::Error`] if the table is invalid.
     pub fn from_csv(request: &sweep::Request, table: impl Read) -> Result<AccuracyMap, csv::Error> {
         Ok(AccuracyMap {
             cells: csv::Reader::from_reader(table).into_deserialize().collect::<Result<_, _>>()?,
@@ -69,12 +69,12 @@ impl AccuracyMap {
         })
     }
 
-    /// Mean error by direction, then position: of one force, or over all forces. `None` where a force has no equilibrium.
+    /// Mean relative error by direction, then position: of one force (N), or over all forces. `None` where a force has no answer or no equilibrium.
     pub fn errors(&self, force_n: Option<f64>) -> Vec<Vec<Option<f64>>> {
         self.values(force_n, |cell| cell.mean_error)
     }
 
-    /// A quantity by direction, then position: of one force, or its mean over all forces. `None` where a force has none.
+    /// A quantity of the cells by direction, then position: of one force (N), or its mean over all forces. `None` where a force lacks it.
     pub fn values(&self, force_n: Option<f64>, of: impl Fn(&MapCell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let forces = self.request.forces_n.len();
         let (positions, angles) = (self.request.positions_mm.len(), self.request.angles_deg.len());
@@ -90,7 +90,7 @@ impl AccuracyMap {
         (0..angles).map(|angle| (0..positions).map(|position| cell(position, angle)).collect()).collect()
     }
 
-    /// The cells of a coarser grid, whose positions and directions are all among this map's; others are left out.
+    /// The cells at those of the given positions (mm) and directions (degrees) that this map has.
     pub fn thinned(&self, positions_mm: &[f64], angles_deg: &[f64]) -> AccuracyMap {
         let kept = |all: &[f64], wanted: &[f64]| all.iter().copied().filter(|x| wanted.contains(x)).collect::<Vec<_>>();
         let request = MapRequest {
@@ -102,13 +102,13 @@ impl AccuracyMap {
         AccuracyMap { request, cells: self.cells.iter().filter(on_grid).copied().collect(), ..self.clone() }
     }
 
-    /// The cells of one force, or of all, grouped by position and direction: a group is a cell of the map.
+    /// Cells of one force (N), or of all, grouped by position and direction.
     fn groups(&self, force_n: Option<f64>) -> impl Iterator<Item = impl Iterator<Item = &MapCell> + Clone> {
         let wanted = move |cell: &&MapCell| force_n.is_none_or(|f| f == cell.force_n);
         self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
     }
 
-    /// Summary of one force, or of the mean over all: a cell has no equilibrium, or is refused, if that holds of one force.
+    /// Summary of one force (N), or of the mean over all. A cell counts as without equilibrium, or as refused, if one of its forces does.
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
         let known: Vec<f64> = errors.iter().flatten().flatten().copied().collect();
@@ -140,44 +140,44 @@ impl AccuracyMap {
     }
 }
 
-/// A share; `None` of nothing.
+/// A ratio of counts; `None` if `all` is zero.
 fn ratio(part: usize, all: usize) -> Option<f64> {
     (all > 0).then(|| part as f64 / all as f64)
 }
 
-/// A map in a few figures. Print [`counts`](MapSummary::counts) beside a mean: it is over answered cells alone.
+/// Summary of a map. Show [`counts`](MapSummary::counts) beside a mean: the mean covers answered cells only.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapSummary {
     /// The true finger.
     pub truth: TruthId,
     /// The estimator.
     pub estimator: EstimatorId,
-    /// Standard deviation of a measured coordinate, mm.
+    /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
-    /// Forces that the errors are averaged over, N.
+    /// Forces over which the errors are averaged, N.
     pub forces_n: Vec<f64>,
     /// Number of cells: positions times directions.
     pub cells: usize,
-    /// Cells that were answered: see [`CellState`].
+    /// Number of answered cells: see [`CellState`].
     pub answered: usize,
-    /// Cells that the estimator refused.
+    /// Number of cells that the estimator refused.
     pub refused: usize,
-    /// Cells in which a force has no equilibrium; they count in none of the figures below.
+    /// Number of cells in which a force has no equilibrium. The errors and shares of cells below exclude them.
     pub without_equilibrium: usize,
-    /// Mean of |sensed / true - 1| over the answered cells; `None` if there is none.
+    /// Mean of |sensed / true - 1| over the answered cells; `None` without answered cells.
     pub mean_error: Option<f64>,
-    /// Largest error of an answered cell.
+    /// Largest error of an answered cell, relative; `None` without answered cells.
     pub largest_error: Option<f64>,
-    /// Share of the cells with an equilibrium that err by more than 10 % or are refused; `None` if no cell has an equilibrium.
+    /// Share of cells with an error above 10 % or refused, among cells with equilibrium; `None` without such cells.
     pub share_above_10: Option<f64>,
-    /// The same for 25 %.
+    /// Share of cells with an error above 25 % or refused, among cells with equilibrium; `None` without such cells.
     pub share_above_25: Option<f64>,
-    /// Share of all noise samples that the estimator refused, also in cells that count as answered.
+    /// Share of all noise samples that the estimator refused, including samples of answered cells.
     pub share_of_samples_refused: Option<f64>,
 }
 
 impl MapSummary {
-    /// The counts that belong beside every mean and share, in words.
+    /// Phrase with the counts that belong beside every mean and share.
     pub fn counts(&self) -> String {
         format!(
             "{} cells: {} answered, {} refused, {} without equilibrium",

@@ -1,4 +1,4 @@
-//! Sensing tested over many positions, directions, forces and noise samples.
+//! Tests of sensing over many positions, directions, forces and noise samples.
 
 pub mod map;
 pub mod noise;

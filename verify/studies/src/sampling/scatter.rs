@@ -1,8 +1,8 @@
-//! Sensing under camera noise: errors of each estimator against the Cramer-Rao bound, and what its stated sigma covers.
+//! Sensing under camera noise: errors of each estimator against the Cramer-Rao bound, and coverage of its stated standard deviation.
 //!
-//! Random forces bend a true finger, noise is added to what the camera sees, and each estimator, which knows the contact
-//! nodes and directions (along the undeformed normal), starts afresh. All estimators see the same forces and the same
-//! noise. Errors are divided by the bound at the case's own true forces: root mean square 1 at best.
+//! Random forces deform a true finger, and noise is added to its marker displacements. Each estimator knows the contact nodes and the directions
+//! (undeformed normals) and starts each case anew. All estimators get the same forces and noise. Errors are divided by the bound at the true
+//! forces of each case; their root mean square is 1 at best.
 
 mod cases;
 mod scout;
@@ -12,76 +12,76 @@ use cases::CaseEstimate;
 
 /// Mean of |x| for x of a normal distribution with standard deviation 1: sqrt(2 / pi).
 const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
-/// More contact nodes than these are thinned out.
+/// Largest number of contact nodes that are sampled; a finger with more nodes is sampled at every second node, or fewer.
 const MOST_NODES: usize = 12;
 
-/// A request to estimators.
+/// Request of a scatter study.
 #[derive(Debug, Clone, Copy)]
 pub struct ScatterRequest<'m> {
-    /// The true finger's mesh.
+    /// Mesh of the true finger.
     pub truth: &'m Mesh,
     /// Kinematics of the true finger.
     pub kinematics: Kinematics,
-    /// Mesh on which the bound is computed, of the same finger.
+    /// Mesh of the same finger, on which the bound is computed.
     pub model: &'m Mesh,
-    /// Standard deviations of a coordinate, mm; 0 for none. The same forces and, scaled, the same noise for each.
+    /// Standard deviations of a coordinate's noise, mm; 0 for none. All levels share the forces and the scaled noise samples.
     pub noise_levels_mm: &'m [f64],
-    /// Random cases for each set of contacts.
+    /// Number of random cases for each set of contacts.
     pub cases: usize,
     /// Seed of the random numbers.
     pub seed: u64,
 }
 
-/// Errors of one quantity, a force or the sum of all.
+/// Errors of one quantity: a force, or the sum of all forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Scatter {
-    /// Mean of |sensed / true - 1|.
+    /// Mean of |sensed / true - 1|, dimensionless.
     pub mean_error: f64,
     /// Mean of |sensed - true|, N.
     pub mean_error_n: f64,
-    /// Against the Cramer-Rao bound; left out without noise, where the bound is 0.
+    /// Errors against the Cramer-Rao bound; `None` without noise, because the bound is then 0.
     #[serde(flatten)]
     pub bound: Option<AgainstBound>,
-    /// What the stated standard deviations cover; left out without noise, and for an estimator that states none.
+    /// Coverage of the stated standard deviations; `None` without noise, and for an estimator that states none.
     #[serde(flatten)]
     pub coverage: Option<Coverage>,
 }
 
-/// Errors over the Cramer-Rao bound at the true forces.
+/// Errors relative to the Cramer-Rao bound at the true forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct AgainstBound {
-    /// Mean error of an estimator that reaches the bound.
+    /// Mean of |sensed / true - 1| for an estimator that reaches the bound.
     pub mean_error_bound: f64,
-    /// Root mean square of error / bound.
+    /// Root mean square of error / bound, dimensionless.
     pub over_bound: f64,
-    /// Mean of error / bound.
+    /// Mean of error / bound, dimensionless.
     pub bias_over_bound: f64,
-    /// Root mean square of error / bound with the chance of the drawn noise taken out, where it was asked for.
+    /// Root mean square of error / bound with control variates, if requested.
     #[serde(flatten)]
     pub controlled: Option<Controlled>,
 }
 
-/// Root mean square of error / bound, controlled by the first-order response to the same noise.
+/// Root mean square of error / bound, with the first-order response to the same noise as control variate.
 ///
-/// To first order the error is a linear function of the noise, whose standard deviation is the bound: the mean square z1^2 of that
-/// response over the bound is 1, but for the chance of the draws. Error and response share this chance, so 1 + mean(z^2 - z1^2) is known
-/// far better than mean(z^2) from the same cases.
+/// To first order the error is a linear function of the noise, with the bound as its standard deviation. The mean square of z1 = response / bound
+/// is therefore 1 up to sampling error. Error and response share this sampling error. So 1 + mean(z^2 - z1^2) has a much smaller standard error
+/// than mean(z^2) over the same cases.
 ///
 /// Reference: control variates; e.g. Owen, Monte Carlo theory, methods and examples, ch. 8.9.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Controlled {
-    /// sqrt(1 + mean(z^2 - z1^2)).
+    /// sqrt(1 + mean(z^2 - z1^2)), dimensionless.
     pub over_bound_controlled: f64,
-    /// Its standard error, from the scatter of z^2 - z1^2 over the cases.
+    /// Standard error of `over_bound_controlled`, dimensionless, from the scatter of z^2 - z1^2 over the cases.
     pub standard_error: f64,
 }
 
-/// Coverage: how often the truth lies within the interval that an estimator states.
+/// Coverage: shares of cases whose stated interval contains the true value.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Coverage {
-    /// Share of cases in which it lies within one stated standard deviation; 0.683 is meant.
+    /// Share of cases whose true value is within one stated standard deviation; nominally 0.683.
     pub one_sigma: f64,
-    /// Share of cases in which it lies within 1.96; 0.95 is meant.
+    /// Share of cases whose true value is within 1.96 stated standard deviations; nominally 0.95.
     pub two_sigma: f64,
 }
 
@@ -92,33 +92,33 @@ pub struct ScatterRow {
     pub estimator: EstimatorId,
     /// The contact nodes.
     pub nodes: Vec<usize>,
-    /// Standard deviation of a coordinate, mm.
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Cases that were answered: what all means below are over.
+    /// Number of answered cases. All means below are over them.
     pub cases: usize,
-    /// Draws that were repeated because the finger does not carry them.
+    /// Number of draws that were repeated because the finger has no equilibrium under them.
     pub not_carried: usize,
-    /// Cases that the estimator refused: in no mean, so every mean is shown with them, and a check over refused cases fails.
+    /// Number of cases that the estimator refused. No mean includes them, so reports show this number beside a mean, and checks fail with it.
     pub refused: usize,
-    /// Each force in the order of the nodes; empty if no case was sensed.
+    /// Errors of each force, in the order of the nodes; empty if no case was answered.
     pub forces: Vec<Scatter>,
-    /// The sum of the forces; `None` if no case was sensed.
+    /// Errors of the sum of the forces; `None` if no case was answered.
     pub sum: Option<Scatter>,
 }
 
-/// Cases that were drawn, answered and refused: what belongs beside a mean over the answered ones.
+/// Numbers of cases drawn, answered and refused, to be shown beside a mean over the answered ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Counts {
-    /// Cases that the finger carries.
+    /// Cases with equilibrium.
     pub drawn: usize,
-    /// Those that were answered.
+    /// Answered cases.
     pub answered: usize,
-    /// Those that were refused.
+    /// Refused cases.
     pub refused: usize,
 }
 
 impl Counts {
-    /// Of all rows together.
+    /// Counts of all rows together.
     pub fn of<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> Counts {
         let none = Counts { drawn: 0, answered: 0, refused: 0 };
         rows.into_iter().fold(none, |sum, row| Counts {
@@ -136,46 +136,46 @@ impl std::fmt::Display for Counts {
 }
 
 impl ScatterRow {
-    /// Cases that were drawn: how many an estimator was asked, whatever it answered.
+    /// Number of cases drawn: answered and refused ones.
     pub fn drawn(&self) -> usize {
         self.cases + self.refused
     }
 
-    /// Whether chance (two standard errors) decides if a root mean square is within a tolerance of the bound: more cases are needed then.
+    /// Whether the tolerance of a root mean square over the bound is within two standard errors, or exceeded. More cases are needed then.
     pub fn is_near_tolerance(&self, tolerance: f64) -> bool {
         let mut figures = self.forces.iter().chain(&self.sum).filter_map(|scatter| scatter.bound?.controlled);
         figures.any(|found| (found.over_bound_controlled - 1.0).abs() + 2.0 * found.standard_error > tolerance)
     }
 
-    /// Whether the mean error is within a limit if a refused case counts as an error of 100 %, that of no force at all.
+    /// Whether the mean relative error is within a limit if each refused case counts as an error of 100 %.
     pub fn is_within(&self, limit: f64) -> bool {
         let drawn = self.drawn() as f64;
         let refused = self.refused as f64 / drawn;
         self.mean_error().is_some_and(|error| error * (1.0 - refused) + refused <= limit)
     }
 
-    /// Mean error of all forces; `None` if no case was sensed.
+    /// Mean relative error of all forces; `None` if no case was answered.
     pub fn mean_error(&self) -> Option<f64> {
         mean(self.forces.iter().map(|scatter| scatter.mean_error))
     }
 
-    /// Mean absolute error of all forces, N; `None` if no case was sensed.
+    /// Mean absolute error of all forces, N; `None` if no case was answered.
     pub fn mean_error_n(&self) -> Option<f64> {
         mean(self.forces.iter().map(|scatter| scatter.mean_error_n))
     }
 
-    /// Mean error of all forces at the bound; `None` where there is none.
+    /// Mean relative error of all forces for an estimator that reaches the bound; `None` without a bound.
     pub fn mean_error_bound(&self) -> Option<f64> {
         let bounds: Option<Vec<f64>> = self.forces.iter().map(|s| Some(s.bound?.mean_error_bound)).collect();
         mean(bounds?)
     }
 }
 
-/// A row for each set of contact nodes, level of noise and estimator, in this order; forces drawn evenly from `range_n`.
-/// `progress` is called after each set. Results do not depend on threads or other estimators.
+/// One row for each set of contact nodes, noise level and estimator, in this order, with forces uniform in `range_n` (N). `progress` is called
+/// after each set. Results do not depend on threads or other estimators.
 ///
 /// # Errors
-/// [`EstimatorError`] for a node that is no contact node, or contacts that an estimator is not made for.
+/// [`EstimatorError`] if a node is no contact node, or an estimator does not support the contacts.
 pub fn scatter(
     request: &ScatterRequest,
     estimators: &[&dyn Estimator],
@@ -186,10 +186,10 @@ pub fn scatter(
     rows(request, estimators, sets, (range_n, false), progress)
 }
 
-/// [`scatter`] that also returns each row's [`Controlled`] figure, for one more estimate a case.
+/// [`scatter`] that also returns each row's [`Controlled`] figure, at the cost of one more estimate a case.
 ///
 /// # Errors
-/// As there.
+/// [`EstimatorError`] for the reasons that [`scatter`] lists.
 pub fn scatter_controlled(
     request: &ScatterRequest,
     estimators: &[&dyn Estimator],
@@ -224,25 +224,25 @@ fn rows(
     Ok(rows?.into_iter().flatten().collect())
 }
 
-/// Every contact node, or about a dozen of many.
+/// Every contact node, or an evenly spaced selection of at most 12.
 pub fn sampled_nodes(finger: &Finger) -> Vec<NodeId> {
     let nodes = finger.contact_nodes();
     let every = nodes.len().div_ceil(MOST_NODES);
     nodes.step_by(every).collect()
 }
 
-/// Every node alone.
+/// Sets of one node each.
 pub fn singles(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
     nodes.iter().map(|&node| vec![node]).collect()
 }
 
-/// Every pair of nodes.
+/// Sets of two nodes: every pair.
 pub fn pairs(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
     let from = |i: usize| nodes[i + 1..].iter().map(|&second| vec![nodes[i], second]).collect::<Vec<_>>();
     (0..nodes.len()).flat_map(from).collect()
 }
 
-/// Errors of one estimator in the cases at one level of noise.
+/// Errors of one estimator over all cases at one noise level (mm).
 fn row<'c>(
     estimator: EstimatorId,
     nodes: &[NodeId],
@@ -285,7 +285,7 @@ fn row<'c>(
     }
 }
 
-/// Sums over the cases of one quantity.
+/// Sums of one quantity over the cases.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     cases: usize,
@@ -295,7 +295,7 @@ struct Sums {
     bound: f64,
     standardised: f64,
     squared: f64,
-    /// Sums of z^2 - z1^2 and of its square over the cases with a first-order response: see [`Controlled`].
+    /// Sums of z^2 - z1^2 and of its square, over the cases with a first-order response: see [`Controlled`].
     controlled: usize,
     beyond: f64,
     beyond_squared: f64,
@@ -305,7 +305,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// A case: true value, error and first-order error (not a number if it was not computed), bound and stated sigma.
+    /// Adds a case: true value, error and first-order error (NaN if not computed), bound, and stated standard deviation.
     fn add(&mut self, truth: f64, [error, first_order]: [f64; 2], bound: Option<f64>, stated_sigma: Option<f64>) {
         self.cases += 1;
         self.error += (error / truth).abs();
@@ -346,7 +346,7 @@ impl Sums {
                 mean_error_bound: over(self.bound, self.bounded),
                 over_bound: over(self.squared, self.bounded).sqrt(),
                 bias_over_bound: over(self.standardised, self.bounded),
-                // A case whose response could not be computed would leave the figure of the others alone: none then.
+                // `None` if one case lacks its response: a figure over the other cases only would be biased.
                 controlled: (self.controlled > 1 && self.controlled == self.cases).then(|| self.controlled()),
             }),
             coverage: (noisy && self.stated > 0).then(|| Coverage {

@@ -1,44 +1,44 @@
-//! The worst force of each cell: the one criterion by which a position and direction is trusted.
+//! The worst force of each cell: the only criterion by which a position and direction counts as trusted.
 
 use super::map::AccuracyMap;
 use super::sweep::{CellState, MapCell};
 use crate::settings::TRUSTED_ERROR;
 
-/// A position and direction under the worst of a map's forces.
+/// A position and direction, with the worst of the map's forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstCell {
     /// Position on the front plate, mm from the base.
     pub s_mm: f64,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
-    /// Outcome: without equilibrium if one force has none, else refused if one force is.
+    /// Outcome: without equilibrium if one force has none, else refused if one force is refused.
     pub state: CellState,
-    /// Largest of the forces' mean errors; `None` unless all are answered.
+    /// Largest mean relative error among the forces; `None` unless all are answered.
     pub worst_error: Option<f64>,
-    /// Whether every force is sensed within [`TRUSTED_ERROR`]: what is refused is not trusted.
+    /// Whether the error of every force is within [`TRUSTED_ERROR`]; a refused force is not trusted.
     pub is_trusted: bool,
 }
 
-/// Counts of a map's cells, or of a region's.
+/// Counts of a map's cells, or of those in a region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TrustCounts {
-    /// Positions and directions.
+    /// Number of cells: positions and directions.
     pub cells: usize,
-    /// Those that are trusted.
+    /// Number of trusted cells.
     pub trusted: usize,
-    /// Those of which a force is refused.
+    /// Number of cells with a refused force.
     pub refused: usize,
-    /// Those at which a force has no equilibrium: there is nothing to sense.
+    /// Number of cells in which a force has no equilibrium, so that nothing can be sensed.
     pub without_equilibrium: usize,
 }
 
 impl AccuracyMap {
-    /// The map's cells under the worst of its forces, by position, then direction.
+    /// Cells with the worst of the map's forces, by position, then direction.
     pub fn worst(&self) -> Vec<WorstCell> {
         self.worst_of(None)
     }
 
-    /// The same under one force alone, or under the worst of all.
+    /// Cells with one force (N), or with the worst of all forces, by position, then direction.
     pub fn worst_of(&self, force_n: Option<f64>) -> Vec<WorstCell> {
         let of_group = |group: &[MapCell]| {
             let cells: Vec<MapCell> =
@@ -54,7 +54,7 @@ impl AccuracyMap {
 }
 
 impl TrustCounts {
-    /// Counts cells.
+    /// Counts the cells.
     pub fn of<'c>(cells: impl IntoIterator<Item = &'c WorstCell>) -> TrustCounts {
         cells.into_iter().fold(TrustCounts::default(), |counts, cell| TrustCounts {
             cells: counts.cells + 1,
@@ -64,12 +64,12 @@ impl TrustCounts {
         })
     }
 
-    /// Cells in which the finger carries every force.
+    /// Number of cells with equilibrium under every force.
     pub fn carried(&self) -> usize {
         self.cells - self.without_equilibrium
     }
 
-    /// Share of these that are trusted; `None` of none.
+    /// Share of trusted cells among those with equilibrium; `None` without such cells.
     pub fn share(&self) -> Option<f64> {
         let carried = self.carried();
         (carried > 0).then(|| self.trusted as f64 / carried as f64)

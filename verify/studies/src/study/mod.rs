@@ -1,4 +1,4 @@
-//! Everything that the report shows, computed for one scene: [`Study`] lists the experiments, each a row.
+//! All results of the report, computed for one scene: [`Study`] lists the experiments, one row each.
 
 mod timing;
 
@@ -22,7 +22,7 @@ use finray_model::{Finger, Kinematics};
 use serde::Serialize;
 use std::time::Instant;
 
-/// Why a study could not be finished.
+/// Why a study could not be completed: the part that failed, and its error.
 #[derive(Debug, thiserror::Error)]
 #[error("{part}: {reason}")]
 pub struct StudyError {
@@ -30,17 +30,17 @@ pub struct StudyError {
     reason: Box<dyn std::error::Error + Send + Sync>,
 }
 
-/// Marks an error with the part of a study that it ended.
+/// Adds the name of the failed part to an error.
 fn within<E: std::error::Error + Send + Sync + 'static>(part: &'static str) -> impl FnOnce(E) -> StudyError {
     move |error| StudyError { part, reason: Box::new(error) }
 }
 
-/// How long a part of a study took.
+/// Computation time of one part of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartTime {
-    /// What it is called.
+    /// Name of the part.
     pub part: &'static str,
-    /// Time that passed, on all cores, s.
+    /// Elapsed time on all cores, s.
     pub seconds: f64,
 }
 
@@ -50,7 +50,7 @@ impl PartTime {
     }
 }
 
-/// Declares [`Study`] from its rows: name in messages, results, and their computation from the context and results above.
+/// Declares [`Study`] from rows: name of the part, result fields, and their computation from the context and earlier results.
 macro_rules! study {
     (|$context:ident| $($part:literal: $($(#[$about:meta])* $field:ident: $type:ty),+ = $run:expr;)+) => {
         /// All results for one scene.
@@ -58,25 +58,25 @@ macro_rules! study {
         pub struct Study {
             /// Name of the scene.
             pub scene: String,
-            /// Its finger.
+            /// The finger of the scene.
             pub finger: Finger,
-            /// Largest strains of its materials.
+            /// Largest admissible strains of the finger's materials.
             pub strain_limits: StrainLimits,
-            /// Whether it is the paper's finger: only then there are reference values.
+            /// Whether the finger is the paper's; reference values exist for that finger alone.
             pub is_paper: bool,
-            /// Standard deviation of one coordinate of the camera, mm.
+            /// Standard deviation of the camera noise of one coordinate, mm.
             pub noise_mm: f64,
-            /// Forces of maps and drawings, and of what explains them.
+            /// Forces of maps, drawings and their explanations.
             pub forces: ReportForces,
-            /// Figures against references, but for those of the hard cases.
+            /// Checks of figures against references, without those of the hard cases.
             pub checks: Vec<Check>,
-            /// Differences that are expected.
+            /// Figures that are expected to differ from their references.
             pub comparisons: Vec<Comparison>,
-            /// Where times come from that were not taken here, in sentences.
+            /// Sentences on times that were measured outside this study.
             pub timing_notes: Vec<String>,
-            /// How long each part took.
+            /// Computation time of each part.
             pub parts: Vec<PartTime>,
-            /// Images with measured forces, where they were given.
+            /// Results on images with measured forces, if images were given.
             pub measured: Option<measured::MeasuredStudy>,
             $($($(#[$about])* pub $field: $type,)+)+
         }
@@ -121,75 +121,75 @@ macro_rules! study {
 
 study! { |context|
     "maps":
-        /// Maps by truth and estimator, without and with noise, but for those of the lattice that need no network.
+        /// Maps by truth and estimator, with and without noise. The lattice's maps are in `lattice`, except those that need a network.
         maps: Vec<AccuracyMap> = maps::run(context);
     "assumed contacts":
-        /// The nonlinear estimator's map where position and direction of the contact are only assumed.
+        /// Map of the nonlinear estimator with position and direction of the contact only assumed.
         assumed: Option<AccuracyMap> = assumed::run(context);
     "limits of sensing":
-        /// What limits sensing of the drawn force on the co-rotational finger.
+        /// Limits of sensing the drawn force on the co-rotational finger, by cell.
         explanations: explain::ExplanationMap = explain::run(context);
     "Table I":
-        /// Table I for each assumed direction, for the paper's finger.
+        /// Table I for each assumed direction; only for the paper's finger.
         tables_one: Vec<table_one::TableOne> = table_one::run(context);
     "digital twin":
-        /// The digital twin of Table I, for the paper's finger under noise.
+        /// The digital twin of Table I; only for the paper's finger with noise.
         twin: Option<twin_study::TwinStudy> = twin_study::run(context, tables_one.first());
     "coverage":
-        /// Stated intervals against the truth, by finger and estimator.
+        /// Coverage of stated intervals, by finger and estimator.
         coverage: Vec<coverage::CoverageRow> = coverage::run(context, &maps);
     "causes":
-        /// What makes sensed forces wrong, by truth and way of sensing.
+        /// Causes of force errors, by truth and sensing method.
         causes: Vec<causes::CauseMap> = causes::run(context, twin.as_ref().map(|twin| &twin.finger));
     "convergence":
-        /// Error by mesh and load.
+        /// Discretisation error by mesh and load.
         convergence: convergence::Convergence = convergence::run(context);
     "noise":
-        /// Nonlinear sensing under camera noise.
+        /// Errors of the nonlinear estimator under camera noise.
         noise: Option<noise::NoiseStudy> = noise::run(context);
     "noise of displacements":
-        /// Floors by the origin of the undeformed positions, under camera noise.
+        /// Noise floors by the origin of the undeformed positions, under camera noise.
         displacement_noise: Option<displacement_noise::DisplacementNoiseStudy> = displacement_noise::run(context);
     "camera":
-        /// From images to forces, for scenes with a camera and for the paper's finger.
+        /// Results of sensing from images; only for scenes with a camera and for the paper's finger.
         camera: Option<camera::CameraStudy> = camera::run(context);
     "unknown directions":
-        /// Forces of unknown direction under camera noise, in a full study.
+        /// Sensed forces of unknown direction under camera noise; only in a full study.
         directions: Option<direction::DirectionStudy> = direction::run(context);
     "Table II":
-        /// Table II, for the paper's finger.
+        /// Table II; only for the paper's finger.
         table_two: Option<table_two::TableTwo> = table_two::run(context);
     "networks":
-        /// The networks that ship, for the paper's finger under noise.
+        /// Accuracy of the shipped networks; only for the paper's finger with noise.
         networks: Option<accuracy::NetworkStudy> = accuracy::run(context, table_two.as_ref());
     "a recorded training":
-        /// Recorded trainings, for the paper's finger.
+        /// Recorded trainings of networks; only for the paper's finger.
         records: records::Records = records::run(context);
     "hard cases":
-        /// Hard cases, variants of the paper's finger.
+        /// Results on hard cases, variants of the paper's finger.
         hard_cases: Vec<hard_cases::HardCase> = hard_cases::run(context);
     "lattice, objects":
         /// The paper's finger as a lattice of rigid bodies and springs.
         lattice: Option<lattice::LatticeStudy>,
-        /// Contact scenes: those that ship for the paper's finger, or the scene's own.
+        /// Results of contact scenes: the shipped ones for the paper's finger, else the scene's own.
         contact_scenes: Vec<SceneStudy> = lattice::run_beside_objects(context, &maps);
     "grasp":
-        /// Objects that two fingers grasp, for the paper's finger in a full study.
+        /// Objects grasped by two fingers; only for the paper's finger in a full study.
         grasps: Vec<grasp_study::GraspStudy> = grasp_study::run(context);
     "closed loop":
-        /// The closed loop against the camera's rate, likewise.
+        /// Closed-loop force control by frame rate of the camera; only for the paper's finger in a full study.
         closed_loop: Option<rates::LoopStudy> = rates::run(context);
     "sensor modules":
-        /// Table II on the moving gripper, likewise.
+        /// Table II on the moving gripper; only for the paper's finger in a full study.
         modules: Option<modules::ModuleStudy> = modules::run(context);
     "observations":
-        /// What the paper observes of grasps, likewise.
+        /// The paper's observations of grasps, compared; only for the paper's finger in a full study.
         observations: Option<observations::Observations> = observations::run(context, &grasps, modules.as_ref());
     "speed and error":
         /// Time and error of models and estimators.
         speed_error: Vec<speed_error::SpeedErrorPoint> = speed_error::run(context);
     "shapes":
-        /// Example shapes.
+        /// Example shapes of bent fingers.
         bent: Vec<shapes::BentFinger> = shapes::run(context);
     "touched":
         /// Shapes under a force at each contact node.
@@ -197,11 +197,11 @@ study! { |context|
 }
 
 impl Study {
-    /// Computes everything for a scene under these forces. Studies of the paper's finger whose checks and claims hold for fixed forces keep the
+    /// Computes all results for a scene under these forces. Studies of the paper's finger whose checks and claims hold for fixed forces use the
     /// [paper's](ReportForces::PAPER).
     ///
     /// # Errors
-    /// [`StudyError`] if a reference problem or the finger at rest cannot be solved. Loads not carried leave gaps.
+    /// [`StudyError`] if a part fails, for example a reference problem or the finger at rest. Loads without equilibrium leave gaps.
     pub fn run(
         given: &SceneWithOutline,
         forces: ReportForces,
@@ -227,7 +227,7 @@ impl Study {
         })
     }
 
-    /// Forces of studies whose checks and claims hold for fixed ones.
+    /// Forces of studies whose checks and claims hold for fixed forces.
     pub fn checked_forces(&self) -> ReportForces {
         self.forces.checked(self.is_paper)
     }
@@ -243,12 +243,12 @@ impl Study {
         self.checks.iter().chain(self.hard_cases.iter().flat_map(|case| &case.checks))
     }
 
-    /// The map of one truth by least squares, without or with noise.
+    /// The map of one truth by least squares, with or without noise.
     pub fn map(&self, truth: TruthId, noisy: bool) -> Option<&AccuracyMap> {
         self.map_by(truth, EstimatorId::LeastSquares, noisy)
     }
 
-    /// The map of one truth and estimator, without or with noise.
+    /// The map of one truth and estimator, with or without noise.
     pub fn map_by(&self, truth: TruthId, estimator: EstimatorId, noisy: bool) -> Option<&AccuracyMap> {
         let wanted = |map: &&AccuracyMap| map.truth == truth && map.estimator == estimator;
         self.all_maps().filter(wanted).find(|map| (map.noise_mm > 0.0) == noisy)

@@ -1,4 +1,4 @@
-//! Times of models and estimators that others took.
+//! Times of models and estimators that were measured outside the report.
 
 use super::Study;
 use crate::experiments::speed_error::criterion::{self, CriterionTimes};
@@ -7,7 +7,7 @@ use crate::experiments::speed_error::{self, Asked, SpeedErrorPoint, Task};
 use std::path::Path;
 
 impl Study {
-    /// Puts criterion's times in the place of the report's where both have the point. Benches time the paper's finger alone.
+    /// Replaces the report's times by criterion's, for points that both have. The benches time the paper's finger alone.
     pub fn take_criterion(&mut self, folder: &Path, times: &CriterionTimes) {
         let folder = folder.display();
         if !self.is_paper {
@@ -30,7 +30,7 @@ impl Study {
         }
     }
 
-    /// Adds the points of other programs, for the paper's finger, which they were timed on.
+    /// Adds the points of other programs. Their times hold for the paper's finger alone.
     pub fn take_peers(&mut self, peers: Peers) {
         if !self.is_paper {
             self.timing_notes
@@ -41,7 +41,7 @@ impl Study {
             "" => "; the file does not say on which machine".to_owned(),
             machine => format!(", on this machine: {machine}"),
         };
-        // Like with like: the same nodes and forces as ours, or none.
+        // Compares equal tasks only: other nodes or forces take other times.
         let asked = Task::ALL.map(|task| speed_error::asked(&self.finger, self.checked_forces(), task));
         let (same, others): (Vec<Peer>, Vec<Peer>) =
             peers.peers.into_iter().partition(|peer| asked[peer.task as usize] == peer.asked);

@@ -1,4 +1,4 @@
-//! The finger itself, co-rotational on a fine mesh.
+//! True finger: the scene's finger, co-rotational on a fine mesh.
 
 use super::{MeshTruth, TruthId, TruthRow, fine_mesh};
 use finray_model::Kinematics;

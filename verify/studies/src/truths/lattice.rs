@@ -1,4 +1,4 @@
-//! The finger as rigid bodies and springs.
+//! True finger: the scene's finger as rigid bodies and springs.
 
 use super::{Truth, TruthId, TruthRow};
 use crate::prelude::*;
@@ -15,12 +15,12 @@ pub(super) const ROW: TruthRow = TruthRow {
     on: |mesh| Ok(Box::new(LatticeTruth::new(mesh.finger())?)),
 };
 
-/// Segments of a plate's member between two key nodes: within 0.01 % of converged beams under 2 N, 0.04 % under 5 N.
+/// Segments of a plate member between two key nodes. The shape is within 0.01 % of converged beams under 2 N, and 0.04 % under 5 N.
 const FINENESS: usize = 4;
 
-/// A lattice in equilibrium.
+/// A finger as a lattice of rigid bodies and springs, in equilibrium.
 ///
-/// Its shapes are those of least energy, by Newton's method in milliseconds; the engine settles within 0.05 % in seconds.
+/// Newton's method finds shapes of least energy in milliseconds. The physics engine settles within 0.05 % of them, in seconds.
 #[derive(Debug, Clone)]
 pub struct LatticeTruth {
     lattice: Lattice,

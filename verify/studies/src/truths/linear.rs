@@ -1,4 +1,4 @@
-//! The finger itself, linear: exact on its key nodes.
+//! True finger: the scene's finger, linear. Its key nodes alone give the exact solution.
 
 use super::{MeshTruth, TruthId, TruthRow};
 use finray_model::{Kinematics, Mesh};

@@ -1,17 +1,17 @@
-//! Fingers of beams, solved by the model's own statics: what several truths rest on.
+//! True fingers of beams, solved by the model's own statics.
 
 use super::{Truth, TruthId};
 use crate::prelude::*;
 use finray_model::compliance::NodalCompliance;
 use finray_model::statics::{EquilibriumEquations, Ladder};
 
-/// Nodes of the paper's fine mesh (Xu et al. 2021, sec. III).
+/// Number of nodes of the paper's fine mesh (Xu et al. 2021, sec. III).
 pub const FINE_MESH_NODES: usize = 684;
 
-/// The mesh that stands for the true finger: the paper's 684 nodes, or four elements a member where that is more.
+/// Mesh of the true finger: the paper's 684 nodes, or four elements a member if that gives more nodes.
 ///
 /// # Errors
-/// [`MeshSizeError`] never in practice: a finger with more key nodes takes the second way.
+/// [`MeshSizeError`] if the finger has no mesh of 684 nodes. It does not occur: a finger with too many key nodes has four elements a member.
 pub fn fine_mesh(finger: &Finger) -> Result<Mesh, MeshSizeError> {
     let four_a_member = Mesh::with_elements_per_member(finger, 4);
     if four_a_member.node_count() > FINE_MESH_NODES {
@@ -20,22 +20,22 @@ pub fn fine_mesh(finger: &Finger) -> Result<Mesh, MeshSizeError> {
     Mesh::with_nodes(finger, FINE_MESH_NODES)
 }
 
-/// A meshed finger, solved by the model's own statics.
+/// A true finger as a mesh of beams, solved by the model's statics.
 #[derive(Debug, Clone)]
 pub struct MeshTruth<'m> {
     id: TruthId,
     mesh: &'m Mesh,
-    /// The equations, prepared once and copied for each contact.
+    /// Equations prepared once and copied for each contact.
     prepared: Statics<Ladder<'m>>,
-    /// The linear finger on its key nodes alone needs no equations of its own for any contact.
+    /// Compliance of the linear finger on its key nodes, which solves every contact without further equations.
     solved: Option<NodalCompliance>,
 }
 
 impl<'m> MeshTruth<'m> {
-    /// Prepares a mesh of a kind of true finger.
+    /// Prepares a mesh as the true finger `id`.
     ///
     /// # Errors
-    /// [`StaticsError`] if the finger at rest cannot be factorised, or rounding leaves fewer than four digits.
+    /// [`StaticsError`] if the finger at rest cannot be factorised, or rounding leaves fewer than four correct digits.
     pub fn new(id: TruthId, mesh: &'m Mesh, kinematics: Kinematics) -> Result<MeshTruth<'m>, StaticsError> {
         let finger = mesh.finger();
         let push = Load::at_node(finger.tip(), finger.direction(0.0));
@@ -47,10 +47,10 @@ impl<'m> MeshTruth<'m> {
         Ok(MeshTruth { id, mesh, prepared, solved })
     }
 
-    /// Shapes of the linear finger, multiples of that under 1 N.
+    /// Shapes of the linear finger under forces (N): multiples of its shape under 1 N.
     ///
     /// # Errors
-    /// [`StaticsError`] for a contact that is not on the finger, or one that cannot be solved.
+    /// [`StaticsError`] if the contact is not on the finger or cannot be solved.
     fn multiples(
         &self,
         solved: &NodalCompliance,

@@ -1,4 +1,4 @@
-//! The finger as MuJoCo solved it: exported shapes, and nothing between them.
+//! True finger: exported shapes from MuJoCo, without interpolation.
 
 use super::{Positions, Truth, TruthError, TruthId, TruthRow};
 use crate::mujoco::{ExportError, ExportedFinger, FINGERS, StaticCase};
@@ -16,26 +16,26 @@ pub(super) const ROW: TruthRow = TruthRow {
     on: |mesh| Ok(Box::new(MujocoTruth::new(mesh.finger())?)),
 };
 
-/// Positions (mm) and directions (degrees) that are the same but for rounding.
+/// Tolerance within which positions (mm), directions (degrees) and forces (N) count as equal.
 const SAME: f64 = 1e-9;
 
-/// Why there are no shapes from MuJoCo for a question.
+/// Why MuJoCo's export has no shapes for a request.
 #[derive(Debug, thiserror::Error)]
 pub enum NotExported {
-    /// Another finger.
+    /// The finger was not exported.
     #[error("MuJoCo's shapes were exported for the fingers {fingers} alone, and this is none of them", fingers = names())]
     Finger,
-    /// A force that was not exported.
+    /// The force was not exported.
     #[error("MuJoCo's shapes of the finger {finger} were exported for forces of {exported} N, not for {asked} N")]
     Force {
         /// Name of the export.
         finger: &'static str,
-        /// The force asked for, N.
+        /// Requested force, N.
         asked: f64,
-        /// All exported forces, N.
+        /// All exported forces, N, as text.
         exported: String,
     },
-    /// A shipped table that cannot be read.
+    /// The shipped table cannot be read.
     #[error(transparent)]
     Table(#[from] ExportError),
 }
@@ -53,16 +53,16 @@ pub struct MujocoTruth {
 }
 
 impl MujocoTruth {
-    /// The exported shapes of a finger.
+    /// Reads the exported shapes of a finger.
     ///
     /// # Errors
-    /// [`NotExported::Finger`] for other fingers.
+    /// [`NotExported::Finger`] for a finger that was not exported; [`NotExported::Table`] if the shipped table cannot be read.
     pub fn new(finger: &Finger) -> Result<MujocoTruth, NotExported> {
         let exported = ExportedFinger::of(finger).ok_or(NotExported::Finger)?;
         Ok(MujocoTruth { finger: finger.clone(), name: exported.name, cases: exported.cases()? })
     }
 
-    /// The forces (N) among some that shapes were exported for.
+    /// Those of the given forces (N) for which shapes were exported.
     pub fn exported(&self, forces_n: &[f64]) -> Vec<f64> {
         forces_n.iter().copied().filter(|force_n| self.require_force(*force_n).is_ok()).collect()
     }
@@ -98,7 +98,7 @@ impl Truth for MujocoTruth {
         TruthId::Mujoco
     }
 
-    /// The exported ones, both growing; refuses forces that were not exported.
+    /// Exported positions and directions, both ascending. Refuses forces that were not exported.
     fn positions(&self, forces_n: &[f64]) -> Result<Option<Positions>, TruthError> {
         for &force_n in forces_n {
             self.require_force(force_n)?;
@@ -107,7 +107,7 @@ impl Truth for MujocoTruth {
         Ok(Some((growing(positions), growing(self.cases.iter().map(|case| case.angle_deg)))))
     }
 
-    /// Ends before the first force that was not exported, be it that the finger cannot carry it.
+    /// Ends before the first force that was not exported, for example because the finger cannot carry it.
     fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape> {
         forces_n.iter().map_while(|&force_n| Some(self.case(contact, force_n)?.shape.clone())).collect()
     }

@@ -1,4 +1,4 @@
-//! The paper's finger with a softer base and tip: one of several fits of its Table I, see [`experiments::twin`](crate::experiments::twin).
+//! True finger: the paper's with a softer base and tip, one of several fits of its Table I. See [`experiments::twin`](crate::experiments::twin).
 
 use super::{MeshTruth, TruthId, TruthRow, fine_mesh};
 use crate::prelude::*;
@@ -14,21 +14,21 @@ pub(super) const ROW: TruthRow = TruthRow {
     on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Twin, mesh, Kinematics::Corotational)?)),
 };
 
-/// The twin is of the paper's finger alone.
+/// Why a finger has no digital twin.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TwinError {
-    /// Another finger.
+    /// The finger is not the paper's.
     #[error("the digital twin is of the paper's finger (fixtures/scenes/paper.toml); this scene has another")]
     NotThePapersFinger,
-    /// A shipped scene does not read.
+    /// A shipped scene cannot be read.
     #[error("a scene that ships: {0}")]
     Scene(#[from] SceneError),
 }
 
-/// The twin of a finger, which must be the paper's.
+/// Digital twin of the paper's finger.
 ///
 /// # Errors
-/// [`TwinError`] for any other finger.
+/// [`TwinError`] for any other finger, or if the shipped scene cannot be read.
 pub fn twin_of(finger: &Finger) -> Result<Finger, TwinError> {
     if !is_papers_finger(finger) {
         return Err(TwinError::NotThePapersFinger);

@@ -1,4 +1,4 @@
-//! The pixels about an edge, and the sums over them that are the equations of the edge.
+//! The pixels about an edge, and the sums over them that form its least-squares equations.
 
 use super::plane_map::{Pixels, PlaneMap, Polar, turn};
 use super::shades::Shades;
@@ -7,21 +7,21 @@ use super::{BAND, Edge, PARTS, UNKNOWNS};
 use finray_model::Vector;
 use nalgebra::{SMatrix, SVector};
 
-/// Channels of brightness and of colour.
+/// Number of channels of brightness and of colour.
 const CHANNELS: [f64; PARTS] = [1.0, 2.0];
 
-/// The pixels about an edge, a list for each quantity, with the background and the disc's light at each.
+/// The pixels about an edge, a list per quantity, with the light of background and disc at each.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Band {
-    /// Distance outside the edge, px, where it was when they were gathered.
+    /// Distance outside the edge at the time of gathering, px.
     outside: Vec<f32>,
-    /// Change of that distance as the edge moves: direction from the centre, times px a unit of the map; px a unit.
+    /// Derivatives of that distance by the edge's centre (direction times px per unit of the map), and by its radius (px per unit).
     nearer: [Vec<f32>; 2],
     px: Vec<f32>,
     sector: Vec<u32>,
-    /// Of brightness and colour, each: squared contrast, contrast times the light beyond the background, that light squared.
+    /// For brightness and colour: squared contrast, contrast times light above background, squared light above background.
     light: [[Vec<f32>; 3]; PARTS],
-    /// Of brightness and colour, each, where the edge was last: share of the disc, its change a px inwards, that change times the distance
+    /// For brightness and colour at the last edge: share of the disc, its change per px inwards, and that change times the distance
     /// in blurs.
     share: [[Vec<f32>; 3]; PARTS],
     edge: Edge,
@@ -62,8 +62,8 @@ impl Band {
         self.edge = *edge;
     }
 
-    /// The sums where the edge is now: a little away from where the pixels were gathered. `trust` says by sector what its pixels count.
-    /// Where radius and blur are known, theirs are left out.
+    /// Sums at the current edge, which is close to the edge of gathering. `trust` is the weight of each sector's pixels. With a known outline, sums for
+    /// radius and blur are omitted.
     pub fn sum<const IS_OUTLINE_OPEN: bool>(
         &mut self,
         edge: &Edge,
@@ -83,7 +83,7 @@ impl Band {
         let [share_y, share_c] = self.share.each_ref().map(|lists| lists.each_ref().map(|list| &list[..count]));
         let [x, y] = self.nearer.each_ref().map(|list| &list[..count]);
         let (px, sector) = (&self.px[..count], &self.sector[..count]);
-        // x x, x y, y y, x r, y r, r r of centre and radius; x, y, r with the part's blur, and the blur's own.
+        // Products xx, xy, yy, xr, yr, rr of centre and radius; then x, y, r with each blur, and each blur with itself.
         let mut together = [0.0_f64; 6];
         let mut with_blur = [[0.0_f64; 4]; PARTS];
         let mut pulls = [0.0_f64; 3 + PARTS];
@@ -98,7 +98,7 @@ impl Band {
                 let [own, with, other] = light.map(|list| list[i]);
                 let [covered, steepness, widening] = share.map(|list| list[i]);
                 let weight = weights[part];
-                // Squared residual, and the residual along the contrast.
+                // Squared residual, and residual times contrast.
                 let residual2 = other - covered * (2.0 * with - covered * own);
                 let along = weight * (with - covered * own);
                 squared += weight * residual2;
@@ -143,7 +143,7 @@ impl Band {
         sums.noise = [brightness, colour / 2.0];
     }
 
-    /// The disc's share of the light of every pixel, where the edge is now.
+    /// The disc's share of the light of every pixel at the current edge.
     fn shares(&mut self, edge: &Edge, part: usize) {
         let count = self.outside.len();
         let shift = if part == 1 { edge.colour_shift } else { Vector::zeros() };
@@ -164,7 +164,7 @@ impl Band {
     }
 }
 
-/// The matrix of products of centre and radius, and of the parts' blurs with them and with themselves.
+/// Normal matrix from the products of centre and radius, and of the blurs with them and with themselves.
 fn normal_matrix(together: [f64; 6], with_blur: [[f64; 4]; PARTS]) -> SMatrix<f64, UNKNOWNS, UNKNOWNS> {
     let [xx, xy, yy, xr, yr, rr] = together;
     let [[xb, yb, rb, bb], [xc, yc, rc, cc]] = with_blur;
@@ -179,7 +179,7 @@ fn normal_matrix(together: [f64; 6], with_blur: [[f64; 4]; PARTS]) -> SMatrix<f6
     normal
 }
 
-/// The normal distribution, to 1e-6, and its density. Beyond [`BAND`] there is no edge: the distribution ends.
+/// Normal distribution, accurate to 1e-6, and its density. Both are cut at [`BAND`], where the edge ends.
 ///
 /// # Reference
 /// Abramowitz and Stegun, Handbook of Mathematical Functions, 26.2.17.
@@ -188,7 +188,7 @@ pub(super) fn normal_distribution(x: f32) -> (f32, f32) {
     let far = x.abs();
     let t = 1.0 / (1.0 + 0.231_641_9 * far);
     let polynomial = t * (0.319_381_53 + t * (-0.356_563_78 + t * (1.781_477_9 + t * (-1.821_256 + t * 1.330_274_4))));
-    // exp(-x^2 / 2) as the eighth power of a short series.
+    // The eighth power of a short series gives exp(-x^2 / 2).
     let v = -x * x / 16.0;
     let root = 1.0 + v * (1.0 + v * (0.5 + v * (1.0 / 6.0 + v * (1.0 / 24.0 + v * (1.0 / 120.0)))));
     let (squared, inverse_root_of_tau) = (root * root, 0.398_942_3);

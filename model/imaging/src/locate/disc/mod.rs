@@ -1,12 +1,12 @@
-//! The centre of a disc, from the light of the pixels about its edge.
+//! Centre of a disc from the light of the pixels about its edge.
 //!
-//! A pixel at the distance d outside the disc's edge (px) shows background + (disc - background) Phi(-d / b): the edge, blurred by a
-//! Gaussian of standard deviation b, Phi the normal distribution. Brightness and colour have a b each, since compressed images store colour
-//! with fewer pixels. The disc's own light falls off evenly over its inside, the background one colour for each sector around it, since plates
-//! and ribs cross it. Centre, radius and both b are found by least squares over the pixels of the edge; each counts by the square of its
-//! contrast, as noise is the same everywhere. Sectors that do not look like an edge (an occluder, another marker) are left out.
+//! A pixel at the distance d (px) outside the disc's edge shows background + (disc - background) Phi(-d / b). This is an edge blurred by a Gaussian of
+//! standard deviation b, with Phi the normal distribution. Brightness and colour have separate b, since compressed images store colour with fewer pixels.
+//! The disc's light varies linearly over its inside. The background is constant per sector around it, since plates and ribs cross it. Centre, radius and
+//! both b follow from least squares over the pixels of the edge. Pixels are weighted by the squared contrast, as noise is equal everywhere. Sectors that
+//! do not look like an edge (an occluder, another marker) are omitted.
 //!
-//! Distances are taken in the finger's plane, where the disc is a circle: what perspective and lens do to its image is allowed for.
+//! Distances are measured in the finger's plane, where the disc is a circle, so perspective and lens distortion are taken into account.
 
 mod band;
 mod plane_map;
@@ -22,83 +22,80 @@ use plane_map::{Pixels, PlaneMap};
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
 use sums::{SectorSums, Sums};
 
-/// Unknowns of an edge: centre (two), radius, blur of brightness and of colour.
+/// Number of unknowns of an edge: centre (two), radius, blurs of brightness and colour.
 const UNKNOWNS: usize = 5;
-/// Parts of the light: brightness and colour.
+/// Number of parts of the light: brightness and colour.
 const PARTS: usize = 2;
-/// Standard deviation of the difference of their blurs, px, for noise of two grey levels: holds the one that a marker hardly shows.
+/// Prior standard deviation of the difference of both blurs, px, for noise of two grey levels; it constrains a blur that a marker hardly shows.
 const BLURS_APART_PX: f64 = 0.15;
 const USUAL_NOISE: f64 = 2.0;
-/// Half the width of the band of pixels about the edge, in b.
+/// Half width of the band of pixels about the edge, in b.
 const BAND: f64 = 2.5;
-/// b where the search starts, and its smallest, px. A pixel's own width is a blur of 0.29 px.
+/// Initial and smallest b, px. The width of a pixel alone is a blur of 0.29 px.
 const FIRST_BLUR_PX: f64 = 0.9;
 const LEAST_BLUR_PX: f64 = 0.25;
-/// Largest blur of markers, as a share of their radius: beyond it nothing of a disc shows its own light.
+/// Largest blur of markers, as a share of their radius; beyond it no pixel of a disc shows its undisturbed light.
 pub(super) const LARGEST_BLUR: f64 = 0.33;
-/// Largest deviation of the radius from the expected one, as a share.
+/// Largest relative deviation of the radius from the expected one.
 const RADIUS_TOLERANCE: f64 = 0.25;
-/// Largest residual standard deviation, as a share of the contrast; and that of grey discs, for which there is another way (`rim`). Photographed
-/// screws, whose heads shine and whose rims the camera has sharpened, are above it.
+/// Largest residual standard deviation, as a share of the contrast; smaller for grey discs, which rays can measure instead (`rim`). Photographed screws
+/// with shiny heads, and rims sharpened by the camera, exceed it.
 const LARGEST_RESIDUAL: f64 = 0.2;
 const LARGEST_GREY_RESIDUAL: f64 = 0.07;
-/// Room for a centre that is not where the search begins, px.
+/// Largest expected distance of the centre from the start of the search, px.
 const ROOM_PX: f64 = 1.0;
-/// Rounds in which pixels are gathered where the edge is by then, and steps in a round, at most; a step that moves the centre by less, px,
-/// is the last of its round.
+/// Largest number of rounds that gather pixels about the current edge, most steps per round, and the step of the centre at which a round ends, px.
 const ROUNDS: usize = 9;
 const STEPS: usize = 5;
 const STILL_PX: f64 = 0.002;
-/// An edge that moves less than this in a round, px, is near: from then on unlikely sectors are left out; and one that moves less than this is
-/// there.
+/// Motion of the edge in a round, px, below which it is near, so that unlikely sectors are omitted; and below which it has been found.
 const NEAR_PX: f64 = 1.0;
 const THERE_PX: f64 = 0.25;
-/// Largest change of the centre in the last step, px; it counts as an error.
+/// Largest change of the centre in the last step, px; it is included in the standard deviation.
 const SETTLED_PX: f64 = 0.05;
-/// Smallest standard deviation of a centre, px: shading, rounding to grey levels and what the model of the edge leaves out.
+/// Smallest standard deviation of a centre, px: shading, rounding to grey levels, and errors of the edge model.
 const LEAST_SD_PX: f64 = 0.005;
-/// The same of small or blurred discs, px, times (blur / radius)^2: of what lies about them less is seen beside their edge. Both are from
-/// rendered images, of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
+/// Standard deviation for small or blurred discs, px, times (blur / radius)^2: their edges leave little of the surroundings visible. Both values come
+/// from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
 const SMALL_SD_PX: f64 = 0.45;
-/// The same of rings, px, times the share of the light in the middle of the ring that comes from beside it: its own light is nowhere seen.
+/// Standard deviation for rings, px, times the share of neighbouring light in the middle of the ring, where no pixel shows the ring's light alone.
 const RING_SD_PX: f64 = 0.4;
 
-/// A disc that was found.
+/// A measured disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Disc {
-    /// Its centre in the finger's plane, mm.
+    /// Centre in the finger frame, mm.
     pub centre: Vector,
-    /// The pixel of the centre.
+    /// Pixel of the centre.
     pub pixel: Pixel,
     /// Standard deviation of one coordinate of the centre, mm.
     pub sd_mm: f64,
-    /// Radius, mm, and blur, px, as found or as given.
+    /// Radius and blurs, measured or given.
     pub outline: Outline,
-    /// Variance of the centre from what the residuals have of two and of three periods around the edge, over that from independent pixels: more
-    /// than 1 where neighbouring pixels err alike, as after compression.
+    /// Variance of the centre from the residuals' power of two and of three periods around the edge, relative to independent pixels; dimensionless. Above 1
+    /// if errors of neighbouring pixels are correlated, as after compression.
     pub excess_variances: [f64; 2],
-    /// Mean squared residual of brightness and of colour about the edge, grey levels^2.
+    /// Mean squared residual of brightness and of colour about the edge, squared grey levels.
     pub noise: [f64; PARTS],
 }
 
-/// What the discs of an image have in common.
+/// Outline that the discs of an image share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Outline {
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Standard deviation of the blur of brightness and of colour, px.
+    /// Standard deviations of the blur of brightness and of colour, px.
     pub blurs_px: [f64; PARTS],
 }
 
-/// What a disc says of the displacement of colour against brightness, beside its own centre: the normal equations of least squares, over the
-/// variance of the residuals.
+/// Normal equations of a disc for the displacement of colour against brightness, with its centre eliminated, divided by the residual variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ColourShift {
     pub normal: Matrix2<f64>,
     pub gradient: Vector2<f64>,
 }
 
-/// What is sought: centre and radius in the units of the plane's map, and the blurs (px).
+/// Unknowns of the search: centre and radius in the units of the plane map, and blurs (px).
 #[derive(Debug, Clone, Copy, Default)]
 struct Edge {
     centre: Vector,
@@ -108,29 +105,29 @@ struct Edge {
 }
 
 impl Edge {
-    /// Half the width of the band of pixels about the edge in which brightness or colour changes, px.
+    /// Half width of the band about the edge in which brightness or colour changes, px.
     fn band(&self) -> f64 {
         BAND * self.blurs[0].max(self.blurs[1])
     }
 }
 
-/// An image and how its light is weighed.
+/// An image with the weights of its light.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View<'a> {
     pub image: &'a RgbImage,
     pub camera: &'a Camera,
     /// Height of the discs above the finger's plane, mm.
     pub height_mm: f64,
-    /// Of grey discs and rings, the radius inside which anything may be seen, mm; 0 for a whole disc. What lies about them has as much contrast as
-    /// they have themselves: their edge is measured only where the background is even.
+    /// For grey discs and rings, inner radius of a ring, mm, inside which any appearance is allowed; 0 for a whole disc. Their surroundings may have as much
+    /// contrast, so the edge is measured only where the background is even.
     pub grey_inner_mm: Option<f64>,
-    /// What squared differences of brightness and of colour count: inverse to their noise, 1 for the less noisy; colour may be left out (0).
+    /// Weights of squared differences of brightness and colour: inverse to their noise, 1 for the less noisy part; 0 omits colour.
     pub weights: [f64; PARTS],
-    /// How far colour is displaced against brightness along the finger's axes, px: by encoders that take every other pixel's, and by lenses.
+    /// Displacement of colour against brightness along the finger's axes, px; caused by encoders that subsample colour, and by lenses.
     pub colour_shift_px: Vector,
 }
 
-/// What one disc after the other is measured in.
+/// Buffers that are reused from disc to disc.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Buffers {
     pixels: Pixels,
@@ -140,17 +137,17 @@ pub(super) struct Buffers {
 }
 
 impl View<'_> {
-    /// Measures a disc of about this radius about a pixel; `None` where there is none.
+    /// Measures a disc of about `radius_mm` near a pixel; `None` if there is none.
     pub fn measure(&self, radius_mm: f64, about: &Pixel, buffers: &mut Buffers) -> Option<Disc> {
         Search::new(self, Outline { radius_mm, blurs_px: [FIRST_BLUR_PX; PARTS] }, about, true, buffers)?.found()
     }
 
-    /// Measures the centre alone of a disc whose radius and blur are known from others.
+    /// Measures only the centre of a disc with known radius and blurs.
     pub fn measure_centre(&self, outline: Outline, about: &Pixel, buffers: &mut Buffers) -> Option<Disc> {
         Search::new(self, outline, about, false, buffers)?.found()
     }
 
-    /// The same, with what the disc says of a further displacement of colour.
+    /// Same as [`measure_centre`](View::measure_centre), with the disc's equations for a further displacement of colour.
     pub fn measure_centre_and_colour(
         &self,
         outline: Outline,
@@ -169,11 +166,11 @@ struct Search<'a> {
     edge: Edge,
     /// The edge at the start.
     expected: Edge,
-    /// Whether radius and blur are sought too.
+    /// Whether radius and blurs are unknown, too.
     is_outline_open: bool,
-    /// See [`View::grey_inner_mm`], in the map's units.
+    /// See [`View::grey_inner_mm`]; in the map's units.
     grey_inner: Option<f64>,
-    /// Largest blur whose band leaves room for the background among the gathered pixels, px.
+    /// Largest blur whose band and background fit into the gathered pixels, px.
     largest_blur_px: f64,
     buffers: &'a mut Buffers,
 }
@@ -182,7 +179,7 @@ struct Search<'a> {
 struct Step {
     /// Change of the centre, px.
     change_px: f64,
-    /// The centre's part of the inverse of the normal equations.
+    /// Block of the inverse normal matrix for the centre.
     inverse: Matrix2<f64>,
 }
 
@@ -199,7 +196,7 @@ impl<'a> Search<'a> {
         let edge =
             Edge { centre: Vector::zeros(), radius, blurs: expected.blurs_px, colour_shift: view.colour_shift_px };
         let radius_px = map.radius_px(radius);
-        // Room for an edge that is a quarter farther out, blurred twice as much or as much as it may be, and its background.
+        // Room for an edge with a larger radius (by the tolerance), twice the blur or the largest blur, and the background.
         let (wider, band) = match is_outline_open {
             true => (1.0 + RADIUS_TOLERANCE, (2.0 * edge.band()).max(BAND * LARGEST_BLUR * radius_px)),
             false => (1.0, edge.band()),
@@ -213,10 +210,10 @@ impl<'a> Search<'a> {
 
     fn found(&mut self) -> Option<Disc> {
         let weights = self.view.weights;
-        // Where the outline is known, so is about where the centre is.
+        // With a known outline, the centre is known approximately.
         let mut is_near = !self.is_outline_open;
         for round in 0..ROUNDS {
-            // Where the search began, sectors are judged after a step: an edge that is a little off looks unlikely.
+            // In the first round, sectors are judged after one step, since a slightly displaced edge looks unlikely.
             let judged_from = usize::from(round == 0);
             let from = self.edge;
             let Buffers { pixels, shades, band, .. } = &mut *self.buffers;
@@ -253,7 +250,7 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// One step of Gauss and Newton; `None` where the edge is lost.
+    /// One Gauss-Newton step; `None` if the edge is lost.
     fn step(&mut self) -> Option<Step> {
         let sums = &self.buffers.sums;
         let edge = &mut self.edge;
@@ -262,7 +259,7 @@ impl<'a> Search<'a> {
         if self.is_outline_open {
             let mut normal = sums.normal;
             let mut gradient = sums.gradient;
-            // Both blurs are the lens's, but for compression.
+            // The lens causes both blurs, so they are equal except for compression.
             let tie = (USUAL_NOISE / BLURS_APART_PX).powi(2);
             for (part, other) in [(3, 4), (4, 3)] {
                 normal[(part, part)] += tie;
@@ -289,7 +286,7 @@ impl<'a> Search<'a> {
         is_near.then(|| Step { change_px: change.fixed_rows::<2>(0).norm(), inverse })
     }
 
-    /// Where the disc was found; the centre is eliminated.
+    /// Normal equations for the displacement of colour at the measured disc, with the centre eliminated.
     fn colour_shift(&mut self) -> Option<ColourShift> {
         let Buffers { shades, band, sums, .. } = &mut *self.buffers;
         let variance = sums.residual_variance();
@@ -301,7 +298,7 @@ impl<'a> Search<'a> {
         Some(ColourShift { normal: normal / variance, gradient: sums.gradient.fixed_rows::<2>(0) / variance })
     }
 
-    /// See [`RING_SD_PX`].
+    /// Standard deviation by [`RING_SD_PX`], px; zero for discs.
     fn ring_sd_px(&self) -> f64 {
         let Some(inner) = self.grey_inner.filter(|inner| *inner > 0.0) else { return 0.0 };
         let half_width = 0.5 * (self.edge.radius - inner);
@@ -334,7 +331,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The variance of the centre from what the residuals have of two and of three periods around the edge, over another one.
+/// Variance of the centre from the residuals' power of two and of three periods around the edge, relative to `variance_px2`.
 fn excess_variances(sectors: &[SectorSums], inverse: &Matrix2<f64>, variance_px2: f64) -> [f64; 2] {
     let angle = std::f64::consts::TAU / sectors.len() as f64;
     let to_next = Complex::cis(angle);

@@ -1,4 +1,4 @@
-//! The finger's plane about a marker, as its pixels see it.
+//! Map from the pixels about a marker to the finger's plane.
 
 use super::Edge;
 use finray_model::Vector;
@@ -6,11 +6,11 @@ use finray_model::camera::{Camera, Pixel};
 use image::RgbImage;
 use nalgebra::Matrix2;
 
-/// Brightness as JPEG and television have it (0.299 R + 0.587 G + 0.114 B, ITU-R BT.601), and two parts of the colour at right angles to it,
-/// scaled so that noise that is alike in red, green and blue is alike in all three.
+/// Brightness as in JPEG and television (0.299 R + 0.587 G + 0.114 B, ITU-R BT.601), and two orthogonal components of colour. All are scaled so that
+/// equal noise in red, green and blue is equal in all three.
 fn light_of(pixel: &[u8]) -> [f32; 3] {
     let [r, g, b] = [f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2])];
-    // (0.299, 0.587, 0.114), (0.587, -0.299, 0) and their cross product, each of length 1.
+    // The rows are (0.299, 0.587, 0.114), (0.587, -0.299, 0) and their cross product, each of length 1.
     [
         0.447_233_1 * r + 0.878_012_8 * g + 0.170_517 * b,
         0.891_062_7 * r - 0.453_880_3 * g,
@@ -18,29 +18,29 @@ fn light_of(pixel: &[u8]) -> [f32; 3] {
     ]
 }
 
-/// The pixels about a marker, a list for each quantity.
+/// The pixels about a marker, a list per quantity.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pixels {
-    /// Where they lie in the plane, from the map's origin, in its units.
+    /// Positions in the plane relative to the map's origin, in the map's units.
     pub at: [Vec<f32>; 2],
-    /// Brightness and two parts of colour.
+    /// Brightness and two components of colour, grey levels.
     pub light: [Vec<f32>; 3],
-    /// Distance outside the edge along the image, px: of the edge that was last asked for.
+    /// Distance outside the last measured edge along the image, px.
     pub outside: Vec<f32>,
 }
 
-/// Positions in the plane about a pixel, to second order in the distance from it. Their unit is `unit_mm`, about that of a pixel.
+/// Second-order map from pixels to positions in the plane, about one pixel. Its unit, `unit_mm`, is about the size of a pixel.
 pub(super) struct PlaneMap {
     about: Pixel,
-    /// The point at the middle, mm.
+    /// The point at the middle, mm, finger frame.
     pub origin: Vector,
-    /// Derivatives of a position by the pixel's coordinates, over about a radius to both sides.
+    /// Derivatives of a position by the pixel's coordinates, from differences over about one radius to both sides.
     slope: Matrix2<f64>,
-    /// Second derivatives by u u, u v and v v.
+    /// Second derivatives of a position by uu, uv and vv.
     curvature: [Vector; 3],
-    /// Root of the area that a pixel has in the plane, mm.
+    /// Root of the area of a pixel in the plane, mm.
     pub unit_mm: f64,
-    /// Derivatives of the pixel by the plane's coordinates.
+    /// Derivatives of the pixel by the position in the plane.
     by_point: Matrix2<f64>,
 }
 
@@ -67,15 +67,15 @@ impl PlaneMap {
         })
     }
 
-    /// The longest radius of the image of a disc of a radius in the map's units, px.
+    /// Longest radius, px, of the image of a disc with a radius in the map's units.
     pub fn radius_px(&self, radius: f64) -> f64 {
-        // The largest singular value.
+        // The largest singular value of `by_point`.
         let (squares, determinant) = (self.by_point.norm_squared(), self.by_point.determinant());
         let spread = (squares * squares - 4.0 * determinant * determinant).max(0.0).sqrt();
         radius * (0.5 * (squares + spread)).sqrt()
     }
 
-    /// Gathers the pixels within a distance of the middle that are in the image: a disc at the border is measured by what is seen of its
+    /// Gathers the pixels of the image within `reach` px of the middle. A disc at the image border is measured by the visible part of its
     /// surroundings.
     pub fn gather(&self, image: &RgbImage, reach: f64, pixels: &mut Pixels) {
         pixels.at.iter_mut().chain(&mut pixels.light).for_each(Vec::clear);
@@ -90,7 +90,7 @@ impl PlaneMap {
             let v = row as f64 - self.about.y;
             let half = (reach * reach - v * v).max(0.0).sqrt();
             let columns = within(self.about.x, half, image.width());
-            // By u: constant, slope, half the curvature.
+            // Polynomial in u: constant, slope, half the curvature.
             let rest = self.slope.column(1) * v + vv * (0.5 * v * v);
             let by_u = self.slope.column(0) + uv * v;
             for (axis, list) in pixels.at.iter_mut().enumerate() {
@@ -111,7 +111,7 @@ impl PlaneMap {
         pixels.outside.resize(pixels.at[0].len(), 0.0);
     }
 
-    /// Works out how far outside an edge the pixels are.
+    /// Computes the distances of the pixels outside an edge, px.
     pub fn measure_from(&self, edge: &Edge, pixels: &mut Pixels) {
         let polar = self.about_edge(edge);
         let Pixels { at: [x, y], outside, .. } = pixels;
@@ -121,7 +121,7 @@ impl PlaneMap {
         }
     }
 
-    /// How points lie to an edge.
+    /// Geometry of points relative to an edge.
     pub fn about_edge(&self, edge: &Edge) -> AboutEdge {
         AboutEdge {
             centre: [edge.centre.x as f32, edge.centre.y as f32],
@@ -131,31 +131,31 @@ impl PlaneMap {
     }
 }
 
-/// An edge and the map's slope.
+/// An edge with the slope of the map.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AboutEdge {
     centre: [f32; 2],
     radius: f32,
-    /// By columns.
+    /// Derivatives of the position, by columns.
     slope: [f32; 4],
 }
 
-/// How a point of the plane lies to an edge, in the map's units.
+/// Geometry of a point relative to an edge, in the map's units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Polar {
-    /// Step from the centre.
+    /// Vector from the centre to the point.
     pub step: [f32; 2],
-    /// Its length.
+    /// Length of that vector.
     pub far: f32,
-    /// The length, times how many units a px along the step is.
+    /// That length times the length of one px along the vector.
     pub along: f32,
 }
 
 impl AboutEdge {
-    /// How a point lies to the edge.
+    /// Geometry of a point relative to the edge.
     #[inline]
     pub fn of(&self, x: f32, y: f32) -> Polar {
-        // A point at the centre is as far inside as can be, whatever its direction.
+        // Avoids a division by zero at the centre.
         const LEAST: f32 = 1e-3;
         let step = [x - self.centre[0], y - self.centre[1]];
         let far = (step[0] * step[0] + step[1] * step[1]).sqrt().max(LEAST);
@@ -166,7 +166,7 @@ impl AboutEdge {
     }
 }
 
-/// The angle of a direction as a share of a whole turn, good to 6e-4: sectors need no more, and the arctangent would take half of the time.
+/// Angle of a direction as a share of a full turn, accurate to 6e-4. Sectors need no more, and the exact arctangent would take half of the time.
 ///
 /// # Reference
 /// S. Rajan et al., Efficient approximations for the arctangent function, IEEE Signal Processing Magazine 23 (2006), eq. (7).
@@ -185,7 +185,7 @@ mod tests {
     use super::*;
     use finray_model::camera::{Distortion, Lens, Pose};
 
-    /// What lies beyond the corners of an image has few pixels or none.
+    /// Pixels are counted correctly at and beyond the corners of an image.
     #[test]
     fn pixels_are_gathered_at_the_border() {
         let [width, height] = [64, 48];

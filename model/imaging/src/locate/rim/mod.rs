@@ -1,11 +1,11 @@
-//! Bright or dark discs and rings in grey light, by their outer rim.
+//! Bright or dark discs and rings in grey images, measured by their outer rim.
 //!
-//! What is inside a ring (a screw's head, a hole) and what lies about it may look like anything; the rim is where the light changes most along a
-//! ray from the centre. Rays are cast in the plane of the markers, where the rim is a circle, whatever perspective and lens do to its image.
+//! The inside of a ring (a screw's head, a hole) and its surroundings may have any appearance. The rim is where the light changes most along a ray from the
+//! centre. Rays are cast in the plane of the markers, where the rim is a circle, independent of perspective and lens distortion.
 //!
-//! Rays show where a rim is, but strips that cross it at a slant (a rib, a bracket) pull the edges that they find towards their own, by some
-//! hundredths of a pixel and always to the same side. The centre is therefore that of the model of a blurred edge (`disc`), fitted where the
-//! background is even; where it does not fit, as on a screw that light falls on from one side, it is that of the rays.
+//! Strips that cross a rim at a slant (a rib, a bracket) shift the edges found by rays systematically, by some hundredths of a pixel. The centre therefore
+//! comes from the model of a blurred edge (`disc`), fitted where the background is even. If the model does not fit, as on a screw lit from one side, the
+//! centre comes from the rays.
 
 mod votes;
 
@@ -17,72 +17,72 @@ use image::{GrayImage, RgbImage};
 use nalgebra::{Complex, Matrix2, Matrix3, Vector3};
 use votes::Slopes;
 
-/// Rays from a centre, and steps along each, px.
+/// Number of rays from a centre, and step along each, px.
 const RAYS: usize = 64;
 const STEP_PX: f64 = 0.25;
-/// Where along a ray the edge may be, against the expected radius.
+/// Range of the edge along a ray, relative to the expected radius.
 const REACH: [f64; 2] = [0.75, 1.3];
-/// Half the length over which the light before and after an edge is averaged, px.
+/// Length on each side of an edge over which the light is averaged, px.
 const SIDE_PX: f64 = 1.0;
-/// Smallest step of the light across a rim, grey levels.
+/// Smallest change of light across a rim, grey levels.
 const LEAST_CONTRAST: f64 = 8.0;
-/// Share of the rays that must meet the rim.
+/// Smallest share of the rays that must meet the rim.
 const LEAST_SHARE: f64 = 0.6;
-/// Rays whose edge is farther off the circle than so many standard deviations (of which the least is so many px) do not count.
+/// Largest deviation of a ray's edge from the circle, in standard deviations; and the smallest standard deviation assumed, px.
 const OUTLIER: f64 = 3.0;
 const LEAST_SPREAD_PX: f64 = 0.15;
-/// Radius of a marker against the stated one: what the rim's sharpest edge may be off.
+/// Largest relative deviation of a marker's radius from the stated one, since the sharpest edge may lie beside the rim.
 const RADIUS_TOLERANCE: f64 = 0.2;
 /// Largest standard deviation of the rim about its circle, as a share of the radius.
 const LARGEST_SPREAD: f64 = 0.1;
-/// Rims whose centres are nearer to each other than this, in radii, overlap: markers do not.
+/// Smallest distance between the centres of two rims, in radii; markers do not overlap.
 const APART: f64 = 1.8;
-/// Rounds of casting rays from the centre that is known by then, and of leaving out rays; in the first so many of the latter, only those that must
-/// meet a rim count.
+/// Number of rounds that cast rays from the current centre, and that omit rays within each. In the first rounds of the latter, only the smallest required
+/// share of rays counts.
 const ROUNDS: usize = 4;
 const TRIMMED_ROUNDS: usize = 2;
-/// Smallest standard deviation of a centre by rays, px: twice that by the model of an edge.
+/// Smallest standard deviation of a centre by rays, px; twice that by the edge model.
 const LEAST_SD_PX: f64 = 0.01;
 
-/// Rims are seen in grey light.
+/// Weights of brightness and colour: rims are measured in grey.
 const BRIGHTNESS_ALONE: [f64; 2] = [1.0, 0.0];
 
-/// A rim that was found.
+/// A measured rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rim {
-    /// Its centre in the plane, mm.
+    /// Centre, mm, in the frame of the camera's pose.
     pub centre: Vector,
-    /// The pixel of the centre.
+    /// Pixel of the centre.
     pub pixel: Pixel,
-    /// Its radius, mm.
+    /// Radius, mm.
     pub radius_mm: f64,
     /// Standard deviation of one coordinate of the centre, mm.
     pub sd_mm: f64,
-    /// The same of the centre by rays: how round the rim is.
+    /// Standard deviation of one coordinate of the centre by rays, mm; a measure of roundness.
     pub rays_sd_mm: f64,
-    /// Of a centre by the model of an edge: see [`Disc::excess_variances`].
+    /// For a centre by the edge model, as [`Disc::excess_variances`]; `None` for a centre by rays.
     pub excess_variances: Option<[f64; 2]>,
 }
 
 impl Rim {
-    /// Standard deviation of one coordinate of the centre, mm, where that of a centre by the model of an edge is so much wider.
+    /// Standard deviation of one coordinate of the centre, mm; multiplied by `wider` for a centre by the edge model.
     pub fn widened_sd_mm(&self, wider: f64) -> f64 {
         if self.excess_variances.is_some() { self.sd_mm * wider } else { self.sd_mm }
     }
 }
 
-/// What rims are sought.
+/// Shape of the rims to find.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RimShape {
-    /// Outer radius, and that of what may look like anything inside, mm.
+    /// Outer radius, and inner radius inside which any appearance is allowed, mm.
     pub radius_mm: f64,
     pub inner_radius_mm: f64,
     pub shade: Shade,
-    /// Height of their plane, mm.
+    /// Height above the finger's plane, mm.
     pub height_mm: f64,
 }
 
-/// An image in which rims are sought.
+/// An image with its slopes of light.
 pub(super) struct GreyView<'a> {
     camera: &'a Camera,
     image: &'a RgbImage,
@@ -97,7 +97,7 @@ impl<'a> GreyView<'a> {
     }
 }
 
-/// Rims of a shape that do not overlap, those with most votes first. `radius_px` is about what they have in the image.
+/// Rims of a shape that do not overlap, those with the most votes first. `radius_px` is their approximate radius in the image.
 pub(super) fn rims(view: &GreyView, shape: &RimShape, radius_px: f64) -> Vec<Rim> {
     let centres = votes::centres(&view.slopes, radius_px, shape.shade);
     let mut buffers = Buffers::default();
@@ -110,7 +110,7 @@ pub(super) fn rims(view: &GreyView, shape: &RimShape, radius_px: f64) -> Vec<Rim
     found
 }
 
-/// An edge that a ray meets: its distance from the centre, mm; by ray.
+/// Distance from the centre to the edge that each ray meets, mm.
 type Edges = [Option<f64>; RAYS];
 
 fn direction(ray: usize) -> Vector {
@@ -118,7 +118,7 @@ fn direction(ray: usize) -> Vector {
     Vector::new(cosine, sine)
 }
 
-/// The rim about a pixel.
+/// Measures the rim about a pixel; `None` if there is none.
 fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buffers) -> Option<Rim> {
     let GreyView { camera, grey, .. } = view;
     let mut centre = camera.on_plane(about, shape.height_mm).ok()?;
@@ -147,7 +147,7 @@ fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buff
     is_rim.then(|| by_edge(view, shape, &by_rays, buffers).unwrap_or(by_rays))
 }
 
-/// The rim by the model of a blurred edge; `None` where it does not look like one.
+/// Measures a rim by the model of a blurred edge; `None` if the model does not fit.
 fn by_edge(view: &GreyView, shape: &RimShape, by_rays: &Rim, buffers: &mut Buffers) -> Option<Rim> {
     let view = View {
         image: view.image,
@@ -163,11 +163,11 @@ fn by_edge(view: &GreyView, shape: &RimShape, by_rays: &Rim, buffers: &mut Buffe
     Some(Rim { centre, pixel, radius_mm, sd_mm, excess_variances: Some(excess_variances), ..*by_rays })
 }
 
-/// Where the light changes most along each ray.
+/// Finds the largest change of light along each ray.
 fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, mm_a_px: f64) -> Edges {
     let [nearest, farthest] = REACH.map(|share| share * shape.radius_mm);
     let side_mm = SIDE_PX * mm_a_px;
-    // Beside the edge nothing of what is inside a ring is seen.
+    // Samples start outside the inside of a ring.
     let from = (nearest - side_mm).max(shape.inner_radius_mm);
     let step = STEP_PX * mm_a_px;
     let count = ((farthest + side_mm - from) / step).ceil() as usize + 1;
@@ -184,7 +184,7 @@ fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, m
             let at = centre + along * (from + k as f64 * step);
             light.push(sign * brightness(grey, &camera.project(&at.push(shape.height_mm)).ok()?)?);
         }
-        // Fall of the light over both sides of a point.
+        // Decrease of light from the inner to the outer side of a point.
         let fall = |k: usize| {
             let inside: f64 = light[k.saturating_sub(side)..k].iter().sum::<f64>() / k.min(side) as f64;
             let outside: f64 =
@@ -197,7 +197,7 @@ fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, m
         if fall(best) < LEAST_CONTRAST || best == first || best == last {
             return None;
         }
-        // The top of the parabola through the largest fall and its neighbours.
+        // Vertex of the parabola through the largest decrease and its neighbours.
         let [before, here, after] = [best - 1, best, best + 1].map(fall);
         let bend = before - 2.0 * here + after;
         let shift = if bend < 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
@@ -205,7 +205,7 @@ fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, m
     })
 }
 
-/// Light at a position between pixels; `None` outside the image.
+/// Light at a position between pixels by bilinear interpolation, grey levels; `None` outside the image.
 fn brightness(grey: &GrayImage, at: &Pixel) -> Option<f64> {
     let (u, v) = (at.x.floor(), at.y.floor());
     let (width, height) = grey.dimensions();
@@ -217,25 +217,25 @@ fn brightness(grey: &GrayImage, at: &Pixel) -> Option<f64> {
     Some((light(0, 0) * (1.0 - x) + light(1, 0) * x) * (1.0 - y) + (light(0, 1) * (1.0 - x) + light(1, 1) * x) * y)
 }
 
-/// A circle through edges.
+/// A circle through the edges found by rays.
 #[derive(Debug, Clone, Copy)]
 struct Circle {
-    /// From where the rays begin, mm.
+    /// Centre relative to the origin of the rays, mm.
     centre: Vector,
     radius_mm: f64,
     /// Share of the rays that count.
     share: f64,
-    /// Standard deviation of the edges about it, and of one coordinate of its centre, mm.
+    /// Standard deviations of the edges about the circle, and of one coordinate of its centre, mm.
     spread_mm: f64,
     sd_mm: f64,
 }
 
 impl Circle {
-    /// The circle of least squares, without rays that are far off it; to first order about where the rays begin.
+    /// Circle by least squares without outliers, to first order about the origin of the rays.
     ///
-    /// A plate beside a rim takes a quarter of the rays: they draw a circle through all to themselves, and half of the others off it. So first the
-    /// rays that must meet a rim are sought, those that are nearest to the circle in turn (least trimmed squares: Rousseeuw, Van Driessen,
-    /// Data Mining and Knowledge Discovery 12, 2006), then what is far off them is left out.
+    /// A plate beside a rim catches a quarter of the rays. These shift the circle so that half of the other rays become outliers. The first rounds therefore
+    /// fit the required share of rays closest to the circle (least trimmed squares: Rousseeuw, Van Driessen, Data Mining and Knowledge Discovery 12, 2006).
+    /// Later rounds omit outliers.
     fn through(edges: &Edges, least_spread_mm: f64) -> Option<Circle> {
         let mut counts: [bool; RAYS] = std::array::from_fn(|ray| edges[ray].is_some());
         let mut circle = None;
@@ -282,14 +282,14 @@ impl Circle {
     }
 }
 
-/// Standard deviation of one coordinate of the centre. Neighbouring rays err alike: centres take up what errors have of one period around the
-/// rim, of which two and three periods, left in the residuals, say how much there is.
+/// Standard deviation of one coordinate of the centre, mm. Errors of neighbouring rays are correlated. A centre absorbs the errors of one period around the
+/// rim; the residuals of two to four periods show their power.
 fn centre_sd_mm(residuals: &[f64; RAYS], inverse: &Matrix2<f64>) -> f64 {
     let power = |periods: usize| {
         let turn = |ray: usize| Complex::cis(std::f64::consts::TAU * (periods * ray) as f64 / RAYS as f64);
         residuals.iter().enumerate().map(|(ray, off)| turn(ray) * *off).sum::<Complex<f64>>().norm_sqr() / RAYS as f64
     };
-    // Of independent errors, the mean power is their variance.
+    // For independent errors, the mean power equals their variance.
     let variance = (power(2) + power(3) + power(4)) / 3.0;
     (variance * inverse.trace() / 2.0).sqrt()
 }

@@ -1,4 +1,4 @@
-//! The conditions under which the camera is tried: one change each.
+//! Conditions for tests of the camera, one change each.
 
 use finray_imaging::render::Disturbances;
 use finray_model::camera::{Camera, Distortion, Lens, Pose};
@@ -12,47 +12,47 @@ pub(super) struct Condition {
     pub item: &'static str,
     pub setting: &'static str,
     pub change: Change,
-    /// Whether displacements are counted from where the same camera sees the finger at rest.
+    /// Whether displacements are relative to the undeformed positions seen by the same camera.
     pub is_rest_seen: bool,
 }
 
 pub(super) enum Change {
-    /// Of images, which are rendered and searched.
+    /// Change of the images, which are rendered and searched.
     Image(ImageChange),
-    /// Of what the camera is taken for.
+    /// Change of the assumed camera.
     Assumed(AssumedChange),
-    /// None of the camera: exact displacements of a finger that is meshed this many times as finely as the one that senses.
+    /// No camera: exact displacements of a finger whose mesh is this many times as fine as the estimator's.
     FinerFinger(usize),
 }
 
-/// How an image differs from that of the scene's camera.
+/// Difference of an image from that of the scene's camera.
 pub(super) struct ImageChange {
     /// Standard deviation of the noise, grey levels of 255, and of the blur, px.
     grey_noise: f64,
     blur_px: f64,
-    /// Share of the pixels along each side, and of the markers' radius.
+    /// Factors of the number of pixels along each side, and of the markers' radius.
     resolution: f64,
     radius: f64,
-    /// Quality of JPEG compression, of 100; colour has half of the pixels along each side, as cameras store it.
+    /// Quality of JPEG compression, 0 to 100. Colour has half the resolution along each side, as in cameras.
     quality: Option<u8>,
     clutter: usize,
 }
 
-/// Light of the corners that is missing against the middle, as a share.
+/// Loss of light in the corners relative to the middle, as a share.
 const FALLOFF: f64 = 0.3;
 /// An ordinary industrial camera in focus.
 pub(super) const ORDINARY: ImageChange =
     ImageChange { grey_noise: 2.0, blur_px: 0.8, resolution: 1.0, radius: 1.0, quality: None, clutter: 0 };
 
-/// How the camera that reads differs from the one that sees.
+/// Difference of the assumed camera from the true one.
 pub(super) struct AssumedChange {
-    /// Added to the distortion's k1.
+    /// Error added to the distortion coefficient k1, dimensionless.
     k1: f64,
     /// Factor of the focal lengths.
     focal: f64,
-    /// The finger's plane turned about its y axis, degrees.
+    /// Rotation of the finger's plane about its y axis, degrees.
     tilt_deg: f64,
-    /// Added to the height of the markers, mm.
+    /// Error added to the height of the markers, mm.
     height_mm: f64,
 }
 
@@ -66,7 +66,7 @@ const fn assumed(item: &'static str, setting: &'static str, change: AssumedChang
     Condition { item, setting, change: Change::Assumed(change), is_rest_seen }
 }
 
-/// All conditions, those that a quick study has first. The first is the scene's camera as it is.
+/// All conditions; a quick study uses the first ones. The very first is the scene's camera unchanged.
 pub(super) const CONDITIONS: &[Condition] = &[
     image(super::AS_IT_IS, "noise 2 of 255, blur 0.8 px", ORDINARY),
     image("resolution", "1/4 along each side", ImageChange { resolution: 0.25, ..ORDINARY }),
@@ -101,13 +101,13 @@ pub(super) const CONDITIONS: &[Condition] = &[
 ];
 
 impl ImageChange {
-    /// The camera and the markers that the image is taken of and read with; `None` where no lens is such.
+    /// Camera and markers for rendering and reading the image; `None` if the lens is invalid.
     pub fn applied(&self, camera: &Camera, markers: &Markers) -> Option<(Camera, Markers)> {
         let markers = Markers { radius_mm: markers.radius_mm * self.radius, ..*markers };
         let lens = &camera.lens;
         let side = |px: u32| ((f64::from(px) * self.resolution).round() as u32).max(1);
         let focal = lens.focal_px().map(|px| px * self.resolution);
-        // Pixel (0, 0) has its centre at (0, 0).
+        // The centre of pixel (0, 0) is at (0, 0).
         let middle = lens.principal_point_px().map(|px| (px + 0.5) * self.resolution - 0.5);
         let lens = Lens::new(lens.size_px().map(side), focal, middle, *lens.distortion()).ok()?;
         Some((Camera { lens, pose: camera.pose }, markers))
@@ -132,7 +132,7 @@ impl ImageChange {
 }
 
 impl AssumedChange {
-    /// The camera and the height of the markers (mm) that points are read with; `None` where no lens is such.
+    /// Camera and height of the markers (mm) for reading points; `None` if the lens is invalid.
     pub fn applied(&self, camera: &Camera, markers: &Markers) -> Option<(Camera, f64)> {
         let [k1, k2, p1, p2, k3] = camera.lens.distortion().to_opencv();
         let distortion = Distortion::from_opencv([k1 + self.k1, k2, p1, p2, k3]);

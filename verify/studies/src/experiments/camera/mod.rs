@@ -1,8 +1,8 @@
-//! From image to force: what noise, blur, resolution, markers, compression, lens, pose and height cost in displacement and force.
+//! From image to force: effects of noise, blur, resolution, markers, compression, lens, pose and height on displacement and force.
 //!
-//! The finger is bent by a known force at a node, seen by the scene's camera in a rendered image, found in it again, and sensed with the
-//! beams that it was bent with: the errors are those of the camera alone. What the camera is only assumed to be (lens, pose, height) needs
-//! no image: points are projected by the true camera and read with another one.
+//! A known force at a node deforms the finger. The scene's camera sees it in a rendered image, and its markers are located. The force is sensed with
+//! the same beams, so that all errors come from the camera. Errors in the assumed camera (lens, pose, height) need no image: points are projected by
+//! the true camera and read with another one.
 
 mod conditions;
 mod tried;
@@ -15,48 +15,48 @@ use finray_imaging::render::{RenderRequest, render};
 use finray_model::scene::MarkerLook;
 use tried::{Tried, tried};
 
-/// Error of a force that a user asks for, as a share.
+/// Relative error of a force that a user requires.
 pub const ASKED_ERROR: f64 = 0.01;
-/// Root mean square of a node's error in an image of the scene's camera, mm: a fiftieth of the paper's worst one.
+/// Largest root mean square of a node's position error in an image of the scene's camera, mm: a fiftieth of the paper's largest error.
 pub const GOOD_POSITION_MM: f64 = 0.004;
 
-/// The scene's camera with nothing changed.
+/// Name of the condition with the scene's camera unchanged.
 pub const AS_IT_IS: &str = "as it is";
 
-/// What one condition costs.
+/// Errors under one condition.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CameraRow {
-    /// What differs from the scene's camera: "noise", "lens", ..., or its mesh alone.
+    /// Property that differs from the scene's camera: "noise", "lens", ..., or its mesh.
     pub item: &'static str,
-    /// By how much.
+    /// Size of the difference, in words.
     pub setting: &'static str,
-    /// Whether images were rendered and searched, or points projected alone.
+    /// Whether images were rendered and searched; otherwise points were projected.
     pub in_images: bool,
-    /// Whether displacements are counted from where the same camera sees the finger at rest; otherwise from where the scene has it.
+    /// Whether displacements are relative to the undeformed finger seen by the same camera; otherwise to the scene's undeformed positions.
     pub is_rest_seen: bool,
-    /// Markers of the free nodes in all images and those that were found.
+    /// Number of markers of free nodes in all images.
     pub markers: usize,
-    /// See `markers`.
+    /// Number of markers that were found.
     pub found: usize,
-    /// Root mean square and largest error of a displacement's coordinate, mm; none where displacements are exact.
+    /// Root mean square error of a displacement's coordinate, mm; `None` for exact displacements.
     pub displacement_rms_mm: Option<f64>,
-    /// See `displacement_rms_mm`.
+    /// Largest error of a displacement's coordinate, mm; `None` for exact displacements.
     pub displacement_largest_mm: Option<f64>,
-    /// Root mean square of the standard deviations that the images are read with, mm.
+    /// Root mean square of the stated standard deviations of a coordinate, mm.
     pub stated_mm: Option<f64>,
-    /// Forces that were asked for and those that were refused.
+    /// Number of forces to sense.
     pub forces: usize,
-    /// See `forces`.
+    /// Number of refused forces.
     pub refused: usize,
     /// Root mean square over the answered nodes of sensed / true - 1.
     pub force_rms_error: Option<f64>,
-    /// The largest of them in size.
+    /// Largest |sensed / true - 1| over the answered nodes.
     pub force_largest_error: Option<f64>,
-    /// The same to first order: errors of displacements along the finger's response to the force.
+    /// Root mean square error of the force to first order: displacement errors projected on the finger's response to the force.
     pub first_order_rms_error: Option<f64>,
 }
 
-/// A node and the noise of a coordinate at which a force there errs by [`ASKED_ERROR`], by the Cramer-Rao bound.
+/// A node, with the noise of a coordinate at which the Cramer-Rao bound of a force there equals [`ASKED_ERROR`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NeededNoise {
     /// The node.
@@ -65,35 +65,35 @@ pub struct NeededNoise {
     pub noise_mm: f64,
 }
 
-/// The camera's errors, and what they cost.
+/// Errors of the camera, and resulting errors of the force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraStudy {
-    /// What each condition costs; the first is the scene's camera as it is.
+    /// Errors under each condition; the first is the scene's camera unchanged.
     pub rows: Vec<CameraRow>,
     /// Force at every node along the normal, N.
     pub force_n: f64,
     /// Nodes at which forces were sensed.
     pub nodes: Vec<NodeId>,
-    /// For every loaded contact node, from tip to base.
+    /// Required noise for every loaded contact node, from tip to base.
     pub needed: Vec<NeededNoise>,
     /// Size of the scene's images, px.
     pub size_px: [u32; 2],
-    /// Pixels a mm at the middle of the undeformed finger; `None` where the camera does not see it.
+    /// Scale at the middle of the undeformed finger, px/mm; `None` if the camera does not see it.
     pub px_a_mm: Option<f64>,
-    /// Time of an image in memory, on one core; `None` where it shows no finger.
+    /// Processing times of an image in memory, on one core; `None` if the image shows no finger.
     pub times: Option<FrameTimes>,
 }
 
 /// Median times from an image in memory to node positions, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameTimes {
-    /// The whole image is searched.
+    /// Time with a search of the whole image, s.
     pub search_s: f64,
-    /// Markers are sought near where they were in the image before.
+    /// Time with a search near the markers' previous positions, s.
     pub track_s: f64,
 }
 
-/// For scenes with a camera and coloured markers, and for the paper's finger with an assumed camera. Rims of grey markers are not studied.
+/// Camera study for scenes with a camera and coloured markers, and for the paper's finger with an assumed camera. `None` for grey markers.
 pub(crate) fn run(context: &Context) -> Result<Option<CameraStudy>, ExperimentError> {
     let assumed = context.is_paper.then(|| Scene::from_toml(finray_fixtures::CAMERA_SCENE).ok()).flatten();
     let scene = &context.given.scene;
@@ -107,21 +107,21 @@ pub(crate) fn run(context: &Context) -> Result<Option<CameraStudy>, ExperimentEr
     CameraStudy::of(context.finger, force_n, context.effort, context.progress, (&camera, &markers)).map(Some)
 }
 
-/// A bent finger, and how its free nodes move with the force.
+/// A deformed finger, with the response of its free nodes to the force.
 struct Bent {
     node: NodeId,
     force_n: f64,
     load: Load,
     shape: FingerShape,
-    /// mm per N, two coordinates a free node.
+    /// Derivative of each free node's displacement with respect to the force, mm/N.
     along: Vec<(NodeId, Vector)>,
 }
 
 impl CameraStudy {
-    /// Of a finger under a force at its nodes, a camera and the markers that it sees.
+    /// Study of a finger under `force_n` (N) at its nodes, seen by a camera with these markers.
     ///
     /// # Errors
-    /// [`ExperimentError`] where a force cannot be sensed at all.
+    /// [`ExperimentError`] if a force cannot be sensed at all.
     pub fn of(
         finger: &Finger,
         force_n: f64,
@@ -145,7 +145,7 @@ impl CameraStudy {
         };
         let needed = all.iter().map(needed).collect();
         let every = (all.len().div_ceil(most_nodes)).max(1);
-        // From the base on, where forces bend least.
+        // Selection starts from the base, where forces deform the finger least.
         let asked: Vec<&Bent> = all.iter().rev().step_by(every).collect();
         let nodes = finger.key_node_count();
         let middle = (1..=nodes).map(|node| finger.position(NodeId(node))).sum::<Vector>() / nodes as f64;
@@ -159,30 +159,30 @@ impl CameraStudy {
         };
         let rows: Result<Vec<CameraRow>, ExperimentError> = conditions.par_iter().with_max_len(1).map(row).collect();
         let rows = rows?;
-        // One after the other, with nothing beside it.
+        // Timed in sequence, without parallel computations.
         let times = asked.first().and_then(|bent| frame_times(finger, &bent.shape, camera, markers));
         let nodes = asked.iter().map(|bent| bent.node).collect();
         Ok(CameraStudy { rows, force_n, nodes, needed, size_px: camera.lens.size_px(), px_a_mm, times })
     }
 
-    /// The scene's camera as it is.
+    /// Row of the scene's camera unchanged.
     pub fn as_it_is(&self) -> Option<&CameraRow> {
         self.rows.first()
     }
 
-    /// Root mean square error of a force over the nodes of the rows, by the Cramer-Rao bound for independent noise of every coordinate.
+    /// Root mean square relative error of a force over the nodes of the rows, by the Cramer-Rao bound, for independent noise `noise_mm` (mm).
     pub fn bound_rms(&self, noise_mm: f64) -> Option<f64> {
         let asked = self.needed.iter().filter(|needed| self.nodes.contains(&needed.node));
         rms(asked.map(|needed| ASKED_ERROR * noise_mm / needed.noise_mm))
     }
 
-    /// The node that needs the least noise.
+    /// The node that requires the smallest noise.
     pub fn worst(&self) -> Option<NeededNoise> {
         self.needed.iter().copied().min_by(|a, b| a.noise_mm.total_cmp(&b.noise_mm))
     }
 }
 
-/// `None` where the finger does not carry the force.
+/// Deformed finger under `force_n` (N) at a node; `None` without equilibrium.
 fn bent(
     responding: &mut RespondingFinger,
     mesh: &Mesh,
@@ -233,7 +233,7 @@ fn condition_row(
     })
 }
 
-/// Times of two images in turn that differ in their noise; the first of each kind is not timed.
+/// Processing times of two alternating images that differ in their noise; the first run of each kind is excluded.
 fn frame_times(finger: &Finger, shape: &FingerShape, camera: &Camera, markers: &Markers) -> Option<FrameTimes> {
     const TIMED: usize = 9;
     let image = |seed: u64| {
@@ -269,7 +269,7 @@ impl Evidence for CameraStudy {
         };
         vec![
             internal("rms error of a coordinate, mm", row.displacement_rms_mm, GOOD_POSITION_MM),
-            // Fewer than one.
+            // A tolerance of fewer than one marker.
             internal("markers of free nodes that were not found", Some(unfound), 0.5),
         ]
     }

@@ -1,4 +1,4 @@
-//! A force at one node under one condition: what is seen of the bent finger, and what is sensed from it.
+//! A force at one node under one condition: observed displacements and the sensed force.
 
 use super::conditions::{Change, Condition, ImageChange};
 use super::{Bent, ExperimentError};
@@ -6,26 +6,26 @@ use crate::prelude::*;
 use finray_imaging::locate::Observer;
 use finray_imaging::render::{RenderRequest, render};
 
-/// Displacements as a camera has them, and their standard deviation.
+/// Displacements observed by a camera, mm, and their stated standard deviation, mm.
 struct Seen {
     displacements: Vec<(NodeId, Vector)>,
     sd_mm: Option<f64>,
 }
 
-/// One bent finger under a condition.
+/// Results for one deformed finger under one condition.
 pub(super) struct Tried {
-    /// Errors of the coordinates that were seen, mm.
+    /// Errors of the observed coordinates, mm.
     pub errors_mm: Vec<f64>,
-    /// Standard deviation of a coordinate as it is stated, mm; `None` if none is.
+    /// Stated standard deviation of a coordinate, mm; `None` if there is none.
     pub sd_mm: Option<f64>,
-    /// Markers that were found.
+    /// Number of markers found.
     pub found: usize,
-    /// sensed / true - 1, and to first order.
+    /// Error sensed / true - 1; below it, the same to first order.
     pub sensed: Option<f64>,
     pub first_order: Option<f64>,
 }
 
-/// `None` where nothing is seen of it.
+/// Observes and senses one deformed finger; `None` if it is not seen.
 pub(super) fn tried(
     mesh: &Mesh,
     (number, bent): (usize, &Bent),
@@ -61,7 +61,7 @@ pub(super) fn tried(
     let error = |(node, displacement): &(NodeId, Vector)| displacement - of_node(*node);
     let is_seen = !matches!(condition.change, Change::FinerFinger(_));
     let coordinates = seen.displacements.iter().filter(|_| is_seen).flat_map(|one| [error(one).x, error(one).y]);
-    // Least squares to first order: the errors along the response, over its square.
+    // Least squares to first order: projection of the errors on the response, divided by its squared norm.
     let (mut product, mut squares) = (0.0, 0.0);
     for one in &seen.displacements {
         let along = bent.along.iter().find(|(node, _)| *node == one.0).map_or_else(Vector::zeros, |(_, along)| *along);
@@ -80,7 +80,7 @@ pub(super) fn tried(
         return Ok(Some(tried));
     };
     let mut estimator = NonlinearEstimator::new(mesh, &[Contact::at_node(bent.node).into()])?;
-    // Where no noise is stated, it is estimated from the residual.
+    // Without stated noise, it is estimated from the residual.
     if let Ok(estimate) = estimator.estimate(&measurement, seen.sd_mm) {
         tried.sensed = Some(estimate.forces.forces_n[0] / bent.force_n - 1.0);
         tried.first_order = is_seen.then_some(product / squares / bent.force_n);
@@ -88,7 +88,7 @@ pub(super) fn tried(
     Ok(Some(tried))
 }
 
-/// What is found in an image; `None` where it is refused, or the markers are too small or grey, or out of sight.
+/// Displacements located in an image; `None` if location is refused, or the markers are too small, grey or out of view.
 fn in_image(
     finger: &Finger,
     shape: &FingerShape,
@@ -110,7 +110,7 @@ fn in_image(
     })
 }
 
-/// Points that one camera projects and another one reads; `None` where one of them does not see the finger.
+/// Displacements of points that one camera projects and another one reads; `None` if one of them does not see the finger.
 fn projected(
     finger: &Finger,
     shape: &FingerShape,

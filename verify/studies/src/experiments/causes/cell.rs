@@ -1,22 +1,23 @@
-//! The causes at one position and direction.
+//! Causes of errors at one position and direction.
 
 use super::models::{Bending, Known, Models};
 use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES};
 use crate::prelude::*;
 use crate::truths::Truth;
 
-/// A practice with all that it needs to know.
+/// A sensing practice with all its settings.
 pub(super) struct Sensor<'m> {
     pub practice: Practice,
     pub contact: ContactKnowledge,
     pub models: &'m Models,
+    /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
     pub zones_known: bool,
-    /// The causes that there are.
+    /// Causes of errors that apply.
     pub causes: Vec<Cause>,
 }
 
-/// The cells of each sensor at one position and direction, a force each.
+/// Cells of each sensor at one position (mm) and direction (degrees), by force (N).
 pub(super) fn cells(
     truth: &dyn Truth,
     sensors: &[Sensor],
@@ -60,7 +61,7 @@ pub(super) fn cells(
     sensors.iter().map(of_sensor).collect()
 }
 
-/// Contacts off to both sides in position and in direction where asked for, as far as the plate reaches.
+/// Contacts with errors to both sides of position (mm) and direction (degrees), as requested. Positions off the plate are left out.
 pub(super) fn beside(finger: &Finger, s_mm: f64, angle_deg: f64, [position, direction]: [bool; 2]) -> Vec<Contact> {
     let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
     let length_mm = finger.plate_length_mm(Plate::Front);
@@ -77,12 +78,12 @@ pub(super) fn beside(finger: &Finger, s_mm: f64, angle_deg: f64, [position, dire
     contacts
 }
 
-/// Mean square of sensed / true - 1.
+/// Mean square of sensed / true - 1, in two parts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Squared {
-    /// Error without noise.
+    /// Squared error without noise.
     bias: f64,
-    /// Variance by noise.
+    /// Variance caused by noise.
     noise: f64,
 }
 
@@ -91,7 +92,7 @@ impl Squared {
         Squared { bias: (sensed_n / force_n - 1.0).powi(2), noise: (sigma_n / force_n).powi(2) }
     }
 
-    /// Estimate of the nonlinear estimator from a shape without noise, and its error by noise; `None` where it refuses.
+    /// Error of the nonlinear estimator for a noise-free shape under `force_n` (N), and its variance by noise of `noise_mm` (mm); `None` if it refuses.
     pub(super) fn of_nonlinear(
         estimator: &mut NonlinearEstimator,
         seen: &Measurement,
@@ -99,9 +100,9 @@ impl Squared {
         noise_mm: f64,
     ) -> Option<Squared> {
         estimator.reset();
-        // What is stated only decides how much of a misfit is taken for wild markers.
+        // The stated noise only decides how large a misfit counts as an outlier.
         let sensed = estimator.estimate(seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()?.forces;
-        // Where the model is wrong, the stated deviation rests on the residual instead of the noise.
+        // With a wrong model, the stated deviation follows the residual instead of the noise, so it is scaled back.
         Some(Squared::of(sensed.forces_n[0], sensed.sigmas_n[0] * noise_mm / sensed.noise_mm, force_n))
     }
 
@@ -115,7 +116,7 @@ impl Squared {
 }
 
 impl Sensor<'_> {
-    /// Mean over both sides of what is off, without some causes; a value a force. `None` without shape or answer.
+    /// Mean over all assumed contacts, without the causes in `off`, by force. `None` without shape or answer.
     fn errors(
         &self,
         seen: &[Measurement],
@@ -156,7 +157,7 @@ impl Sensor<'_> {
         }
     }
 
-    /// Squared errors of what one model senses, a value a shape.
+    /// Squared errors of sensing with one model, by shape.
     fn sense(&self, known: Known, contact: &Contact, seen: &[Measurement], forces_n: &[f64]) -> Vec<Option<Squared>> {
         let mesh = self.models.mesh(known);
         let Some(markers) = seen.first() else { return Vec::new() };
@@ -165,7 +166,7 @@ impl Sensor<'_> {
             let Ok(estimator) = LinearEstimator::new(mesh.finger(), &[*contact], markers) else { return Vec::new() };
             let sense = |(seen, &force_n): (&Measurement, &f64)| {
                 let sensed = estimator.estimate(seen, Some(self.noise_mm), Prior::None);
-                // The stated deviation rests on the residual where the measurement contradicts the linear finger; noise does this.
+                // If the measurement contradicts the linear finger, the stated deviation follows the residual; this one follows the noise.
                 let noise_n = estimator.inverse().sigmas_per_noise[0] * self.noise_mm;
                 Some(Squared::of(sensed.forces_n[0], noise_n, force_n))
             };

@@ -1,10 +1,9 @@
-//! Causes of sensing errors: the error removed by switching off one cause, and the residual error after several.
+//! Causes of sensing errors: the error removed by eliminating one cause, and the remaining error after several.
 //!
-//! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing does what a user would:
-//! it takes the finger for uniform where it is softer, calibrates its modulus by shapes under weights, assumes a direction and a
-//! position that are somewhat off, and sees through a camera with noise. Each [`Cause`] can be taken away, the others left as they are.
-//! The share of a cause is the part of the mean square error that goes away with it. Shares need not add up to one: errors that
-//! point the same way grow when squared, and a cause that hides another one has a negative share.
+//! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing follows a user's practice. It treats softer parts of
+//! the finger as uniform, and calibrates the modulus by shapes under weights. It assumes a direction and a position with errors, and has a noisy
+//! camera. Each [`Cause`] can be eliminated separately. The share of a cause is the part of the mean square error that disappears without it.
+//! Shares need not add up to one: errors of equal sign reinforce each other when squared, and a cause that compensates another has a negative share.
 
 mod cell;
 mod models;
@@ -19,38 +18,38 @@ use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use cell::Sensor;
 use models::{End, Models};
 
-/// Error of the assumed direction, degrees, to either side: the deformed normal turns by up to 12.5 deg (sec. V-C).
+/// Error of the assumed direction, degrees, to either side: the deformed normal turns by up to 12.5 degrees (sec. V-C).
 pub const DIRECTION_OFF_DEG: f64 = 12.5;
-/// Error of the assumed position, mm, to either side: the radius of the paper's rods (sec. V-C), round which an object may touch.
+/// Error of the assumed position, mm, to either side: the radius of the paper's rods (sec. V-C), around which an object may touch.
 pub const POSITION_OFF_MM: f64 = 1.5;
 
 /// Cause of a sensing error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
-    /// Of the camera. Off: none.
+    /// Noise of the camera. Eliminated: no noise.
     Noise,
-    /// Small rotations are assumed. Off: the nonlinear estimator.
+    /// Assumption of small rotations. Eliminated: the nonlinear estimator.
     Linearisation,
-    /// An element a member. Off: four. The linear finger is exact at its key nodes, whatever the mesh.
+    /// One element a member. Eliminated: four. The linear finger is exact at its key nodes on any mesh.
     Discretisation,
-    /// Young's modulus as the model at hand calibrates it from shapes under weights (eq. (11) of the paper). Off: the true one.
+    /// Young's modulus calibrated by the model from shapes under weights (eq. (11) of the paper). Eliminated: the true modulus.
     Modulus,
-    /// Off by [`DIRECTION_OFF_DEG`] to either side. Off: the true one.
+    /// Assumed direction, wrong by [`DIRECTION_OFF_DEG`] to either side. Eliminated: the true direction.
     Direction,
-    /// Off by [`POSITION_OFF_MM`] to either side. Off: the true one.
+    /// Assumed position, wrong by [`POSITION_OFF_MM`] to either side. Eliminated: the true position.
     #[serde(rename = "position")]
     Position,
-    /// Zones nearer to the base than to the tip are not known. Off: known.
+    /// Unknown zones nearer to the base than to the tip. Eliminated: known zones.
     BaseCompliance,
-    /// Zones nearer to the tip than to the base are not known. Off: known.
+    /// Unknown zones nearer to the tip than to the base. Eliminated: known zones.
     TipCompliance,
-    /// A network stands for the model that it was trained on. Off: the nonlinear estimator on that model.
+    /// A network in place of the model that it was trained on. Eliminated: the nonlinear estimator on that model.
     NetworkFit,
 }
 
 impl Cause {
-    /// For tables, legends and files.
+    /// Name in tables, legends and files.
     pub fn name(self) -> &'static str {
         match self {
             Cause::Noise => "noise",
@@ -66,30 +65,30 @@ impl Cause {
     }
 }
 
-/// A way of sensing.
+/// A sensing practice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Practice {
     /// Linear least squares.
     LeastSquares,
-    /// The nonlinear estimator with an element a member.
+    /// The nonlinear estimator with one element a member.
     Nonlinear,
-    /// A network trained on the nonlinear finger, at a contact node and along the normal.
+    /// A network trained on the co-rotational finger, at a contact node and along the normal.
     Network,
 }
 
-/// Knowledge of a contact.
+/// Knowledge of the contact's position and direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactKnowledge {
-    /// Position and direction are assumed, and off.
+    /// Position and direction are assumed, with errors.
     Assumed,
-    /// Both are known.
+    /// Position and direction are known.
     Known,
 }
 
 impl Practice {
-    /// The estimator.
+    /// Estimator of the practice.
     pub fn estimator(self) -> EstimatorId {
         match self {
             Practice::LeastSquares => EstimatorId::LeastSquares,
@@ -112,7 +111,7 @@ impl Practice {
     }
 }
 
-/// Causes that the knowledge of a contact rules out.
+/// Causes that are absent with this knowledge of the contact.
 impl ContactKnowledge {
     fn leaves_out(self) -> &'static [Cause] {
         match self {
@@ -121,7 +120,7 @@ impl ContactKnowledge {
         }
     }
 
-    /// For tables and files.
+    /// Name in tables and files.
     pub fn name(self) -> &'static str {
         match self {
             ContactKnowledge::Assumed => "assumed",
@@ -133,23 +132,23 @@ impl ContactKnowledge {
 /// Request of a study of causes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseRequest {
-    /// Estimators with their knowledge of the contact: a map each. Not the network, which is [apart](network).
+    /// Practices, each with its knowledge of the contact, one map each. Networks have a [separate study](network).
     pub practices: Vec<(Practice, ContactKnowledge)>,
     /// Positions on the front plate, mm from the base.
     pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
-    /// Forces, N, growing.
+    /// Forces, N, ascending.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of a measured coordinate, mm.
+    /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
-    /// Whether sensing knows the zones of the finger; they are a cause otherwise.
+    /// Whether sensing knows the zones of the finger; otherwise they are a cause.
     pub zones_known: bool,
-    /// Weights under which the modulus is calibrated, N, growing.
+    /// Weights under which the modulus is calibrated, N, ascending.
     pub weights_n: [f64; 6],
 }
 
-/// The causes of one force at one position and direction.
+/// Causes of the error of one force at one position and direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseCell {
     /// Position on the front plate, mm from the base.
@@ -158,51 +157,52 @@ pub struct CauseCell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Root mean square of sensed / true - 1 with every cause; `None` where the finger has no equilibrium or sensing refuses.
+    /// Root mean square of sensed / true - 1 with every cause; `None` if the finger has no equilibrium or sensing refuses.
     pub rms_error: Option<f64>,
-    /// By cause, in the map's order: the part of the mean square error that goes away with it, where sensing answers then.
+    /// Part of the mean square error that disappears without the cause, by cause in the map's order; `None` if sensing then refuses.
     pub shares: Vec<Option<f64>>,
-    /// Root mean square of sensed / true - 1 as [`REMEDIES`] are taken one after the other.
+    /// Root mean square of sensed / true - 1 after each of [`REMEDIES`], applied cumulatively.
     pub remedied: Vec<Option<f64>>,
 }
 
 impl CauseCell {
-    /// Position of the cause with the largest share, and that share; `None` if no cause lessens the error by being away.
+    /// Index of the cause with the largest share, and that share; `None` if no cause has a positive share.
     pub fn largest(&self) -> Option<(usize, f64)> {
         let known = self.shares.iter().enumerate().filter_map(|(i, share)| Some((i, (*share)?)));
         known.filter(|(_, share)| *share > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
 
-/// What a user can do about errors, one after the other, with the causes that each takes away: knowing zones and modulus, then position
-/// and direction of the contact, then co-rotational sensing on four elements a member.
+/// A user's remedies against errors, in the order of application, with the causes that each eliminates. They are knowledge of zones and modulus,
+/// knowledge of the contact, and co-rotational sensing on four elements a member.
 pub const REMEDIES: [(&str, &[Cause]); 3] = [
     ("zones known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
     ("contact known", &[Cause::Direction, Cause::Position]),
     ("nonlinear", &[Cause::Linearisation, Cause::Discretisation]),
 ];
 
-/// The causes of one truth and practice on a grid.
+/// Causes of errors for one truth and practice on a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseMap {
     /// The request.
     pub request: CauseRequest,
     /// The true finger.
     pub truth: TruthId,
-    /// The way of sensing.
+    /// The sensing practice.
     pub practice: Practice,
-    /// What is known of the contact.
+    /// Knowledge of the contact.
     pub contact: ContactKnowledge,
-    /// The causes that there are, in the order of the cells' shares.
+    /// Causes that apply, in the order of the cells' shares.
     pub causes: Vec<Cause>,
-    /// By position, then direction, then force.
+    /// Cells by position, then direction, then force.
     pub cells: Vec<CauseCell>,
 }
 
-/// The causes of every practice on a true finger, alike for any threads; `progress` once a position and direction.
+/// Maps of causes for every practice on a true finger. The result does not depend on the number of threads. `progress` is called after each position
+/// and direction.
 ///
 /// # Errors
-/// [`ExperimentError`] if the finger at rest cannot be solved or its modulus not calibrated.
+/// [`ExperimentError`] if the finger at rest cannot be solved or its modulus cannot be calibrated.
 pub fn causes(
     truth: TruthId,
     finger: &Finger,
@@ -243,7 +243,7 @@ pub fn causes(
     Ok(sensors.iter().enumerate().map(of_sensor).collect())
 }
 
-/// The causes that there are.
+/// Causes that apply to a practice, contact, finger and request.
 fn present(practice: Practice, contact: ContactKnowledge, finger: &Finger, request: &CauseRequest) -> Vec<Cause> {
     let exists = |cause: &Cause| match cause {
         Cause::Noise => request.noise_mm > 0.0,

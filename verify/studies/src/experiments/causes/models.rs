@@ -1,4 +1,4 @@
-//! What sensing takes the finger for: with zones known or not, its modulus calibrated or true.
+//! Models of the finger for sensing: with known or unknown zones, and calibrated or true modulus.
 
 use crate::experiments::{ExperimentError, table_one};
 use crate::prelude::*;
@@ -6,48 +6,48 @@ use crate::truths::Truth;
 use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
 use finray_model::finger::{Part, Zone};
 
-/// An end of the finger that may have zones of its own.
+/// An end of the finger, which may have zones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     Base,
     Tip,
 }
 
-/// How the model bends.
+/// Bending theory and mesh of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Bending {
-    /// Linear, exact at key nodes.
+    /// Linear; exact at key nodes.
     Linear,
-    /// Co-rotational, an element a member.
+    /// Co-rotational, one element a member.
     Coarse,
-    /// Co-rotational, [`ELEMENTS`] a member.
+    /// Co-rotational, [`ELEMENTS`] elements a member.
     Refined,
 }
 
 const BENDINGS: [Bending; 3] = [Bending::Linear, Bending::Coarse, Bending::Refined];
 
-/// What is known of the finger.
+/// Knowledge of the finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Known {
-    /// The zones at the base.
+    /// Whether the zones at the base are known.
     pub base: bool,
-    /// The zones at the tip.
+    /// Whether the zones at the tip are known.
     pub tip: bool,
-    /// Young's modulus; calibrated otherwise.
+    /// Whether Young's modulus is known; otherwise it is calibrated.
     pub modulus: bool,
-    /// Which model calibrates, and senses.
+    /// Bending theory of calibration and sensing.
     pub bending: Bending,
 }
 
-/// Models of the finger by what is known of it.
+/// Models of the finger, indexed by knowledge.
 pub(super) struct Models {
     finger: Finger,
     meshes: Vec<Mesh>,
 }
 
 impl Models {
-    /// All models of a true finger, calibrated on shapes of it under weights at nodes a third, half and two thirds
-    /// of the way from the tip to the base: nodes 17, 19 and 21 of the paper's finger (sec. V-A).
+    /// All models of a true finger. Their moduli are calibrated on its shapes under weights (N) at three nodes, a third, half and two thirds of the way
+    /// from tip to base. They are nodes 17, 19 and 21 of the paper's finger (sec. V-A).
     pub fn of(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Result<Models, ExperimentError> {
         let cases = weighed(finger, truth, weights_n);
         let mesh = |number: usize| {
@@ -60,7 +60,7 @@ impl Models {
         Ok(Models { finger: finger.clone(), meshes })
     }
 
-    /// The model of a finger of which this much is known.
+    /// Mesh of the model with this knowledge.
     pub fn mesh(&self, known: Known) -> &Mesh {
         &self.meshes[known.number()]
     }
@@ -95,10 +95,10 @@ impl Bending {
     }
 }
 
-/// The end that the middle of a zone is nearer to.
+/// The end nearer to the middle of a zone.
 fn end_of(finger: &Finger, zone: &Zone) -> End {
     let plate = if zone.part == Part::Back { Plate::Back } else { Plate::Front };
-    // Twice the middle, against twice the half.
+    // Both sides are doubled: twice the middle against the full length.
     if zone.from_mm + zone.to_mm < finger.plate_length_mm(plate) { End::Base } else { End::Tip }
 }
 
@@ -107,7 +107,7 @@ pub(super) fn has_zones(finger: &Finger, end: End) -> bool {
     finger.description().zones.iter().any(|zone| end_of(finger, zone) == end)
 }
 
-/// The finger with the zones that are known; what is not known is taken for uniform.
+/// The finger with only its known zones; unknown ones are uniform.
 pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finger, ExperimentError> {
     let mut description = finger.description().clone();
     description.zones.retain(|zone| match end_of(finger, zone) {
@@ -117,7 +117,7 @@ pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finge
     Ok(Finger::new(description)?)
 }
 
-/// Shapes under weights along the normal, as far as the finger carries them.
+/// Shapes under ascending weights (N) along the normal. At each node they end before the first weight without equilibrium.
 pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Vec<CalibrationCase> {
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();
@@ -125,7 +125,7 @@ pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> 
     table_one::weighed(finger, truth, &loaded, weights_n)
 }
 
-/// The finger with the modulus that explains best the shapes whose loads its model carries; as it is where there are none.
+/// The finger with the modulus that best fits the shapes whose loads its model carries; unchanged without such shapes.
 pub(super) fn calibrated(
     finger: &Finger,
     cases: &[CalibrationCase],

@@ -1,7 +1,7 @@
-//! What a network adds to the errors of the model that it was trained on.
+//! Errors that a network adds to those of the model that it was trained on.
 //!
-//! A network senses at the contact nodes and along the normal that it was made for, so here it is the true contact that is off, by as much as
-//! elsewhere the assumed one, and the true finger that is made uniform. The measurements are noisy.
+//! A network senses only at its contact nodes and along the normal. Elsewhere the assumed contact and model have errors; here the true contact has
+//! equal errors, and the true finger is made uniform. The measurements are noisy.
 
 use super::cell::{Squared, beside};
 use super::models::{Bending, calibrated, weighed, with_zones};
@@ -12,15 +12,15 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 
-/// Noise samples of every shape: an error by noise is then known to a sixth.
+/// Noise samples of every shape: the error by noise is then known to 17 %.
 const SAMPLES: usize = 40;
 const SEED: u64 = 1;
 
-/// The causes of a network's errors on a true finger, at every contact node that there is a network for. The `believed` finger is
-/// the one that it was trained on; its modulus may be another, as forces are proportional to it.
+/// Causes of a network's errors on a true finger, at every contact node with a network. It was trained on the `believed` finger, but may be used
+/// with another modulus, because forces are proportional to it. Forces in N, noise in mm.
 ///
 /// # Errors
-/// [`ExperimentError`] if a finger at rest cannot be solved or its modulus not calibrated.
+/// [`ExperimentError`] if a finger at rest cannot be solved or its modulus cannot be calibrated.
 pub fn causes(
     truth: TruthId,
     finger: &Finger,
@@ -66,15 +66,15 @@ pub fn causes(
     Ok(CauseMap { request, truth, practice: Practice::Network, contact: ContactKnowledge::Assumed, causes, cells })
 }
 
-/// The finger and its model, with one cause switched off.
+/// The true finger and its model, with one cause eliminated.
 struct World {
     off: Option<Cause>,
     /// The true finger.
     mesh: Mesh,
     truth: TruthId,
-    /// The finger that the network stands for, of the modulus that it is used with.
+    /// Mesh of the finger that the network represents, with the modulus of its use.
     model: Mesh,
-    /// That modulus over the one that it was trained with.
+    /// Ratio of the modulus of use to the modulus of training.
     modulus_factor: f64,
 }
 
@@ -100,7 +100,7 @@ impl World {
         Ok(World { off, mesh, truth, model, modulus_factor })
     }
 
-    /// Mean square of sensed / true - 1 at a node, a value a force; `None` without equilibrium or answer.
+    /// Mean square of sensed / true - 1 at a node, by force (N); `None` without equilibrium or answer.
     fn errors(&self, node: NodeId, network: &dyn Estimator, forces_n: &[f64], noise_mm: f64) -> Vec<Option<f64>> {
         let off = |cause| self.off == Some(cause);
         let mut sums = vec![Some(0.0); forces_n.len()];
@@ -109,7 +109,7 @@ impl World {
         };
         let finger = self.mesh.finger();
         let Some(s_mm) = finger.front_position_mm(node) else { return Vec::new() };
-        // Where the force may act that is taken for one on the node along the normal.
+        // True contacts that the network treats as a force on the node along the normal.
         let contacts = beside(finger, s_mm, 0.0, [!off(Cause::Position), !off(Cause::Direction)]);
         for contact in &contacts {
             let shapes = truth.shapes(contact, forces_n);

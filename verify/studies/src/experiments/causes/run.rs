@@ -1,4 +1,4 @@
-//! Why sensing fails, on the finger as it is described and on its twin.
+//! Causes of sensing errors on the scene's finger and on its digital twin.
 
 use super::ContactKnowledge::{Assumed, Known};
 use super::Practice::{LeastSquares, Nonlinear};
@@ -12,10 +12,10 @@ use finray_model::estimators::network::NetworkSensing;
 
 impl Evidence for CauseMap {}
 
-/// Maps for the finger, and for its twin where there is one; where networks ship for the finger, theirs too.
+/// Maps of causes for the finger, for its digital twin if given, and for the networks shipped for this finger.
 ///
 /// # Errors
-/// [`ExperimentError`] if a finger at rest cannot be solved or its modulus not calibrated.
+/// [`ExperimentError`] if a finger at rest cannot be solved or its modulus cannot be calibrated.
 pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, ExperimentError> {
     let &Context { finger, noise_mm, effort, forces, .. } = context;
     let (drawn_n, [least_n, ..]) = (forces.drawn_n(), forces.of_maps_n());
@@ -32,7 +32,7 @@ pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, Ex
         zones_known: true,
         weights_n,
     };
-    // What is not known misleads the nonlinear model so far that it searches from many starts: fewer forces and directions then.
+    // Wrong assumptions make the nonlinear search try many starts, so it has fewer forces and directions.
     let requests = match effort {
         Effort::Quick => vec![of(&[(LeastSquares, Known)])],
         Effort::Full => vec![
@@ -48,7 +48,7 @@ pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, Ex
     let mut maps = Vec::new();
     for (truth, as_it_is) in truths {
         for request in &requests {
-            // A finger is known as it is described; what its twin has besides is not.
+            // The scene describes its own finger completely; the additional zones of the twin are unknown.
             let request = CauseRequest { zones_known: truth != TruthId::Twin, ..request.clone() };
             maps.extend(causes(truth, as_it_is, &request, &|| context.progress.step())?);
         }

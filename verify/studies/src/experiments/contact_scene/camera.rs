@@ -1,10 +1,10 @@
 //! Camera model of a contact: its position and direction from outline points, with noise.
 //!
-//! The camera sees the outlines of object and finger as points, each with an error of its own of the camera's standard deviation s a
-//! coordinate, and apart from the markers, which are other pixels. The direction of a contact is read from two such points at a distance b
-//! ([`baseline_mm`]), so that its standard deviation is sqrt(2) s / b; the position of a contact between rods from the distance of
-//! two points along the plate, sqrt(2) s. Which parts touch is taken as known, and a contact at a rod alone lies at its node. Where several
-//! parts touch as one contact, its force may be anywhere between them: the standard deviation of an even distribution is added.
+//! The camera sees the outlines of object and finger as points. Each coordinate of a point has an independent error with standard deviation s, also
+//! independent of the markers, which are other pixels. The direction of a contact comes from two such points at a distance b ([`baseline_mm`]), so
+//! its standard deviation is sqrt(2) s / b. The position of a contact between rods comes from the distance of two points along the plate, with
+//! standard deviation sqrt(2) s. The touching parts are assumed known; a contact at a single rod is at its node. If several parts touch as one
+//! contact, its force may act anywhere between them, so the standard deviation of a uniform distribution is added.
 
 use super::contacts::{HalfSpan, member_mm};
 use super::{SeenContact, TurnedOutline};
@@ -12,13 +12,13 @@ use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 use finray_model::sensing::MeasuredContact;
 
-/// Share of the segment at the base within which no position is sought: there a force bends nothing.
+/// Part of the segment at the base, as a share of its length, in which no position is admitted: forces there deform nothing.
 const NEAREST_TO_BASE: f64 = 0.01;
 
-/// Standard deviation of an even distribution as a share of half its interval, 1 / sqrt(3).
+/// Standard deviation of a uniform distribution relative to half its interval, 1 / sqrt(3).
 const EVENLY: f64 = 0.577_350_269_189_625_8;
 
-/// Reads a contact with the camera's noise; six standard normal numbers a contact.
+/// Contact as read by the camera with noise of `noise_mm` (standard deviation of a coordinate, mm). It uses six standard normal numbers.
 pub fn read_contact(
     finger: &Finger,
     seen: &SeenContact,
@@ -49,13 +49,13 @@ pub fn read_contact(
     }
 }
 
-/// Cosine of the angle between a face and a direction of contact up to which the contact is the face's.
+/// Largest cosine of the angle between a face and a contact's direction at which the contact belongs to the face.
 const ALONG_FACE: f64 = 1e-3;
-/// Distance of a touch from the face that it belongs to, mm: overlaps are smaller.
+/// Largest distance of a touch from its face, mm; overlaps are smaller.
 const ON_FACE_MM: f64 = 1e-2;
 
-/// Distance of the two outline points that show which way the surfaces face at a touch, mm: the ends of a flat face of the object; of
-/// a rod its centre and the centre of the disc or the corner that it lies against; for the plate otherwise the ends of its segment.
+/// Distance of the two outline points that show the direction of the surfaces at a touch, mm. On a flat face of the object they are its ends. On a rod
+/// they are its centre and the centre of the disc or the corner that touches it. Elsewhere on the plate they are the ends of its segment.
 pub fn baseline_mm(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, object: Vector, touch: &Touch) -> f64 {
     let on_plate_mm = |s_mm| member_mm(finger, s_mm);
     match (outline, touch.part) {

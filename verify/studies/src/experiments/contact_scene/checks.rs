@@ -1,4 +1,4 @@
-//! Checks of contact scenes: balance and equilibrium of all, sensing of those that ship.
+//! Checks of contact scenes: balance and equilibrium of all scenes, and sensing of the shipped ones.
 
 use super::samples::NoiseSamples;
 use super::study::SceneStudy;
@@ -7,33 +7,33 @@ use crate::check::{Check, Kind, SETTLED_LATTICE, Subject, worst};
 use crate::problems::lattice::NEWTON;
 use finray_lattice::skin::Touch;
 
-/// Source of the rows about sensing.
+/// Source of checks of sensed forces.
 const TRUE_FORCES: &str = "true forces";
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
-/// Contact forces against those on the clamps, as a share of their sum: rounding.
+/// Largest difference between contact forces and forces on the clamps, relative to their sum: rounding.
 pub const BALANCE_TOLERANCE: f64 = 1e-6;
-/// Shapes against the lattice's equilibrium under the contact forces, as a share of the largest displacement.
+/// Largest difference of a shape from the lattice's equilibrium under the contact forces, relative to the largest displacement.
 const EQUILIBRIUM_TOLERANCE: f64 = 1e-6;
-/// Shapes against those in which rapier comes to rest, as a share of the largest displacement: what sweeps and the measure of rest leave.
+/// Largest difference of a shape from rapier's shape at rest, relative to the largest displacement: the error of sweeps and of the criterion of rest.
 const ENGINE_TOLERANCE: f64 = 5e-4;
-/// The same of the sum of contact forces, as a share of it.
+/// Largest difference of the sum of contact forces from rapier's, relative to the sum.
 const ENGINE_FORCE_TOLERANCE: f64 = 2e-3;
-/// Shapes against converged beams under the contact forces, as a share of the largest displacement, and sensed totals against the
-/// true ones, as forces follow shapes: what two segments between rods leave of box and disc under 5 N (1.0e-3 and 1.1e-3; a single force at its
-/// worst direction leaves four times as much), and less by the square of more segments (2.0e-4 for the disc on four).
+/// Largest difference of a shape from converged beams under the contact forces, relative to the largest displacement. It also bounds errors of sensed
+/// totals, because forces follow shapes. Two segments between rods cause 1.0e-3 and 1.1e-3 for box and disc under 5 N. A single force in its worst
+/// direction causes four times as much. More segments reduce the error by their square (2.0e-4 for the disc on four).
 const BEAMS_TOLERANCE: f64 = 1.3e-3;
 const SEGMENTS: f64 = 2.0;
-/// Largest stated standard deviation with friction, as a share of the force: more would cover by saying nothing.
+/// Largest stated standard deviation with friction, relative to the force; a larger one would cover the error but carry no information.
 const LARGEST_SIGMA: f64 = 0.5;
-/// Overlap of object and finger, mm: beyond it the engine's contacts would give way.
+/// Largest overlap of object and finger, mm; with more, the engine's contacts would give way.
 const OVERLAP_TOLERANCE_MM: f64 = 1e-3;
-/// Force by which a touch may pass its cone of friction, N: rounding.
+/// Largest excess of a touch over its friction cone, N: rounding.
 const CONE_TOLERANCE_N: f64 = 1e-6;
-/// Share of true forces that intervals are meant to hold, and its shift by the lattice's difference from beams: under half a sigma.
+/// Nominal coverage, and its shift by the lattice's difference from beams, which is less than half a standard deviation.
 const MEANT: f64 = 0.95;
 const SHIFT: f64 = 0.01;
-/// Standard errors of a binomial share that chance is allowed: for a share of all samples of a scene, met by chance once in 370; and for
-/// the smallest of some hundred shares of a contact and step, once in 2000 each.
+/// Allowance for chance in standard errors of a binomial share. A share of all samples of a scene exceeds the first once in 370. The smallest of some
+/// hundred shares of a contact and step has the second, exceeded once in 2000 each.
 const STANDARD_ERRORS: f64 = 3.0;
 const WORST_STANDARD_ERRORS: f64 = 3.5;
 
@@ -43,7 +43,7 @@ fn coverage_tolerance(samples: usize, standard_errors: f64) -> f64 {
 }
 
 impl SceneStudy {
-    /// Checks of any scene: balance, rapier, equilibrium, no overlap, Coulomb's cone.
+    /// Checks of any scene: balance, agreement with rapier, equilibrium, overlap, friction cone.
     pub fn checks(&self) -> Vec<Check> {
         let touching =
             || self.steps.iter().map(|studied| &studied.step).filter(|step| !step.pressed.touches.is_empty());
@@ -88,9 +88,9 @@ impl SceneStudy {
         checks
     }
 
-    /// Steps against rapier's rest, and against the equilibrium under their forces.
+    /// Checks of steps against rapier's state at rest, and against the equilibrium under their forces.
     fn engine_checks(&self) -> Vec<Check> {
-        // A finger that nothing touches has no displacement to compare with.
+        // A finger without contact has no displacement to compare.
         let verified = self.verified.iter().zip(&self.steps);
         let verified: Vec<&VerifiedStep> =
             verified.filter(|(_, studied)| !studied.step.pressed.touches.is_empty()).map(|(step, _)| step).collect();
@@ -121,12 +121,12 @@ impl SceneStudy {
         kind.on(format!("{} pressed onto the lattice: {what}", self.name), source)
     }
 
-    /// What is sensed, against the forces that bend the lattice.
+    /// Subject of checks of sensed forces against the true forces on the lattice.
     fn sensed(&self, what: &str) -> Subject {
         self.on(Kind::Internal, what, TRUE_FORCES)
     }
 
-    /// Checks of a scene that ships: those of any, more closely; that it ends; beams' shapes without friction; coverage of intervals.
+    /// Checks of a shipped scene: those of any scene with closer tolerances, completion, shapes of beams without friction, and coverage of intervals.
     pub fn shipped_checks(&self) -> Vec<Check> {
         let mut checks = self.checks();
         let stopped = usize::from(self.stopped.is_some());
@@ -152,8 +152,8 @@ impl SceneStudy {
         checks
     }
 
-    /// Coverage over all samples, contacts and totals of a scene, and of the worst contact of a step. Refused samples are not covered. With
-    /// friction the intervals allow for the worst in its cone, so that more may lie within.
+    /// Checks of coverage over all samples, contacts and totals of a scene, and of the worst contact of a step. Refused samples count as not covered. With
+    /// friction the intervals include the worst case in the cone, so coverage may be higher.
     fn coverage_checks(&self) -> Vec<Check> {
         let sampled: Vec<&NoiseSamples> = self.steps.iter().filter_map(|studied| studied.samples.as_ref()).collect();
         if sampled.is_empty() {
@@ -173,7 +173,7 @@ impl SceneStudy {
                 least = least.min(samples.coverage(which));
             }
             let share = covered as f64 / taken as f64;
-            // Contacts of one sample share its noise: only samples are independent.
+            // Contacts of one sample share its noise; only samples are independent.
             let independent = sampled.iter().map(|samples| samples.taken).sum();
             let tolerance = coverage_tolerance(independent, STANDARD_ERRORS);
             let problem = format!("{what}, {noise}: within 1.96 stated sigma");

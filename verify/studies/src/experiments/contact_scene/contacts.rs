@@ -1,44 +1,44 @@
-//! Touches put together to contacts: where the object meets the finger, facing which way, from the surfaces alone.
+//! Grouping of touches into contacts: position and direction of each contact between object and finger, from the surfaces alone.
 
 use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 
-/// Touches within this share of the segment of plate between two rods are one contact to the camera; two rods never are.
+/// Distance of touches that form one contact for the camera, as a share of the plate segment between two rods; two rods never form one.
 const TOGETHER: f64 = 0.25;
 
-/// A contact as it lies in front of the camera, with the force that it truly carries.
+/// A contact seen by the camera, with the true force that it carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenContact {
-    /// Position, and direction from the object into the finger, without noise: from the surfaces alone, not from the forces. Of
-    /// several touches the middle of the interval that they span, and of their directions.
+    /// Position, and direction from the object into the finger, without noise. They come from the surfaces alone, not from the forces. For several touches
+    /// they are the middle of their interval and of their directions.
     pub contact: Contact,
-    /// Half the interval of its touches along the plate, mm, and of their directions, rad: nobody sees how the force is shared among them.
+    /// Half the interval of its touches (mm) and of their directions (rad), within which the distribution of the force is unknown.
     pub half_span: HalfSpan,
-    /// Distance of the two outline points that the camera reads the direction from, mm.
+    /// Distance of the two outline points from which the camera reads the direction, mm.
     pub baseline_mm: f64,
-    /// Whether it is on a clamped part, where a force does not bend the finger.
+    /// Whether it is on a clamped part, where a force does not deform the finger.
     pub clamped: bool,
-    /// Where, finger frame, deformed, mm.
+    /// Deformed position, mm, finger frame.
     pub point: Vector,
     /// True force on the finger, N, finger frame.
     pub force: Vector,
-    /// Its component along the direction of the contact, N.
+    /// Component of the force along the direction of the contact, N.
     pub normal_n: f64,
-    /// Its component across, positive towards the tip, N: friction, and the rest of normal forces that face different ways.
+    /// Component of the force across the direction of the contact, positive towards the tip, N: friction, and normal forces of other directions.
     pub friction_n: f64,
 }
 
-/// Half the interval that touches span.
+/// Half the interval of some touches.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HalfSpan {
-    /// Along the plate, mm.
+    /// Half the interval along the plate, mm.
     pub along_mm: f64,
-    /// Of their directions, rad.
+    /// Largest angle between a touch's direction and the contact's, rad.
     pub turn_rad: f64,
 }
 
 impl SeenContact {
-    /// What it is in tables: its node, `at` for a position between nodes, or `clamp`.
+    /// Name in tables: its node, `at` for a position between nodes, or `clamp`.
     pub(crate) fn name(&self) -> String {
         match self.contact.position {
             _ if self.clamped => "clamp".to_owned(),
@@ -48,7 +48,7 @@ impl SeenContact {
     }
 }
 
-/// Puts touches together to contacts, from base to tip. `baseline_mm`: distance of the outline points that show the direction.
+/// Groups touches into contacts, from base to tip. `baseline_mm` returns the distance (mm) of the outline points that show the direction.
 pub fn seen_contacts(lattice: &Lattice, touches: &[Touch], baseline_mm: impl Fn(&Touch) -> f64) -> Vec<SeenContact> {
     let mut groups: Vec<&[Touch]> = Vec::new();
     let mut rest = touches;
@@ -72,7 +72,7 @@ fn is_rod(touch: &Touch, node: NodeId) -> bool {
     touch.part == TouchedPart::Rod(node)
 }
 
-/// Length of the segment of front plate, from rod to rod, that a position lies on, mm.
+/// Length of the front plate's segment between two rods that contains a position, mm.
 pub(super) fn member_mm(finger: &Finger, position_mm: f64) -> f64 {
     let positions = finger.plate_positions_mm(Plate::Front);
     let member =
@@ -106,7 +106,7 @@ fn seen(lattice: &Lattice, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64)
     }
 }
 
-/// Angle of a direction from the undeformed inward normal, positive towards the tip, degrees.
+/// Angle of a direction from the undeformed inward normal, degrees, positive towards the tip.
 pub fn angle_deg(finger: &Finger, direction: Vector) -> f64 {
     direction.dot(&finger.front_tangent()).atan2(direction.dot(&finger.direction(0.0))).to_degrees()
 }

@@ -1,4 +1,4 @@
-//! Contact scenes: a scene with an object, and the corners of its outline from a file beside it.
+//! Reader of contact scenes: a scene with an object, and the corners of its outline from a separate file.
 
 use crate::experiments::contact_scene::study::SceneWithOutline;
 use crate::experiments::contact_scene::{OutlineError, TurnedOutline};
@@ -8,11 +8,11 @@ use finray_model::Vector;
 use finray_model::scene::Outline;
 use std::path::Path;
 
-/// Reads a scene and, if its object is a polygon, `x_mm,y_mm` of the corners from the file that it names, looked for
-/// beside the scene (beside the working folder for a scene from standard input).
+/// Reads a scene and, if its object is a polygon, the corners `x_mm,y_mm` from the file that it names. That file is beside the scene, or in the working
+/// folder for a scene from standard input.
 ///
 /// # Errors
-/// [`FileError`] naming file, line and key, also for corners that are no outline.
+/// [`FileError`] with file, line and key, also for corners that form no valid outline.
 pub fn load_scene_with_outline(path: &Path) -> Result<SceneWithOutline, FileError> {
     let scene = load_scene(path)?;
     let Some(object) = &scene.object else { return Ok(SceneWithOutline { scene, corners: Vec::new() }) };

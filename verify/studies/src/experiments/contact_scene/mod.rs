@@ -1,8 +1,8 @@
-//! Contact scenes: an object is pressed onto the lattice finger, a camera watches the nodes, and sensing follows.
+//! Contact scenes: an object is pressed onto the lattice finger, a camera observes the nodes, and the forces are sensed.
 //!
-//! The camera sees where the object touches and which way it faces there, with noise, and not how hard (`camera`). Sensing is
-//! given these contacts, the noisy displacements of the markers and a bound of the friction coefficient (`outline_estimator`), and its
-//! forces stand beside those of the contacts. Presses are quasi-static equilibria on lattices fine enough (`refined`); rapier verifies them (`verified`).
+//! The camera sees, with noise, the position and direction of each contact, but not its force (`camera`). Sensing gets these contacts, the noisy
+//! displacements of the markers, and a bound of the friction coefficient (`outline_estimator`). Its forces are compared with the true ones. Presses are
+//! quasi-static equilibria on sufficiently fine lattices (`refined`), verified by rapier (`verified`).
 
 mod camera;
 pub mod checks;
@@ -32,10 +32,11 @@ use finray_model::scene::ContactDescription;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::Refusal;
 
-/// Segments of plate between two rods on which rapier verifies: the paper's finger under 5 N is then within 0.1 % of converged beams.
+/// Segments of plate between two rods in the verification by rapier and in the shipped disc scene. The paper's finger under 5 N is then within
+/// 0.1 % of converged beams.
 pub const FINENESS: usize = 3;
 
-/// A scene's finger as a simulation has it: forces act on the bare plate, displacements count from a known base, and nothing is stated of their errors.
+/// A scene as a simulation requires it: forces act on the bare plate, and displacements are relative to a known base, without stated errors.
 pub fn simulated(scene: &Scene) -> Scene {
     Scene {
         noise_mm: None,
@@ -47,35 +48,35 @@ pub fn simulated(scene: &Scene) -> Scene {
     }
 }
 
-/// What a scene needs to be run: finger, object, camera.
+/// A prepared scene: finger, object and assumed friction.
 #[derive(Debug, Clone)]
 pub struct ContactScene {
-    /// As it is [`simulated`].
+    /// The scene, [`simulated`].
     scene: Scene,
     object: PreparedObject,
-    /// Segments in a plate member of mean length, if asked for.
+    /// Segments in a plate member of mean length; `None` for automatic refinement.
     fineness: Option<usize>,
-    /// Bound of the coefficient of friction that sensing assumes.
+    /// Upper bound of the friction coefficient that sensing assumes.
     assumed_friction: f64,
 }
 
 /// One step of a scene, at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneStep {
-    /// Length of the way that the object has come, mm.
+    /// Length of the object's path so far, mm.
     pub travel_mm: f64,
-    /// How far the clamped end of the finger keeps the object from its prescribed position, mm.
+    /// Distance by which the clamped end of the finger keeps the object from its prescribed position, mm.
     pub stopped_mm: f64,
-    /// Unit vector of the way that the step ends on.
+    /// Unit vector of the object's motion at the end of the step, finger frame.
     pub along: Vector,
-    /// Finger and object.
+    /// Equilibrium of finger and object.
     pub pressed: Pressed,
-    /// Contacts in front of the camera, without its noise, with their true forces.
+    /// Contacts as seen without noise, with their true forces.
     pub contacts: Vec<SeenContact>,
 }
 
 impl SceneStep {
-    /// Sum of the forces that the finger can feel (not those on the clamp), along the object's way, N.
+    /// Sum of the forces that deform the finger (without those on the clamp), along the object's motion, N.
     pub fn total_n(&self) -> f64 {
         let felt = self.contacts.iter().filter(|seen| !seen.clamped);
         // An empty sum of floats is -0.
@@ -86,49 +87,49 @@ impl SceneStep {
 /// Forces sensed in one step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensedStep {
-    /// Each contact that is not clamped, from base to tip.
+    /// Every contact that is not clamped, from base to tip.
     pub contacts: Vec<SensedContact>,
-    /// The sum of their forces along the object's way.
+    /// Sum of the contact forces along the object's motion.
     pub total: SensedForce,
 }
 
-/// A contact as the camera read it, and the force along its normal.
+/// A contact as read by the camera, with the sensed force along its normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensedContact {
-    /// Position and direction that sensing was given.
+    /// Position and direction that sensing gets.
     pub read: MeasuredContact,
-    /// The force.
+    /// True and sensed force along the normal.
     pub force: SensedForce,
 }
 
 /// A sensed force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensedForce {
-    /// True, N.
+    /// True force, N.
     pub true_n: f64,
-    /// Sensed, N.
+    /// Sensed force, N.
     pub sensed_n: f64,
     /// Stated standard deviation, N.
     pub sigma_n: f64,
 }
 
 impl SensedForce {
-    /// Sensed over true, less one.
+    /// Relative error: sensed / true - 1.
     pub fn relative_error(&self) -> f64 {
         self.sensed_n / self.true_n - 1.0
     }
 
-    /// The error in stated standard deviations.
+    /// Error in stated standard deviations.
     pub fn standardised_error(&self) -> f64 {
         (self.sensed_n - self.true_n) / self.sigma_n
     }
 }
 
 impl ContactScene {
-    /// Prepares a scene's object in front of its finger; `corners` (mm) are those of a polygon's file, unused otherwise.
+    /// Prepares a scene's object in front of its finger. `corners` (mm) are those of a polygon's file; other outlines ignore them.
     ///
     /// # Errors
-    /// [`OutlineError`] for corners that are no outline.
+    /// [`OutlineError`] for an outline that cannot be pressed.
     pub fn new(scene: &Scene, object: &ObjectDescription, corners: &[Vector]) -> Result<ContactScene, OutlineError> {
         Ok(ContactScene {
             scene: simulated(scene),
@@ -138,36 +139,36 @@ impl ContactScene {
         })
     }
 
-    /// The same scene on a lattice with so many segments in a plate member of mean length, however coarse that is.
+    /// The same scene on a lattice with exactly this number of segments in a plate member of mean length.
     pub fn with_fineness(self, fineness: usize) -> ContactScene {
         ContactScene { fineness: Some(fineness), ..self }
     }
 
-    /// The same scene with another bound of the coefficient of friction for sensing, which otherwise knows the object's.
+    /// The same scene with another bound of the friction coefficient for sensing; the default is the object's coefficient.
     pub fn with_assumed_friction(self, assumed_friction: f64) -> ContactScene {
         ContactScene { assumed_friction, ..self }
     }
 
-    /// The finger.
+    /// The finger of the scene.
     pub fn finger(&self) -> &Finger {
         &self.scene.finger
     }
 
-    /// Steps that it has.
+    /// Number of steps.
     pub fn step_count(&self) -> usize {
         self.object.steps.len()
     }
 
-    /// The object.
+    /// The object of the scene.
     pub fn object(&self) -> &PreparedObject {
         &self.object
     }
 
-    /// Senses the forces of a step from what the camera sees: the key nodes, and the contacts, both with noise of a standard deviation
-    /// `noise_mm` a coordinate from `standard_normal`. Forces lie within the cone of the assumed friction. `None` where nothing touches.
+    /// Senses the forces of a step from the key nodes and the contacts. Both have noise of `noise_mm` (standard deviation of a coordinate, mm), with numbers
+    /// from `standard_normal`. Forces lie within the cone of the assumed friction. `None` without contact.
     ///
     /// # Errors
-    /// [`Refusal`] if they are not identifiable.
+    /// [`Refusal`] if the forces are not identifiable.
     pub fn sense(
         &self,
         step: &SceneStep,

@@ -1,4 +1,4 @@
-//! From the object of a scene to a shape that presses, and where it begins.
+//! Preparation of a scene's object: its outline, starting position and motion.
 
 use crate::prelude::*;
 use earcut::Earcut;
@@ -10,37 +10,37 @@ use nalgebra::Rotation2;
 use rapier2d::parry::transformation::hertel_mehlhorn;
 use rapier2d::prelude::{Pose, SharedShape, Vector as RapierVector};
 
-/// An object that cannot be pressed: a polygon that no object can have, or an object that is free.
+/// Why an object cannot be pressed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum OutlineError {
-    /// Fewer than three corners.
+    /// The outline has fewer than three corners.
     #[error("expected three corners or more, found {corners}")]
     TooFewCorners {
-        /// What was found.
+        /// Number of corners found.
         corners: usize,
     },
-    /// It encloses nothing, or crosses itself.
+    /// The outline encloses no area, or crosses itself.
     #[error("expected the corners in order around the object: the outline crosses itself or encloses nothing")]
     Crossed,
-    /// No hand moves it.
+    /// The object is free: no hand moves it.
     #[error("the object is free (mass_g), for `finray grasp`: expected at_mm and travel_mm or force_n, or path_mm")]
     Free,
-    /// A corner beyond any use.
+    /// A corner is too far away.
     #[error("corner {corner} is not within {FARTHEST_MM} mm of the origin")]
     TooFar {
-        /// Position in the list, from 1.
+        /// Number of the corner in the list, from 1.
         corner: usize,
     },
 }
 
-/// Farthest corner of an outline, mm.
+/// Largest distance of a corner from the object's point, mm.
 const FARTHEST_MM: f64 = 1e4;
-/// Corners that a drawn disc has.
+/// Number of corners of a drawn disc.
 const DRAWN_CORNERS: usize = 90;
-/// Share of its area by which the triangles of an outline may miss it: rounding, where it does not cross itself.
+/// Largest difference between the areas of an outline and of its triangles, as a share; only rounding unless the outline crosses itself.
 const AREA_TOLERANCE: f64 = 1e-9;
 
-/// Outline of an object as it is pressed: turned as the scene says, about the point that is moved.
+/// Outline of a pressed object about its moved point, rotated as the scene states.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TurnedOutline {
     /// Radius, mm.
@@ -50,10 +50,10 @@ pub enum TurnedOutline {
 }
 
 impl TurnedOutline {
-    /// Turns the outline of a scene's object. `corners` (mm) are those of a polygon's file, unused otherwise.
+    /// Rotates the outline of a scene's object. `corners` (mm) are those of a polygon's file; other outlines ignore them.
     ///
     /// # Errors
-    /// [`OutlineError`] for corners that are no outline.
+    /// [`OutlineError`] for corners that form no valid outline.
     pub fn new(object: &ObjectDescription, corners: &[Vector]) -> Result<TurnedOutline, OutlineError> {
         let turn = Rotation2::new(object.rotation_deg.to_radians());
         let turned = |corners: &[Vector]| TurnedOutline::Polygon(corners.iter().map(|corner| turn * corner).collect());
@@ -70,7 +70,7 @@ impl TurnedOutline {
         })
     }
 
-    /// The shape whose contacts are solved for.
+    /// Shape for the computation of contacts.
     pub fn shape(&self) -> Shape {
         match self {
             TurnedOutline::Disc(radius_mm) => Shape::disc(*radius_mm),
@@ -78,7 +78,7 @@ impl TurnedOutline {
         }
     }
 
-    /// The shape for the engine; an outline that is not convex becomes convex pieces.
+    /// Shape for the physics engine; a non-convex outline is divided into convex pieces.
     pub(crate) fn engine_shape(&self) -> Result<SharedShape, OutlineError> {
         let corners = match self {
             TurnedOutline::Disc(radius_mm) => return Ok(SharedShape::ball(*radius_mm)),
@@ -95,7 +95,7 @@ impl TurnedOutline {
         }
     }
 
-    /// The outline as a closed line, mm; a disc as a polygon of many corners.
+    /// The outline as a closed polyline, mm; a disc becomes a polygon.
     pub fn points(&self) -> Vec<Vector> {
         let corners: Vec<Vector> = match self {
             TurnedOutline::Disc(radius_mm) => {
@@ -111,7 +111,7 @@ impl TurnedOutline {
         corners.into_iter().chain(first).collect()
     }
 
-    /// How far the outline reaches along a unit vector from the point that is moved, mm.
+    /// Extent of the outline along a unit vector from the moved point, mm.
     pub fn reach_mm(&self, along: Vector) -> f64 {
         match self {
             TurnedOutline::Disc(radius_mm) => *radius_mm,
@@ -122,7 +122,7 @@ impl TurnedOutline {
     }
 }
 
-/// Cuts an outline into triangles, counter-clockwise.
+/// Divides an outline into triangles, counter-clockwise.
 fn triangles(corners: &[Vector]) -> Result<Vec<[u32; 3]>, OutlineError> {
     if corners.len() < 3 {
         return Err(OutlineError::TooFewCorners { corners: corners.len() });
@@ -144,37 +144,37 @@ fn triangles(corners: &[Vector]) -> Result<Vec<[u32; 3]>, OutlineError> {
     Ok(indices.as_chunks::<3>().0.iter().map(counter_clockwise).collect())
 }
 
-/// An object ready to press.
+/// An object prepared for pressing.
 #[derive(Debug, Clone)]
 pub struct PreparedObject {
-    /// Its outline.
+    /// Outline of the object.
     pub outline: TurnedOutline,
-    /// Coefficient of friction.
+    /// Coefficient of friction, dimensionless.
     pub friction: f64,
-    /// Where it begins, finger frame, mm.
+    /// Starting position, mm, finger frame.
     pub start: Vector,
-    /// Unit vector that it is pressed along; of a path, its first segment.
+    /// Unit vector of the motion, dimensionless, finger frame; for a path, of its first segment.
     pub along: Vector,
-    /// What the hand does, step by step.
+    /// Motion of the hand, step by step.
     pub steps: Vec<HandStep>,
 }
 
 /// One step of the hand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandStep {
-    /// Corners of a path that it passes on the way.
+    /// Corners of the path that are passed in the step, mm, finger frame.
     pub corners: Vec<Vector>,
-    /// Where, or how, it ends.
+    /// Position or force at the end of the step.
     pub end: Push,
-    /// Unit vector of the way that it ends on.
+    /// Unit vector of the motion at the end of the step, dimensionless, finger frame.
     pub along: Vector,
 }
 
 impl PreparedObject {
-    /// Prepares an object of a scene; `corners` as for [`TurnedOutline::new`].
+    /// Prepares the object of a scene; `corners` as for [`TurnedOutline::new`].
     ///
     /// # Errors
-    /// [`OutlineError`] for corners that are no outline.
+    /// [`OutlineError`] for a free object, or corners that form no valid outline.
     pub fn new(scene: &Scene, object: &ObjectDescription, corners: &[Vector]) -> Result<PreparedObject, OutlineError> {
         let finger = &scene.finger;
         let outline = TurnedOutline::new(object, corners)?;
@@ -202,7 +202,7 @@ impl PreparedObject {
         Ok(PreparedObject { outline, friction: object.friction, start, along, steps })
     }
 
-    /// What the engine needs of it.
+    /// The object for the physics engine.
     ///
     /// # Errors
     /// [`OutlineError::Crossed`] for an outline without convex pieces.
@@ -211,7 +211,7 @@ impl PreparedObject {
     }
 }
 
-/// Where on its line an object first meets the straight line over the rods of the undeformed finger.
+/// Position at which an object on its line first meets the straight line over the rods of the undeformed finger, mm, finger frame.
 fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, at_mm: f64, along: Vector) -> Vector {
     let inward = finger.direction(0.0);
     let surface_mm = rod_radius_mm.max(0.5 * finger.description().front.thickness_mm);
@@ -219,7 +219,7 @@ fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, at_
     finger.plate_point(Plate::Front, at_mm) - along * distance_mm
 }
 
-/// The step from one share, 0 to 1, of a path's length to another.
+/// Step between two shares (0 to 1) of a path's length.
 fn step_on_path(points: &[Vector], from: f64, to: f64) -> HandStep {
     let segments: Vec<&[Vector]> = points.windows(2).filter(|pair| pair[0] != pair[1]).collect();
     let total: f64 = segments.iter().map(|pair| (pair[1] - pair[0]).norm()).sum();
@@ -227,7 +227,7 @@ fn step_on_path(points: &[Vector], from: f64, to: f64) -> HandStep {
     for (i, pair) in segments.iter().enumerate() {
         let way = pair[1] - pair[0];
         let ends = begins + way.norm();
-        // The last segment takes what rounding leaves.
+        // The last segment includes the rounding error.
         if to * total <= ends || i + 1 == segments.len() {
             let share = ((to * total - begins) / way.norm()).min(1.0);
             return HandStep { corners, end: Push::To(pair[0] + way * share), along: way.normalize() };

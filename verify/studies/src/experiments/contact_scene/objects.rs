@@ -1,4 +1,4 @@
-//! Objects pressed onto the finger.
+//! Contact scenes of the report: objects pressed onto the finger.
 
 use super::study::{SAMPLES, SceneStudy, SceneStudyError, SceneWithOutline, run_all, shipped};
 use crate::experiments::{Context, Evidence};
@@ -11,19 +11,19 @@ impl Evidence for SceneStudy {
     }
 }
 
-/// Segments of plate between two key nodes, and steps of the object, in the contact scene of a quick study.
+/// Segments of plate between two key nodes, and steps of the object, in a quick study.
 const QUICK_FINENESS: usize = 2;
 const QUICK_STEPS: usize = 3;
 
-/// Contact scenes that are to be run.
+/// Contact scenes to be run.
 pub struct Objects {
-    /// Each with the fineness of its lattice, if it is not to be found.
+    /// Scenes, each with the fineness of its lattice; `None` for automatic refinement.
     scenes: Vec<(SceneWithOutline, Option<usize>)>,
     samples: usize,
 }
 
 impl Objects {
-    /// The scene's own object, or for the paper's finger without one the scenes that ship.
+    /// The scene's own object; for the paper's finger without an object, the shipped scenes.
     pub(crate) fn of(context: &Context) -> Result<Objects, SceneStudyError> {
         let &Context { given, is_paper, effort, .. } = context;
         let mut scenes = match &given.scene.object {
@@ -33,7 +33,7 @@ impl Objects {
         };
         let mut samples = SAMPLES;
         if effort == Effort::Quick {
-            // Samples of every step take longer than the rest of a quick study.
+            // Samples of every step would take longer than the rest of a quick study.
             samples = 0;
             scenes.truncate(1);
             for (given, fineness) in &mut scenes {
@@ -46,12 +46,12 @@ impl Objects {
         Ok(Objects { scenes, samples })
     }
 
-    /// How often progress is reported.
+    /// Number of progress calls.
     pub fn steps(&self) -> usize {
         self.scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum()
     }
 
-    /// Presses them onto the finger.
+    /// Presses the objects onto the finger.
     pub(crate) fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
         run_all(&self.scenes, CAMERA_NOISE_MM, self.samples, &|| progress.step())
     }

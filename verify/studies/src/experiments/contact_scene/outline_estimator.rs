@@ -1,4 +1,4 @@
-//! Who senses the forces of contacts that a camera sees: from contacts as they were measured, or by an estimator that takes them for exact.
+//! Sensing of forces at contacts that a camera sees: with measured contacts, or by an estimator that treats them as exact.
 
 use super::{SeenContact, SensedContact, SensedForce, SensedStep, read_contact};
 use crate::prelude::*;
@@ -6,25 +6,29 @@ use finray_model::estimators::network::Networks;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::{Refusal, Sensor, SensorContacts, SensorOptions};
 
-/// Prior knowledge of who senses the forces of contacts that a camera sees.
+/// Prior knowledge for sensing forces at contacts that a camera sees.
 #[derive(Debug, Clone, Copy)]
 pub struct OutlineEstimator<'s> {
-    /// The finger, and how objects meet it.
+    /// The scene, with finger and contact properties.
     pub scene: &'s Scene,
-    /// Bound of the coefficient of friction.
+    /// Upper bound of the friction coefficient, dimensionless.
     pub friction: f64,
-    /// Standard deviation of a marker's coordinate, mm; `None` where observations state it.
+    /// Standard deviation of a marker's coordinate, mm; `None` if observations state it.
     pub marker_noise_mm: Option<f64>,
-    /// Standard deviation of a coordinate of a point of an outline, mm.
+    /// Standard deviation of a coordinate of an outline point, mm.
     pub outline_noise_mm: f64,
-    /// An estimator that takes contacts for what they are read as, with networks to choose from: friction and the uncertainty of a contact are not in
-    /// its standard deviations, and those of the total are the most that the contacts' can add up to. One that knows the plate's normal alone takes that for
-    /// the direction. `None`: contacts count as measured.
+    /// An estimator that treats the read contacts as exact, with its networks. Its standard deviations exclude friction and the uncertainty of contacts;
+    /// that of the total is the largest possible sum of the contacts'. An estimator that supports only the normal uses it as the direction. `None` for
+    /// sensing with measured contacts.
     pub estimator: Option<(EstimatorId, &'s Networks)>,
 }
 
 impl OutlineEstimator<'_> {
-    /// Senses forces of contacts, none clamped, from markers and contacts as the camera reads them; and their sum along a vector.
+    /// Senses the forces (N) of contacts, none clamped, from markers and from contacts as the camera reads them. Also gives their sum along the unit
+    /// vector `along`.
+    ///
+    /// # Errors
+    /// [`Refusal`] if the forces are not identifiable.
     pub(crate) fn sense(
         &self,
         felt: &[SeenContact],

@@ -1,38 +1,38 @@
-//! Lattices fine enough for a scene: the segments of the plate are halved until no total changes.
+//! Automatic refinement of a scene's lattice: the segments of the plate are halved until no total changes.
 
 use super::{ContactScene, SceneStep};
 use crate::prelude::*;
 use finray_lattice::pressing::{Pressing, Push};
 
-/// Change of a total, as a share of it, from one lattice to one twice as fine, up to which the finer one is fine enough.
+/// Largest relative change of a total from one lattice to one twice as fine, at which the finer one is fine enough.
 pub const TOTAL_TOLERANCE: f64 = 1e-3;
-/// A total below this share of the scene's largest is judged by that share of the largest.
+/// Totals below this share of the scene's largest total are compared with that share of the largest.
 const SMALL: f64 = 0.1;
-/// Segments of the front plate in the first lattice, whatever its members.
+/// Number of segments of the front plate in the first lattice.
 const FIRST_SEGMENTS: usize = 36;
-/// Segments of the front plate in the finest lattice.
+/// Largest number of segments of the front plate.
 const MOST_SEGMENTS: usize = 600;
 
-/// The lattice that the steps of a scene are of.
+/// Lattice of a scene's steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refinement {
-    /// Segments in a plate member of mean length.
+    /// Number of segments in a plate member of mean length.
     pub fineness: usize,
-    /// Largest change of a total from the lattice of half this fineness; none if there was none.
+    /// Largest change of a total from the lattice of half this fineness; `None` if that lattice was not computed.
     pub change: Option<TotalChange>,
 }
 
-/// By how much the total of a step differs between two lattices.
+/// Difference of a step's total between two lattices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TotalChange {
     /// Number of the step, from 1.
     pub step: usize,
-    /// Share of the total.
+    /// Difference relative to the total.
     pub share: f64,
 }
 
 impl TotalChange {
-    /// The largest from a lattice to a finer one. A step that only one of them reaches changes by all.
+    /// Largest change from a lattice to a finer one. A step that only one of them reaches counts as a change of 100 %.
     pub fn largest(coarse: &[SceneStep], fine: &[SceneStep]) -> Option<TotalChange> {
         let largest_n = fine.iter().map(|step| step.total_n().abs()).fold(0.0, f64::max);
         let share = |(coarse, fine): (&SceneStep, &SceneStep)| {
@@ -47,15 +47,15 @@ impl TotalChange {
     }
 }
 
-/// Steps up to the end, or to an error.
+/// Steps up to the end or an error, and that error.
 pub(super) type Pressed = (Vec<SceneStep>, Option<LatticeError>);
 
 impl ContactScene {
-    /// Runs the scene; `each` is handed every step. Without a fineness that was asked for, the segments of the lattice are halved until no total changes
-    /// by more than [`TOTAL_TOLERANCE`], or they are as short as they may be.
+    /// Runs the scene and passes every step to `each`. Without a requested fineness, segments are halved until no total changes by more than
+    /// [`TOTAL_TOLERANCE`], or their number reaches its limit.
     ///
     /// # Errors
-    /// [`LatticeError`] if the object does not start outside the finger, or a step has no equilibrium: the steps before were handed out.
+    /// [`LatticeError`] if the object overlaps the finger at the start, or a step has no equilibrium; `each` has then had the steps before.
     pub fn run(&self, mut each: impl FnMut(SceneStep)) -> Result<Refinement, LatticeError> {
         let members = self.finger().rib_count() + 1;
         let mut fineness = self.fineness.unwrap_or_else(|| FIRST_SEGMENTS.div_ceil(members));
@@ -64,7 +64,7 @@ impl ContactScene {
         while self.fineness.is_none() && finer * members <= MOST_SEGMENTS {
             let (their_steps, their_end) = self.press(finer);
             let their_change = TotalChange::largest(&steps, &their_steps);
-            // A step can fail on one lattice alone, where contacts are about to change.
+            // A step can fail on only one lattice, where contacts are about to change.
             if their_steps.len() >= steps.len() {
                 (steps, stopped, fineness, change) = (their_steps, their_end, finer, their_change);
             }
@@ -77,7 +77,7 @@ impl ContactScene {
         stopped.map_or(Ok(Refinement { fineness, change }), Err)
     }
 
-    /// Presses the object onto a lattice of some fineness.
+    /// Presses the object onto a lattice of this fineness.
     pub(super) fn press(&self, fineness: usize) -> Pressed {
         let mut steps = Vec::new();
         let outcome = self.press_each(fineness, &mut steps);

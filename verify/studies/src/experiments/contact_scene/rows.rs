@@ -1,36 +1,36 @@
-//! True and sensed forces, a row a contact.
+//! True and sensed forces as table rows, one row for each contact.
 
 use super::{ContactScene, SceneStep, SeenContact, SensedContact, SensedStep};
 use crate::prelude::*;
 
-/// One contact of one step, or the total of a step.
+/// One contact of a step, or the total of a step.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceRow {
     /// Number of the step, from 1.
     pub step: usize,
-    /// Length of the object's way, mm.
+    /// Length of the object's path, mm.
     pub travel_mm: f64,
-    /// A node, `at` for a position between nodes, `clamp` where a force is not felt, or `total`.
+    /// Name of the contact: a node, `at` for a position between nodes, `clamp` if the force does not deform the finger, or `total`.
     pub contact: String,
-    /// Position along the front plate, mm from its base; none for the total.
+    /// Position along the front plate, mm from its base; `None` for the total.
     pub s_mm: Option<f64>,
-    /// The normal, degrees from the undeformed inward normal, positive towards the tip; none for the total.
+    /// Direction of the contact normal, degrees from the undeformed inward normal, positive towards the tip; `None` for the total.
     pub angle_deg: Option<f64>,
-    /// True force along it, N; of the total, along the object's way, without what the clamp takes.
+    /// True force along the normal, N; for the total, along the object's motion, without forces on the clamp.
     pub force_n: f64,
-    /// True force across it, positive towards the tip, N; none for the total.
+    /// True force across the normal, positive towards the tip, N; `None` for the total.
     pub friction_n: Option<f64>,
-    /// Sensed force, N; none where it is not identifiable.
+    /// Sensed force, N; `None` if it is not identifiable.
     pub sensed_n: Option<f64>,
-    /// Its stated standard deviation, N.
+    /// Stated standard deviation of the sensed force, N.
     pub sigma_n: Option<f64>,
-    /// Position that the camera read, mm; none where nothing was sensed.
+    /// Position read by the camera, mm from the base; `None` if nothing was sensed.
     pub read_s_mm: Option<f64>,
-    /// Direction that the camera read, degrees.
+    /// Direction read by the camera, degrees from the undeformed inward normal; `None` if nothing was sensed.
     pub read_angle_deg: Option<f64>,
 }
 
-/// Pairs what was sensed with the contacts that it belongs to; clamped ones are not felt.
+/// Pairs contacts with their sensed forces; clamped contacts have none.
 pub fn contacts_sensed<'s>(
     contacts: &'s [SeenContact],
     sensed: Option<&'s SensedStep>,

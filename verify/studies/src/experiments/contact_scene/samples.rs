@@ -1,22 +1,22 @@
-//! Noise samples of one step: how often the stated intervals hold the true forces.
+//! Noise samples of one step: coverage of the stated intervals.
 
 use super::{ContactScene, SceneStep, SensedForce, SensedStep};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
 
-/// Many noise samples of one step, of markers and contacts.
+/// Forces sensed from many noise samples of one step, with noise on markers and contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseSamples {
-    /// How many were taken.
+    /// Number of samples.
     pub taken: usize,
-    /// How many were answered.
+    /// Number of answered samples.
     pub answered: usize,
-    /// For each contact that is not clamped, and last for the total: what was sensed in the samples that were answered.
+    /// Sensed forces of the answered samples, for each contact that is not clamped and, last, for the total.
     pub sensed: Vec<Vec<SensedForce>>,
 }
 
 impl NoiseSamples {
-    /// Takes a number of samples, each from a seed of its own beginning with `first_seed`; `None` where nothing can be felt.
+    /// Senses `taken` samples with noise of `noise_mm` (mm), each with its own seed from `first_seed` on. `None` if no contact can be sensed.
     pub fn take(
         scene: &ContactScene,
         step: &SceneStep,
@@ -40,22 +40,22 @@ impl NoiseSamples {
         Some(NoiseSamples { taken, answered: answers.len(), sensed })
     }
 
-    /// Samples whose stated interval of 95 % holds the true force, of a contact or the total (the last). A refused sample holds nothing.
+    /// Number of samples whose stated 95 % interval contains the true force of a contact, or of the total (last index). Refused samples do not count.
     pub fn covered(&self, which: usize) -> usize {
         self.sensed[which].iter().filter(|force| force.standardised_error().abs() <= TWO_SIDED_95).count()
     }
 
-    /// The same as a share of all that were taken.
+    /// Share of all samples whose stated 95 % interval contains the true force.
     pub fn coverage(&self, which: usize) -> f64 {
         self.covered(which) as f64 / self.taken as f64
     }
 
-    /// Root mean square of the errors, N: of a contact, or the total (the last).
+    /// Root mean square of the errors of a contact, or of the total (last index), N.
     pub fn rms_error_n(&self, which: usize) -> f64 {
         self.root_mean_square(which, |force| force.sensed_n - force.true_n)
     }
 
-    /// Root mean square of the stated standard deviations, N.
+    /// Root mean square of the stated standard deviations of a contact, or of the total (last index), N.
     pub fn rms_sigma_n(&self, which: usize) -> f64 {
         self.root_mean_square(which, |force| force.sigma_n)
     }

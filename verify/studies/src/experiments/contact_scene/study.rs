@@ -1,4 +1,4 @@
-//! A scene run to its end, sensed at every step, and the scenes that ship.
+//! Study of a contact scene, sensed at every step, and the shipped scenes.
 
 use super::samples::NoiseSamples;
 use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, VerifiedStep, force_rows};
@@ -10,77 +10,77 @@ use finray_model::scene::ObjectMotion;
 use finray_model::sensor::Refusal;
 use finray_model::statics;
 
-/// Noise samples of each step in a full study: over the steps of a scene they are some hundreds to a thousand.
+/// Number of noise samples of each step in a full study; all steps of a scene together have some hundreds to a thousand.
 pub const SAMPLES: usize = 50;
-/// Seeds of the samples of a step begin at its number (from 1) times this.
+/// Spacing of sample seeds: those of a step begin at its number (from 1) times this.
 const SEEDS_A_STEP: u64 = 1_000_000;
 
-/// One step, sensed.
+/// One step with its sensed forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudiedStep {
-    /// Finger, object and true forces.
+    /// Equilibrium of finger and object, with true forces.
     pub step: SceneStep,
-    /// Sensed without noise; `None` where nothing touches.
+    /// Forces sensed without noise; `None` without contact.
     pub clean: Result<Option<SensedStep>, Refusal>,
-    /// Sensed from one noise sample.
+    /// Forces sensed from one noise sample; `None` without contact.
     pub noisy: Result<Option<SensedStep>, Refusal>,
-    /// Many noise samples, if something touches.
+    /// Forces sensed from many noise samples; `None` without contact.
     pub samples: Option<NoiseSamples>,
 }
 
-/// A scene run to its end.
+/// Results of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneStudy {
     /// Name of the scene.
     pub name: String,
-    /// Segments of plate between two rods of its lattice.
+    /// Segments of plate between two rods of the lattice.
     pub fineness: usize,
-    /// Coefficient of friction.
+    /// Coefficient of friction, dimensionless.
     pub friction: f64,
     /// Length of the front plate, mm.
     pub length_mm: f64,
-    /// Standard deviation of one coordinate, mm, of markers and outline points.
+    /// Standard deviation of a coordinate of markers and outline points, mm.
     pub noise_mm: f64,
     /// Outline of the object about its own point, closed, mm.
     pub outline: Vec<Vector>,
-    /// Steps up to where it ended.
+    /// Steps up to the end, or to the failure.
     pub steps: Vec<StudiedStep>,
     /// True forces, and those sensed from one noise sample a step.
     pub rows: Vec<ForceRow>,
-    /// Why it ended early, if it did.
+    /// Reason of a premature end; `None` if the scene is complete.
     pub stopped: Option<LatticeError>,
-    /// For each step, converged beams under the same contact forces: largest difference of a displacement, as a share of the
-    /// largest. `None` where friction turns the rods, or there is nothing to compare.
+    /// Largest difference of a displacement from converged beams under the same contact forces, relative to the largest displacement, by step. `None` if
+    /// friction turns the rods, or without contact.
     pub beams_differences: Vec<Option<f64>>,
-    /// What rapier makes of the steps; of a scene on a lattice fine enough, of the same steps on one with [`FINENESS`].
+    /// Verification of the steps by rapier. With automatic refinement, the same steps are verified on a lattice with [`FINENESS`].
     pub verified: Vec<VerifiedStep>,
 }
 
-/// Why a scene was not studied.
+/// Why a scene could not be studied.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneStudyError {
-    /// A scene that ships does not read.
+    /// A shipped scene cannot be read.
     #[error("a scene that ships: {0}")]
     Scene(#[from] SceneError),
-    /// An outline that ships does not read.
+    /// A shipped outline cannot be read.
     #[error("an outline that ships: {0}")]
     Csv(#[from] csv::Error),
-    /// An outline is none.
+    /// An outline is invalid.
     #[error(transparent)]
     Outline(#[from] OutlineError),
-    /// The beams under the contact forces.
+    /// The beams have no equilibrium under the contact forces.
     #[error(transparent)]
     Statics(#[from] StaticsError),
-    /// The lattice in rapier, without the object.
+    /// The lattice does not settle in rapier, even without the object.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
 }
 
-/// Runs several scenes in parallel, each with its number of segments a plate member, or on a lattice fine enough. Noise is that of each scene's camera, or
-/// `noise_mm` for a scene without; `samples` noise samples are taken of each step.
+/// Runs several scenes in parallel, each with its number of segments a plate member, or with automatic refinement. The noise is that of each scene's
+/// camera, or `noise_mm` (mm) for a scene without. Each step has `samples` noise samples.
 ///
 /// # Errors
-/// [`SceneStudyError`] for an outline that is none, or if beams have no equilibrium under contact forces that the lattice carries.
+/// [`SceneStudyError`] for an invalid outline, or if beams have no equilibrium under contact forces of the lattice.
 pub fn run_all(
     scenes: &[(SceneWithOutline, Option<usize>)],
     noise_mm: f64,
@@ -88,7 +88,7 @@ pub fn run_all(
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<SceneStudy>, SceneStudyError> {
     let run = |(SceneWithOutline { scene, corners }, fineness): &(SceneWithOutline, Option<usize>)| {
-        // A free object is for a gripper.
+        // Free objects belong to grippers.
         let is_pressed = |object: &&ObjectDescription| !matches!(object.motion, ObjectMotion::Free { .. });
         let Some(object) = scene.object.as_ref().filter(is_pressed) else { return Ok(None) };
         let prepared = ContactScene { fineness: *fineness, ..ContactScene::new(scene, object, corners)? };
@@ -99,22 +99,22 @@ pub fn run_all(
     Ok(studies.into_iter().flatten().collect())
 }
 
-/// A scene with the corners of its outline (mm), if that is a polygon.
+/// A scene with the corners of its object's outline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneWithOutline {
     /// The scene.
     pub scene: Scene,
-    /// Corners of a polygon, mm.
+    /// Corners of a polygon, mm; empty for other outlines.
     pub corners: Vec<Vector>,
 }
 
-/// Segments a plate member that are enough where objects bend the finger by some 10 mm.
+/// Segments a plate member that suffice if objects displace the finger by about 10 mm.
 const COARSE: usize = 2;
 
-/// The contact scenes that ship, the disc first, each with the segments a plate member that it needs.
+/// The shipped contact scenes, the disc first, each with its number of segments a plate member.
 ///
 /// # Errors
-/// [`SceneStudyError`] if one does not read.
+/// [`SceneStudyError`] if a scene or an outline cannot be read.
 pub fn shipped() -> Result<Vec<(SceneWithOutline, usize)>, SceneStudyError> {
     let scene = |text: &str, corners: &[Vector], fineness| -> Result<_, SceneStudyError> {
         Ok((SceneWithOutline { scene: Scene::from_toml(text)?, corners: corners.to_vec() }, fineness))
@@ -131,11 +131,10 @@ pub fn shipped() -> Result<Vec<(SceneWithOutline, usize)>, SceneStudyError> {
 }
 
 impl SceneStudy {
-    /// Runs a prepared scene, and takes `samples` noise samples of each step; `done` is called after every step.
+    /// Runs a prepared scene, with `samples` noise samples of each step and noise of `noise_mm` (mm). `done` is called after every step.
     ///
     /// # Errors
-    /// [`SceneStudyError::Statics`] if beams have no equilibrium under contact forces that the lattice carries. A step without equilibrium
-    /// ends the scene instead.
+    /// [`SceneStudyError::Statics`] if beams have no equilibrium under contact forces of the lattice. A step without equilibrium ends the scene early.
     pub fn run(
         name: &str,
         scene: &ContactScene,
@@ -196,7 +195,7 @@ impl SceneStudy {
     }
 }
 
-/// The converged beam finger under the forces of frictionless touches.
+/// Shape of the converged beam finger under the forces of frictionless touches.
 fn beams_under(finger: &Finger, touches: &[Touch]) -> Result<FingerShape, StaticsError> {
     let mesh = Mesh::with_elements_per_member(finger, CONVERGED_ELEMENTS);
     let load = |touch: &Touch| match touch.part {

@@ -1,4 +1,4 @@
-//! Steps of a scene against rapier, and against the lattice's equilibrium under the forces that were found.
+//! Verification of a scene's steps by rapier, and by the lattice's equilibrium under the computed contact forces.
 
 use super::{ContactScene, SceneStep};
 use crate::lattice::accuracy::difference;
@@ -6,26 +6,26 @@ use crate::prelude::*;
 use finray_lattice::pressing::Push;
 use finray_lattice::pressing::settled::EnginePressing;
 
-/// What becomes of a step elsewhere; none where it does not come to rest there.
+/// Verification of a step; a part is `None` if that computation does not come to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VerifiedStep {
-    /// Rapier lets finger and object come to rest, beginning where the step has them: how far the finger is from there then.
+    /// Difference of finger and contact forces after rapier, starting from the step, comes to rest.
     pub engine: Option<EngineDifference>,
-    /// How far the lattice's equilibrium under the contact forces alone is from the step's shape, as a share of the largest displacement.
+    /// Largest difference of the step's shape from the lattice's equilibrium under the contact forces alone, relative to the largest displacement.
     pub equilibrium: Option<f64>,
 }
 
-/// Rapier's rest less a step.
+/// Difference of rapier's state at rest from a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EngineDifference {
-    /// Largest difference of a displacement, as a share of the largest.
+    /// Largest difference of a displacement, relative to the largest displacement.
     pub shape: f64,
-    /// Difference of the sum of contact forces, as a share of it; 0 where nothing touches in either.
+    /// Difference of the sum of contact forces, relative to the sum; 0 if neither has contact.
     pub force: f64,
 }
 
 impl ContactScene {
-    /// Verifies steps that were found on a lattice of some fineness.
+    /// Verifies steps that were computed on a lattice of this fineness.
     ///
     /// # Errors
     /// [`LatticeError`] if the lattice does not settle even without the object.

@@ -1,31 +1,31 @@
-//! Contacts without friction: they push along the deformed normal, which the estimator may assume.
+//! Contacts without friction push along the deformed normal, which the estimator may assume.
 
 use super::{Answers, DirectionRequest};
 use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::Truth;
 
-/// Turn of the normal, degrees, below which push and plate agree: worth 1e-6 of the force.
+/// Change of the normal, degrees, below which push and normal count as aligned: an effect of 1e-6 on the force.
 const SETTLED_DEG: f64 = 1e-4;
-/// Largest number of shapes in which a normal must settle.
+/// Largest number of iterations for the normal.
 const MOST_TURNS: usize = 30;
 
-/// What is assumed of the direction.
+/// Assumption about the direction of a push.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Assumption {
-    /// The undeformed normal.
+    /// The push is along the undeformed normal.
     Undeformed,
-    /// The deformed normal.
+    /// The push is along the deformed normal.
     Normal,
-    /// Nothing.
+    /// The direction is unknown.
     Unknown,
 }
 
 impl Assumption {
-    /// All of them.
+    /// All assumptions.
     pub const ALL: [Assumption; 3] = [Assumption::Undeformed, Assumption::Normal, Assumption::Unknown];
 
-    /// As files have it.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
             Assumption::Undeformed => "undeformed",
@@ -43,20 +43,20 @@ impl Assumption {
     }
 }
 
-/// A push along the deformed normal, sensed under one assumption.
+/// A push along the deformed normal, sensed under one assumption about its direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionlessPush {
     /// The contact node.
     pub node: usize,
-    /// Its position on the front plate, mm from the base.
+    /// Position of the node on the front plate, mm from the base.
     pub s_mm: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Direction of the push, degrees from the undeformed normal; `None` where the finger carries no such push.
+    /// Direction of the push, degrees from the undeformed normal; `None` if the finger has no equilibrium.
     pub angle_deg: Option<f64>,
-    /// What the estimator assumes.
+    /// Assumption of the estimator.
     pub assumed: Assumption,
-    /// Its answers.
+    /// Answers of the estimator.
     pub answers: Answers,
 }
 
@@ -64,7 +64,7 @@ pub(super) fn nodes(finger: &Finger) -> Vec<NodeId> {
     sampled_nodes(finger)
 }
 
-/// A row for each node, force and assumption. `progress` is called after each node.
+/// One row for each node, force and assumption. `progress` is called after each node.
 pub(super) fn rows(
     truth: &dyn Truth,
     request: &DirectionRequest,
@@ -96,12 +96,12 @@ pub(super) fn rows(
     Ok(rows?.into_iter().flatten().collect())
 }
 
-/// The finger pushed at a node along its own deformed normal; `None` where no such shape is found.
+/// Contact and shape of the finger pushed at a node along its deformed normal; `None` if the iteration finds no such shape.
 fn pushed(truth: &dyn Truth, node: NodeId, force_n: f64) -> Option<(Contact, FingerShape)> {
     let mut contact = Contact::at_node(node);
     for _ in 0..MOST_TURNS {
         let shape = truth.shapes(&contact, &[force_n]).pop()?;
-        // The normal turns with the plate.
+        // The normal rotates with the plate.
         let normal_deg = shape.motion(node).rotation.to_degrees();
         if (normal_deg - contact.angle_deg).abs() <= SETTLED_DEG {
             return Some((contact, shape));

@@ -1,9 +1,9 @@
-//! Balance of forces and moments at a step.
+//! Balance of forces and moments in a step of a grasp.
 
 use finray_lattice::grasp::{TouchedBody, World};
 use finray_model::Vector;
 
-/// How far forces and moments (at the object's size) on the object, and on the fingers' bases, are from balance, as a share of the largest force.
+/// Largest imbalance relative to the largest force: forces on the object, moments on it (divided by its size), and forces on the fingers' bases.
 pub(super) fn imbalance(world: &World, weight: Vector) -> f64 {
     let contacts = world.contacts();
     let largest_n = contacts.iter().map(|contact| contact.force.norm()).fold(weight.norm(), f64::max);

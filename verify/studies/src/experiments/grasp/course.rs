@@ -1,4 +1,4 @@
-//! The course of a grasp: what the motor and the gripper do, step by step, and how it ends.
+//! The course of a grasp: motion of motor and gripper, step by step, and the end of the grasp.
 
 use super::balance::imbalance;
 use super::obstacles::Obstacle;
@@ -9,23 +9,23 @@ use crate::prelude::*;
 use finray_lattice::grasp::{Drive, GraspFailure, TouchedBody, World};
 use std::collections::VecDeque;
 
-/// What the gripper does in a step.
+/// Phase of a grasp: the gripper's action in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Phase {
-    /// It closes, and touches nothing yet.
+    /// The gripper closes without contact.
     Approach,
-    /// It closes on the object.
+    /// The gripper closes on the object.
     Close,
-    /// It holds the object where it is.
+    /// The gripper holds the object in position.
     Hold,
-    /// The first part of its way.
+    /// The gripper moves along the first part of its path.
     Lift,
-    /// The parts between.
+    /// The gripper moves along the middle parts of its path.
     Carry,
-    /// The last part of its way, down to the support.
+    /// The gripper moves along the last part of its path, down to the support.
     Place,
-    /// It opens.
+    /// The gripper opens.
     Open,
 }
 
@@ -35,53 +35,53 @@ impl std::fmt::Display for Phase {
     }
 }
 
-/// How a grasp ended.
+/// Outcome of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum GraspEnd {
-    /// As the scene has it.
+    /// The grasp is complete, as defined by the scene.
     #[error("done")]
     Done,
-    /// The motor was at its end before the object was touched.
+    /// The motor reached its end without contact.
     #[error("out of reach: the fingers touch nothing up to a motor angle of {motor_deg} degrees")]
     OutOfReach {
-        /// The motor's angle, degrees.
+        /// Motor angle, degrees.
         motor_deg: f64,
     },
-    /// The motor was at its end before the force was sensed.
+    /// The motor reached its end before the target force was sensed.
     #[error("at the last motor angle, {motor_deg} degrees, {sensed_n:.3} N are sensed, less than until_force_n")]
     TooWeak {
-        /// The motor's angle, degrees.
+        /// Motor angle, degrees.
         motor_deg: f64,
-        /// Sensed there, N.
+        /// Sensed force at the end, N.
         sensed_n: f64,
     },
-    /// The fingers let the object go.
+    /// The object lost contact with the fingers.
     #[error("drop: the fingers do not hold the object")]
     Dropped,
-    /// The object slides through the fingers.
+    /// The object slid through the fingers.
     #[error("slip: the object has slid by {slid_mm:.1} mm between the fingers")]
     Slipped {
-        /// How far, mm.
+        /// Sliding distance, mm.
         slid_mm: f64,
     },
-    /// A finger meets more than the object.
+    /// A finger touches something else than the object.
     #[error("{0}")]
     Obstructed(#[from] Obstacle),
-    /// Newton's method.
+    /// Newton's method failed.
     #[error("{0}")]
     Halted(#[from] GraspFailure),
 }
 
-/// Steps in which an object that nothing supports is let go, and in which a force is held before the way begins.
+/// Number of steps over which the weight of an unsupported object is applied, or a force is held before the path begins.
 const HOLD_STEPS: usize = 5;
-/// The same where steps are frames.
+/// The same number of steps if steps are frames.
 const HOLD_FRAMES: usize = 30;
-/// An object has slipped when it has moved against the gripper by this share of its size since the way began.
+/// Displacement of the object relative to the gripper, as a share of its size, above which it has slipped.
 const SLIPPED: f64 = 0.5;
-/// Share of the force that is missing by which the motor closes in a frame, divided by the frames that sensing is late and one.
+/// Controller gain: share of the missing force by which the motor closes in a frame, divided by the delay in frames plus one.
 const GAIN: f64 = 0.5;
 
-/// What is left to do.
+/// Remaining task of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Task {
     Close,
@@ -91,7 +91,7 @@ enum Task {
     Done,
 }
 
-/// A grasp on its way.
+/// State of a grasp in progress.
 #[derive(Clone)]
 pub(super) struct Course<'s, 'l> {
     scene: &'s GraspScene,
@@ -102,9 +102,9 @@ pub(super) struct Course<'s, 'l> {
     motor_deg: f64,
     gripper_mm: Vector,
     weight_share: f64,
-    /// Sensed totals, means of both fingers, with their motor angles; newest last. As many as sensing is late, and more.
+    /// Sensed forces (mean total of both fingers, N) with their motor angles (degrees), the newest last; at least as many as the delay in frames.
     sensed: VecDeque<(f64, f64)>,
-    /// Where the object was in the gripper's frame when the way began, mm.
+    /// Position of the object in the gripper's frame at the beginning of the path, mm.
     held_at: Option<Vector>,
 }
 
@@ -144,40 +144,43 @@ impl<'s, 'l> Course<'s, 'l> {
         })
     }
 
-    /// Way of the motor in a step, degrees.
+    /// Motion of the motor in one step, degrees.
     fn step_deg(&self) -> f64 {
         let grasp = &self.scene.grasp;
         grasp.frames_per_s.map_or(grasp.step_deg, |rate| grasp.motor_deg_per_s / rate)
     }
 
-    /// Closes on from where it is, as another scene of the same fingers and object has it.
+    /// Continues closing from this state under another scene with the same fingers and object.
     pub(super) fn closing_on(&self, scene: &'s GraspScene) -> Course<'s, 'l> {
         Course { scene, task: Task::Close, ..self.clone() }
     }
 
-    /// Whether the motor is where closing ends.
+    /// Whether the motor is at the end of closing.
     pub(super) fn is_at_end(&self) -> bool {
         self.motor_deg == self.scene.grasp.motor_deg[1]
     }
 
-    /// Whether it still closes.
+    /// Whether the gripper is still closing.
     pub(super) fn closes(&self) -> bool {
         self.task == Task::Close
     }
 
-    /// Goes to the next step where a course that closes alike has come to rest.
+    /// Takes over the next step of another course with the same closing motion, already at rest.
     pub(super) fn follow(&mut self, other: &Course<'_, 'l>) {
         (self.world, self.motor_deg, self.phase) = (other.world.clone(), other.motor_deg, other.phase);
         self.step += 1;
     }
 
-    /// True force of a finger across the gripper, the mean of both, N.
+    /// True force of a finger across the gripper, mean of both, N.
     pub(super) fn force_n(&self) -> f64 {
         let on_object = [0, 1].map(|finger| force_of(&self.world, TouchedBody::Finger(finger)).x.abs());
         0.5 * on_object.iter().sum::<f64>()
     }
 
-    /// Goes to the next step and lets all come to rest.
+    /// Advances by one step and settles the world.
+    ///
+    /// # Errors
+    /// [`GraspEnd`] if the grasp ends in this step.
     pub(super) fn advance(&mut self) -> Result<(), GraspEnd> {
         let grasp = &self.scene.grasp;
         let [from_deg, to_deg] = grasp.motor_deg;
@@ -209,7 +212,7 @@ impl<'s, 'l> Course<'s, 'l> {
         Ok(())
     }
 
-    /// Both fingers, as they are now.
+    /// Both fingers in their present state.
     pub(super) fn seen(&self) -> [SeenFinger; 2] {
         let contacts = self.world.contacts();
         [0, 1].map(|finger| {
@@ -229,12 +232,12 @@ impl<'s, 'l> Course<'s, 'l> {
         })
     }
 
-    /// The step that the world is at, with what was sensed.
+    /// The present step, with the sensed forces.
     pub(super) fn step(&mut self, fingers: [FingerStep; 2]) -> GraspStep {
         if let [Some(left_n), Some(right_n)] = fingers.each_ref().map(FingerStep::sensed_total_n) {
             self.sensed.push_back((0.5 * (left_n + right_n), self.motor_deg));
         } else if let Some(&last) = self.sensed.back() {
-            // A refused frame tells nothing new.
+            // A refused frame gives no new information.
             self.sensed.push_back(last);
         }
         let weight = self.scene.weight() * self.weight_share;
@@ -252,7 +255,7 @@ impl<'s, 'l> Course<'s, 'l> {
         }
     }
 
-    /// What follows from a step; how the grasp ended, if it did.
+    /// Chooses the next task after a step; the outcome if the grasp has ended.
     pub(super) fn judge(&mut self, step: &GraspStep) -> Option<GraspEnd> {
         if self.world.is_folded() {
             return Some(GraspFailure::Folded.into());
@@ -296,7 +299,7 @@ impl<'s, 'l> Course<'s, 'l> {
         None
     }
 
-    /// How the object was lost on the way, if it was.
+    /// Reason for the loss of the object on the path; `None` if it is held.
     fn lost(&self, step: &GraspStep, touches: bool) -> Option<GraspEnd> {
         let at = Vector::new(step.object[0], step.object[1]) - step.gripper_mm;
         let slid_mm = (at - self.held_at.unwrap_or(at)).norm();
@@ -329,13 +332,13 @@ impl<'s, 'l> Course<'s, 'l> {
         Task::Open
     }
 
-    /// What the controller knows: the sensed force some frames ago, N.
+    /// Force known to the controller: the sensed force of some frames ago, N.
     fn late_n(&self) -> Option<f64> {
         let at = self.sensed.len().checked_sub(1 + self.scene.grasp.delay_frames)?;
         Some(self.sensed[at].0)
     }
 
-    /// Moves the motor so that the force comes nearer to what is asked, by the stiffness that was seen while it closed.
+    /// Moves the motor to reduce the difference from the target force, with the stiffness observed while closing.
     fn correct_motor(&mut self) {
         let grasp = &self.scene.grasp;
         let (Some(target_n), true, Some(sensed_n)) = (grasp.until_force_n, grasp.holds, self.late_n()) else { return };
@@ -348,7 +351,7 @@ impl<'s, 'l> Course<'s, 'l> {
         self.motor_deg = (self.motor_deg + closing * wanted_deg).clamp(a.min(b), a.max(b));
     }
 
-    /// Force a degree of closing, N, from the frames before the target was reached: since half of it.
+    /// Force per degree of closing, N/deg, from the frames between half the target and the target.
     fn stiffness(&self) -> Option<f64> {
         let target_n = self.scene.grasp.until_force_n?;
         let end = self.sensed.iter().position(|(sensed_n, _)| *sensed_n >= target_n)?;
@@ -358,7 +361,7 @@ impl<'s, 'l> Course<'s, 'l> {
         (stiffness.is_finite() && stiffness > 0.0).then_some(stiffness)
     }
 
-    /// The first part of the way is lifting, the last one placing where it comes down to the support again.
+    /// Phase on the path: the first part is lifting; the last part is placing if it returns to the support.
     fn phase_on_way(&self, step: usize) -> Phase {
         let grasp = &self.scene.grasp;
         let at = step as f64 / grasp.path_steps as f64;

@@ -1,4 +1,4 @@
-//! Forces and motion of a grasp as rows.
+//! Forces and motion of a grasp as table rows.
 
 use super::{GraspScene, GraspStep, finger_name};
 use crate::prelude::*;
@@ -8,25 +8,25 @@ use crate::prelude::*;
 pub struct ForceRow {
     /// Number of the step, from 1.
     pub step: usize,
-    /// The motor's angle, degrees.
+    /// Motor angle, degrees.
     pub motor_deg: f64,
-    /// What the gripper does.
+    /// Phase of the grasp.
     pub phase: super::Phase,
-    /// `left` or `right`.
+    /// Name of the finger: `left` or `right`.
     pub finger: &'static str,
-    /// A node, `at` for a position between nodes, `clamp` where a force is not felt, or `total`.
+    /// Name of the contact: a node, `at` for a position between nodes, `clamp` if the force does not deform the finger, or `total`.
     pub contact: String,
-    /// Position along the front plate, mm from its base; none for the total.
+    /// Position along the front plate, mm from its base; `None` for the total.
     pub s_mm: Option<f64>,
-    /// The normal, degrees from the undeformed inward normal, positive towards the tip; none for the total.
+    /// Direction of the contact normal, degrees from the undeformed inward normal, positive towards the tip; `None` for the total.
     pub angle_deg: Option<f64>,
-    /// True force along it, N; of the total, across the gripper.
+    /// True force along the normal, N; for the total, across the gripper.
     pub force_n: f64,
-    /// True force across it, positive towards the tip, N; of the total, along the gripper.
+    /// True force across the normal, positive towards the tip, N; for the total, along the gripper.
     pub friction_n: f64,
-    /// Sensed force, N; none where it is not identifiable.
+    /// Sensed force, N; `None` if it is not identifiable.
     pub sensed_n: Option<f64>,
-    /// Its stated standard deviation, N.
+    /// Stated standard deviation of the sensed force, N.
     pub sigma_n: Option<f64>,
 }
 
@@ -35,27 +35,27 @@ pub struct ForceRow {
 pub struct ObjectRow {
     /// Number of the step, from 1.
     pub step: usize,
-    /// The motor's angle, degrees.
+    /// Motor angle, degrees.
     pub motor_deg: f64,
-    /// What the gripper does.
+    /// Phase of the grasp.
     pub phase: super::Phase,
-    /// Position of the object's point in the frame of the gripper where it started, mm.
+    /// Position x of the object's point, mm, in the gripper's initial frame.
     pub x_mm: f64,
-    /// The same.
+    /// Position y of the object's point, mm, in the gripper's initial frame.
     pub y_mm: f64,
-    /// Its angle, rad.
+    /// Angle of the object, rad.
     pub rotation_rad: f64,
-    /// Force of both fingers on it, N.
+    /// Component x of both fingers' force on the object, N.
     pub force_x_n: f64,
-    /// The same.
+    /// Component y of both fingers' force on the object, N.
     pub force_y_n: f64,
-    /// Force of the support on it, N.
+    /// Component x of the support's force on the object, N.
     pub support_x_n: f64,
-    /// The same.
+    /// Component y of the support's force on the object, N.
     pub support_y_n: f64,
 }
 
-/// Rows of a step: of each finger its contacts from base to tip, then its total.
+/// Rows of a step: for each finger its contacts from base to tip, then its total.
 pub fn force_rows(scene: &GraspScene, step: &GraspStep) -> Vec<ForceRow> {
     let mut rows = Vec::new();
     for (number, finger) in step.fingers.iter().enumerate() {
@@ -83,7 +83,7 @@ pub fn force_rows(scene: &GraspScene, step: &GraspStep) -> Vec<ForceRow> {
         }));
         let sensed = finger.sensed.as_ref().ok();
         let total = sensed.and_then(Option::as_ref).map(|sensed| sensed.total);
-        // Where nothing touches nothing is sensed: a force of 0.
+        // Without contact the sensed force is 0.
         let nothing = sensed.filter(|sensed| sensed.is_none()).map(|_| 0.0);
         rows.push(ForceRow {
             force_n: finger.total_n,
@@ -96,7 +96,7 @@ pub fn force_rows(scene: &GraspScene, step: &GraspStep) -> Vec<ForceRow> {
     rows
 }
 
-/// The object in a step.
+/// Row of the object in a step.
 pub fn object_row(step: &GraspStep) -> ObjectRow {
     let force = step.force_on_object();
     ObjectRow {

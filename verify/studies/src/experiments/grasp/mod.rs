@@ -1,7 +1,7 @@
-//! Grasps: a gripper closes on a free object, carries it and puts it down, and senses the forces meanwhile.
+//! Grasps: a gripper closes on a free object, carries it and puts it down, while the forces are sensed.
 //!
-//! The motor's angle says where the undeformed fingers stand ([`Gripper`], eqs (6)-(9) of the paper); [`World`] finds fingers, object and contact
-//! forces at rest, step by step; what a camera sees of that goes to the estimator ([`Eyes`]). It never gets the true forces.
+//! The motor angle determines the frames of the undeformed fingers ([`Gripper`], eqs (6)-(9) of the paper). [`World`] computes fingers, object and
+//! contact forces at rest, step by step. The estimator gets only the camera's view of them ([`Eyes`]), never the true forces.
 
 mod balance;
 mod course;
@@ -34,55 +34,55 @@ use rapier2d::parry::query::intersection_test;
 use rapier2d::parry::shape::Triangle;
 use rapier2d::prelude::{Pose, Vector as EngineVector};
 
-/// Segments of plate between two rods. Forces are sensed with converged beams: with three, a wedge that presses 5 N between two rods is sensed 0.5 %
-/// off, twice what noise of 0.067 mm does to it; with six, a quarter of that.
+/// Segments of plate between two rods. Sensing uses converged beams. With three segments, a wedge pressing 5 N between two rods causes an error
+/// of 0.5 %, twice that of 0.067 mm noise. Six segments cause a quarter of it.
 pub const FINENESS: usize = 6;
-/// A newton is this many g m/s^2.
+/// One newton in g m/s^2.
 const GRAMS_M_S2_A_NEWTON: f64 = 1000.0;
 
-/// Why a scene is no grasp.
+/// Why a scene cannot be grasped.
 #[derive(Debug, thiserror::Error)]
 pub enum GraspError {
-    /// A table is missing.
+    /// A table of the scene is missing.
     #[error("{table} is missing: expected a table {outline}")]
     Missing {
-        /// Its name.
+        /// Name of the table.
         table: &'static str,
-        /// The table with its required keys.
+        /// The table with its required keys, as text.
         outline: String,
     },
-    /// The object is moved by a hand.
+    /// A hand moves the object, which must be free.
     #[error("object.mass_g is missing: expected a free object with mass_g and centre_mm, found one that a hand moves")]
     NotFree,
-    /// The outline.
+    /// The outline of the object is invalid.
     #[error(transparent)]
     Outline(#[from] OutlineError),
-    /// A corner of the way is beyond the support.
+    /// A corner of the path is below the support.
     #[error("grasp.path_mm: point {corner} leads through the support, {depth_mm:.3} mm deep")]
     ThroughSupport {
-        /// Its number, from 1.
+        /// Number of the corner, from 1.
         corner: usize,
-        /// How deep, mm.
+        /// Depth below the support, mm.
         depth_mm: f64,
     },
-    /// The object is inside a finger, or lies across it behind its front.
+    /// The object is inside a finger, or overlaps it behind its front plate.
     #[error("the object lies across the {finger} finger where it starts")]
     AcrossFinger {
-        /// Left or right.
+        /// Name of the finger: left or right.
         finger: &'static str,
     },
-    /// A finger is in the way of the other one, or of the table.
+    /// A finger touches the other finger or the table at the start.
     #[error("grasp.motor_deg: {obstacle} where the gripper starts, at a motor angle of {motor_deg:?} degrees")]
     Obstructed {
-        /// What it is.
+        /// The obstacle.
         obstacle: Obstacle,
-        /// The motor's angle, degrees.
+        /// Motor angle, degrees.
         motor_deg: f64,
     },
-    /// The object overlaps something where it starts.
+    /// The object overlaps the finger at the start.
     #[error(transparent)]
     World(#[from] WorldError),
-    /// The lattice.
+    /// The lattice cannot be built.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
 }
@@ -90,7 +90,7 @@ pub enum GraspError {
 /// A scene with a gripper and a free object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspScene {
-    /// As it is [`simulated`].
+    /// The scene, [`simulated`].
     scene: Scene,
     gripper: Gripper,
     grasp: GraspDescription,
@@ -100,32 +100,32 @@ pub struct GraspScene {
     mass_g: f64,
     centre_mm: Vector,
     fineness: usize,
-    /// What senses, if not the search with errors in all variables.
+    /// Estimator for sensing; `None` for the search with errors in all variables.
     estimator: Option<(EstimatorId, Networks)>,
 }
 
 /// One step of a grasp, at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspStep {
-    /// Its number, from 1.
+    /// Number of the step, from 1.
     pub step: usize,
-    /// The motor's angle, degrees.
+    /// Motor angle, degrees.
     pub motor_deg: f64,
-    /// What the gripper does.
+    /// Phase of the grasp.
     pub phase: Phase,
-    /// Where the gripper is, mm: its frame in the one where it started.
+    /// Displacement of the gripper's frame from its initial position, mm.
     pub gripper_mm: Vector,
     /// Left and right finger.
     pub fingers: [FingerStep; 2],
-    /// Position of the object's point, mm, and its angle, rad, in the frame of the gripper where it started.
+    /// Position of the object's point (mm) and angle of the object (rad), in the gripper's initial frame.
     pub object: [f64; 3],
-    /// Weight of the object, N.
+    /// Weight of the object, N, in the gripper's initial frame.
     pub weight: Vector,
-    /// Force of the support on the object, N.
+    /// Force of the support on the object, N, in the gripper's initial frame.
     pub support_force: Vector,
-    /// How far forces and moments on the object, and on each finger's base, are from balance, as a share of the largest force.
+    /// Largest imbalance of forces and moments on the object and on each finger's base, relative to the largest force.
     pub imbalance: f64,
-    /// Where the work of the motor went so far.
+    /// Account of the motor's work up to this step, N mm.
     pub energy: Account,
 }
 
@@ -137,10 +137,10 @@ impl GraspStep {
 }
 
 impl GraspScene {
-    /// Prepares a scene; `corners` (mm) are those of a polygon's file, unused otherwise.
+    /// Prepares a scene. `corners` (mm) are those of a polygon's file; other outlines ignore them.
     ///
     /// # Errors
-    /// [`GraspError`].
+    /// [`GraspError`] for the reason that the scene cannot be grasped.
     pub fn new(scene: &Scene, corners: &[Vector]) -> Result<GraspScene, GraspError> {
         let missing = |table: &dyn SceneTable, outline| GraspError::Missing { table: table.path(), outline };
         let gripper = scene.gripper.ok_or_else(|| missing(&GRIPPER, GRIPPER.outline()))?;
@@ -171,27 +171,27 @@ impl GraspScene {
         })
     }
 
-    /// The same with another number of segments a plate member.
+    /// The same grasp with another number of segments a plate member.
     pub fn with_fineness(self, fineness: usize) -> GraspScene {
         GraspScene { fineness, ..self }
     }
 
-    /// The same sensed by an estimator, with networks to choose from: see [`OutlineEstimator`](crate::experiments::contact_scene::OutlineEstimator).
+    /// The same grasp with an estimator and its networks: see [`OutlineEstimator`](crate::experiments::contact_scene::OutlineEstimator).
     pub fn with_estimator(self, estimator: EstimatorId, networks: Networks) -> GraspScene {
         GraspScene { estimator: Some((estimator, networks)), ..self }
     }
 
-    /// Which estimator senses, if not the search with errors in all variables.
+    /// Estimator for sensing; `None` for the search with errors in all variables.
     pub fn estimator(&self) -> Option<EstimatorId> {
         self.estimator.as_ref().map(|(id, _)| *id)
     }
 
-    /// The finger.
+    /// The finger of the scene.
     pub fn finger(&self) -> &Finger {
         &self.scene.finger
     }
 
-    /// What the gripper does.
+    /// Motion of the gripper, from the scene.
     pub fn grasp(&self) -> &GraspDescription {
         &self.grasp
     }
@@ -201,14 +201,14 @@ impl GraspScene {
         self.outline.points()
     }
 
-    /// Height of the support along gravity, as a point of it and the upward normal, in the frame of the gripper where it started.
+    /// Plane of the support, in the gripper's initial frame: a point (mm) and the upward unit normal. `None` without support or gravity.
     pub fn support(&self) -> Option<(Vector, Vector)> {
         let down = self.grasp.gravity_m_s2.try_normalize(0.0).filter(|_| self.grasp.support.is_some())?;
         let lowest_mm = self.shape.reach_mm(down, self.object.rotation_deg.to_radians());
         Some((self.centre_mm + down * lowest_mm, -down))
     }
 
-    /// Steps that it has at most, but for those in which a force is held.
+    /// Largest number of steps, without those in which a force is held.
     pub fn most_steps(&self) -> usize {
         let [from_deg, to_deg] = self.grasp.motor_deg;
         let step_deg = self.grasp.frames_per_s.map_or(self.grasp.step_deg, |rate| self.grasp.motor_deg_per_s / rate);
@@ -217,7 +217,7 @@ impl GraspScene {
         closing * if self.grasp.opens { 2 } else { 1 } + way
     }
 
-    /// Which of two fingers the object lies across at the start, by the triangle of middle lines: what the front meets is outside.
+    /// Index of a finger that the object overlaps at the start, by the triangle of middle lines. Objects in front of the front plate do not overlap.
     fn finger_across(&self, placements: &[Placement]) -> Option<usize> {
         let object = self.outline.engine_shape().ok()?;
         let engine = |point: Vector| EngineVector::new(point.x, point.y);
@@ -236,24 +236,24 @@ impl GraspScene {
         self.grasp.gravity_m_s2 * (self.mass_g / GRAMS_M_S2_A_NEWTON)
     }
 
-    /// Where the fingers stand at a motor angle, the gripper moved by a vector, mm; `None` out of reach.
+    /// Frames of both fingers at a motor angle (degrees), with the gripper displaced by `moved` (mm); `None` if the angle is out of reach.
     fn placements(&self, motor_deg: f64, moved: Vector) -> Option<Vec<Placement>> {
         let pose = self.gripper.pose(motor_deg)?;
         let gripper = Placement { origin: moved, angle_rad: 0.0, mirrored: false };
         Some(self.gripper.fingers(&pose).iter().map(|finger| finger.within(&gripper)).collect())
     }
 
-    /// Grasps; `each` is handed every step as soon as it rests. `eyes` are what sees the fingers.
+    /// Runs the grasp. `each` gets every step when it is at rest; `eyes` observe the fingers.
     ///
     /// # Errors
-    /// [`GraspError`] if it cannot begin.
+    /// [`GraspError`] if the grasp cannot start.
     pub fn run(&self, eyes: &Eyes, seed: u64, mut each: impl FnMut(&GraspStep)) -> Result<GraspEnd, GraspError> {
         let lattice = Lattice::new(&self.scene.finger, self.fineness)?;
         let mut course = Course::new(self, &lattice)?;
         Ok(self.go_on(&mut course, &lattice, eyes, &mut Noise::new(seed), &mut each))
     }
 
-    /// Goes on to the end of a course.
+    /// Runs a course to its end.
     fn go_on(
         &self,
         course: &mut Course,
@@ -272,7 +272,7 @@ impl GraspScene {
         }
     }
 
-    /// Senses where a course has come to rest; how it ended, if it did.
+    /// Senses the present step of a course; the outcome if the grasp has ended.
     fn look(
         &self,
         course: &mut Course,
@@ -288,12 +288,12 @@ impl GraspScene {
     }
 }
 
-/// Which finger, in words.
+/// Name of a finger: left (0) or right (1).
 pub fn finger_name(finger: usize) -> &'static str {
     if finger == 0 { "left" } else { "right" }
 }
 
-/// Sum of the forces of one partner on the object, N.
+/// Sum of the forces of one body on the object, N.
 fn force_of(world: &World, partner: TouchedBody) -> Vector {
     world.contacts().iter().filter(|contact| contact.partner == partner).map(|contact| contact.force).sum()
 }

@@ -1,9 +1,9 @@
-//! The paper's tests of grasping forces (sec. V-C, Figs. 9 to 11, Table II): a finger closes on force sensors that stand still.
+//! The paper's tests of grasping forces (sec. V-C, Figs. 9 to 11, Table II): a finger closes on fixed force sensors.
 //!
-//! A module has a cap before each of its nodes, all caps in one plane along the gripper. The motor moves the finger's base by eqs (6) to (9); where
-//! the rod of a node meets its cap, the cap holds it back along the sensor's axis, across the gripper, without friction: the direction that
-//! the paper takes for known. The finger is the co-rotational frame. The other finger is its mirror image and bends alike, so one is solved. Forces are
-//! sensed from displacements against the undeformed finger at the motor's angle, with camera noise.
+//! A module has a cap in front of each of its nodes; all caps lie in one plane along the gripper. The motor moves the finger's base by eqs (6) to (9).
+//! When the rod of a node meets its cap, the cap pushes back along the sensor's axis, across the gripper, without friction. The paper treats this
+//! direction as known. The finger is the co-rotational frame; the other finger deforms as its mirror image, so only one is solved. Forces are
+//! sensed from displacements relative to the undeformed finger at the motor angle, with camera noise.
 
 mod closing;
 
@@ -15,62 +15,62 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_model::estimators::network::NetworkSensing;
 
-/// Noise samples a step.
+/// Number of noise samples a step.
 const SAMPLES: usize = 4;
 /// Seed of the noise.
 const SEED: u64 = 1;
 
-/// All tests.
+/// Results of all tests with sensor modules.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModuleStudy {
-    /// Standard deviation of one coordinate, mm.
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// By [`contact_sets`].
+    /// One test for each of [`contact_sets`].
     pub tests: Vec<ModuleTest>,
 }
 
-/// A finger closing on one module.
+/// A finger that closes on one module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModuleTest {
-    /// Its nodes.
+    /// Nodes of the module.
     pub nodes: &'static [usize],
-    /// Settled steps with a force on some node, up to the largest force of the paper's range.
+    /// Steps at rest with a force on some node, up to the largest force of the paper's range.
     pub steps: Vec<ModuleStep>,
 }
 
-/// A settled step.
+/// A step at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModuleStep {
-    /// How far the motor has closed the gripper, degrees.
+    /// Motor angle by which the gripper has closed, degrees.
     pub turned_deg: f64,
-    /// The sensors' axis, degrees from the plate's undeformed inward normal, positive towards the tip.
+    /// Direction of the sensors' axis, degrees from the plate's undeformed inward normal, positive towards the tip.
     pub axis_deg: f64,
     /// True force on each node along the axis, N.
     pub true_n: Vec<f64>,
-    /// What each estimator senses of each noise sample, N; none where it refuses.
+    /// Sensed forces of each estimator, N, by noise sample; `None` for a refused sample.
     pub sensed_n: Vec<(EstimatorId, Vec<Option<Vec<f64>>>)>,
 }
 
 impl ModuleStep {
-    /// Samples of an estimator.
+    /// Sensed forces of an estimator, N, by noise sample; `None` for a refused sample.
     pub fn of(&self, estimator: EstimatorId) -> &[Option<Vec<f64>>] {
         self.sensed_n.iter().find(|(id, _)| *id == estimator).map_or(&[], |(_, samples)| samples)
     }
 }
 
-/// Forces sensed on nodes that touch nothing while another node of the module is pressed.
+/// Forces sensed at nodes without contact, while another node of the module is pressed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Untouched {
-    /// How many were sensed.
+    /// Number of sensed forces.
     pub count: usize,
-    /// Of these, how many within a bound.
+    /// Number of sensed forces within a bound.
     pub within: usize,
-    /// The largest, N.
+    /// Largest absolute sensed force, N.
     pub largest_n: f64,
 }
 
 impl Untouched {
-    /// Adds a force that is sensed where nothing touches.
+    /// Adds a force (N) sensed at a node without contact, with its bound (N).
     pub fn add(&mut self, sensed_n: f64, bound_n: f64) {
         self.count += 1;
         self.within += usize::from(sensed_n.abs() <= bound_n);
@@ -78,13 +78,14 @@ impl Untouched {
     }
 }
 
-/// Whether a force belongs to the range over which the paper averages.
+/// Whether a force (N) is in the range over which the paper averages.
 fn counts(force_n: f64) -> bool {
     (FORCES_N[0]..=FORCES_N[1]).contains(&force_n)
 }
 
 impl ModuleTest {
-    /// Mean error of each force, the same in N, mean error of the sum, and counts of answered and refused samples, of forces in the paper's range.
+    /// Errors over forces in the paper's range: mean relative error of each force, mean error of each force in N, mean relative error of the sum. Also
+    /// counts answered and refused samples.
     fn errors(&self, estimator: EstimatorId) -> Option<([f64; 3], [usize; 2])> {
         let (mut each, mut each_n, mut sums, mut counted) = (Vec::new(), Vec::new(), Vec::new(), [0, 0]);
         for step in &self.steps {
@@ -106,7 +107,7 @@ impl ModuleTest {
         (!each.is_empty()).then(|| ([mean(&each), mean(&each_n), mean(&sums)], counted))
     }
 
-    /// Forces sensed on nodes without contact.
+    /// Adds forces sensed at nodes without contact to `into`, with their bound (N).
     pub fn untouched(&self, estimator: EstimatorId, bound_n: f64, into: &mut Untouched) {
         for step in &self.steps {
             for sensed_n in step.of(estimator).iter().flatten() {
@@ -118,7 +119,7 @@ impl ModuleTest {
 }
 
 impl ModuleStudy {
-    /// Errors of an estimator over the tests of a row of Table II: the mean over them, as in the paper's table.
+    /// Errors of an estimator over the tests of a row of Table II: means over the tests, as in the paper's table.
     pub fn group(&self, group: &ContactGroup, estimator: EstimatorId) -> Option<GroupErrors> {
         let of_set = |nodes: &&[usize]| self.tests.iter().find(|test| test.nodes == *nodes)?.errors(estimator);
         let sets: Vec<_> = group.sets.iter().map(of_set).collect::<Option<_>>()?;
@@ -135,7 +136,7 @@ impl ModuleStudy {
         })
     }
 
-    /// The test at some nodes.
+    /// The test of the module at these nodes; `None` if there is none.
     pub fn test(&self, nodes: &[usize]) -> Option<&ModuleTest> {
         self.tests.iter().find(|test| test.nodes == nodes)
     }
@@ -143,7 +144,7 @@ impl ModuleStudy {
 
 impl Evidence for ModuleStudy {}
 
-/// Makes all tests with the paper's finger under noise, in a full study.
+/// Runs all tests with the paper's finger under noise; `None` for another finger, without noise, or in a quick study.
 pub(crate) fn run(context: &Context) -> Result<Option<ModuleStudy>, ExperimentError> {
     if !context.is_paper || context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);
@@ -179,7 +180,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<ModuleStudy>, ExperimentEr
     Ok(Some(ModuleStudy { noise_mm: context.noise_mm, tests }))
 }
 
-/// Senses every sample along the sensors' axis; networks know the normal alone, whose direction they take for the axis as the paper's does.
+/// Senses every sample along the sensors' axis. Networks support only the normal, so they use it in place of the axis, as the paper's network does.
 fn sense(
     estimator: &dyn Estimator,
     nodes: &[usize],

@@ -1,4 +1,5 @@
-//! What the paper observes of grasps (sec. V-D, Figs. 14 and 16): both fingers alike, nothing where nothing touches, opening as closing.
+//! The paper's observations of grasps (sec. V-D, Figs. 14 and 16): equal forces of both fingers, no force without contact, equal forces while opening
+//! and closing.
 
 use super::modules::{ModuleStudy, Untouched};
 use super::study::GraspStudy;
@@ -8,44 +9,46 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Nodes whose forces the paper senses at once.
+/// Nodes at which the paper senses forces at once.
 const NODES: std::ops::RangeInclusive<usize> = 16..=20;
-/// What the paper calls a small error where nothing touches, N.
+/// Force at a node without contact that the paper calls a small error, N.
 pub const SMALL_N: f64 = 0.3;
-/// Totals below this share of the largest are left out of relative differences.
+/// Smallest total for relative differences, relative to the largest total.
 const COUNTS: f64 = 0.1;
 /// Seed of the noise.
 const SEED: u64 = 1;
 
-/// What is seen of some grasps.
+/// Observations of some grasps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observations {
-    /// Standard deviation of one coordinate, mm.
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Of each object that the paper's fingers grasp: its name, and how the totals compare.
+    /// Name of each object grasped by the paper's fingers, with the comparison of its totals.
     pub objects: Vec<(String, Totals)>,
-    /// What is sensed at once at nodes 16 to 20 where no contact is nearer than the next node: by estimator.
+    /// Forces sensed at once at those of nodes 16 to 20 whose nearest contact is at least one node spacing away, by estimator.
     pub untouched: Vec<(EstimatorId, Untouched)>,
-    /// What is sensed on the node of a sensor module that is not touched yet, while another is.
+    /// Forces sensed at a sensor module's node without contact, while the other node has contact.
     pub beside_sensor: Untouched,
 }
 
-/// Totals of a grasp, compared.
+/// Comparison of the total forces of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Totals {
-    /// Mean and largest difference of the two sensed totals of a step, as a share of the true one.
+    /// Mean and largest difference of the two fingers' sensed totals in a step, relative to the true total.
     pub left_right: [f64; 2],
-    /// Largest difference of the true total at a motor angle between opening and closing, over the largest force; none where it does not open.
+    /// Largest difference of the true total between opening and closing at the same motor angle, relative to the largest total. `None` if the gripper
+    /// does not open.
     pub opening: Option<f64>,
-    /// The same of the force at a node of either finger, as a share of the largest at a node; each contact counts at the nearest one.
+    /// Largest difference of the true force at a node between opening and closing, relative to the largest force at a node. Each contact counts at its
+    /// nearest node. `None` if the gripper does not open.
     pub opening_at_nodes: Option<f64>,
-    /// The same of the sensed total.
+    /// Largest difference of the sensed total between opening and closing, relative to the largest true total. `None` if the gripper does not open.
     pub opening_sensed: Option<f64>,
 }
 
 impl Evidence for Observations {}
 
-/// Compares the totals of a grasp; none where nothing is sensed.
+/// Compares the totals of a grasp; `None` if nothing was sensed.
 pub fn totals(finger: &Finger, steps: &[GraspStep]) -> Option<Totals> {
     let true_n = |step: &GraspStep| mean(step.fingers.each_ref().map(|finger| finger.total_n));
     let sensed_n = |step: &GraspStep| match step.fingers.each_ref().map(FingerStep::sensed_total_n) {
@@ -93,7 +96,7 @@ pub fn totals(finger: &Finger, steps: &[GraspStep]) -> Option<Totals> {
     })
 }
 
-/// True normal forces of the contacts at the nodes of the front plate that are nearest to them, N.
+/// True normal forces, N, by the front-plate node nearest to the contact.
 fn node_forces(finger: &Finger, step: &FingerStep) -> BTreeMap<NodeId, f64> {
     let nodes: Vec<(NodeId, f64)> =
         finger.plate_nodes(Plate::Front).into_iter().zip(finger.plate_positions_mm(Plate::Front)).collect();
@@ -112,7 +115,7 @@ fn mean([a, b]: [f64; 2]) -> f64 {
     0.5 * (a + b)
 }
 
-/// Observes the grasps of the paper's fingers.
+/// Observations of the grasps with the paper's fingers; `None` without tests of sensor modules.
 pub(crate) fn run(
     context: &Context,
     grasps: &[GraspStudy],
@@ -147,7 +150,7 @@ pub(crate) fn run(
     Ok(Some(Observations { noise_mm: context.noise_mm, objects, untouched: untouched.to_vec(), beside_sensor }))
 }
 
-/// The nodes without a contact nearer than the next node; none where nothing touches, or something beyond these nodes.
+/// Nodes at least one node spacing away from every contact. `None` without contact, or if a contact is outside the range of nodes.
 fn free_nodes(finger: &Finger, step: &FingerStep) -> Option<Vec<usize>> {
     let at_mm = |node: usize| finger.front_position_mm(NodeId(node)).unwrap_or(f64::NAN);
     let pitch_mm = at_mm(*NODES.start()) - at_mm(NODES.start() + 1);
@@ -161,9 +164,9 @@ fn free_nodes(finger: &Finger, step: &FingerStep) -> Option<Vec<usize>> {
     Some(NODES.filter(is_free).collect())
 }
 
-/// A contact at a node along the normal of the plate as it is bent there: the surface as the camera sees it.
+/// A contact at a node along the normal of the deformed plate, which the camera sees.
 fn along_normal(step: &FingerStep, node: NodeId) -> Contact {
-    // The inward normal turns with the plate, from x to y: towards the tip.
+    // The inward normal rotates with the plate, from x to y: towards the tip.
     let angle_deg = step.shape.motion(node).rotation.to_degrees();
     Contact { position: ContactPosition::Node(node), angle_deg }
 }

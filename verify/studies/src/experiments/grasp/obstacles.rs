@@ -1,28 +1,28 @@
-//! What fingers may meet beside the object.
+//! Obstacles that fingers may touch besides the object.
 
 use super::{GraspScene, finger_name};
 use finray_lattice::grasp::World;
 use finray_model::scene::Support;
 
-/// What a finger touches that takes no part in the equilibrium: a grasp ends there.
+/// A contact of a finger outside the equilibrium; it ends a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Obstacle {
-    /// Both fingers, as on an object that is thinner than their tips come together.
+    /// The fingers touch each other, for example around an object thinner than the smallest distance of their tips.
     #[error("the fingers touch each other")]
     EachOther,
-    /// The table that the object lies on.
+    /// A finger touches the table that supports the object.
     #[error("the {} finger touches the table", finger_name(*finger))]
     Table {
-        /// Its number: 0 is the left one.
+        /// Index of the finger: 0 is the left one.
         finger: usize,
     },
 }
 
 impl GraspScene {
-    /// Nothing, where the fingers touch the object alone.
+    /// Checks that the fingers touch nothing but the object.
     ///
     /// # Errors
-    /// The first [`Obstacle`].
+    /// The first [`Obstacle`] found.
     pub(super) fn require_clear(&self, world: &World) -> Result<(), Obstacle> {
         let table = self.support().filter(|_| self.grasp.support == Some(Support::Table));
         if let Some(plane) = table

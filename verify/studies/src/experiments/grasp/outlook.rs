@@ -1,29 +1,29 @@
-//! How well a closed loop keeps its force.
+//! Control quality of a closed force loop.
 
 use super::{GraspStep, Phase};
 use serde::Serialize;
 
-/// A closed loop in figures, of the true force of both fingers (their mean, across the gripper).
+/// Figures of a closed loop on the true force across the gripper, mean of both fingers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoopFigures {
-    /// Target, N.
+    /// Target force, N.
     pub target_n: f64,
-    /// Time in which the force rises from a tenth to nine tenths of the target, s; none where steps have no time.
+    /// Rise time from 10 % to 90 % of the target, s; `None` if steps have no time.
     pub rise_s: Option<f64>,
-    /// By which share of the target the largest force is above it, until the gripper opens.
+    /// Overshoot until the gripper opens: excess of the largest force over the target, relative to the target.
     pub overshoot: f64,
-    /// Mean of the force less the target in the second half of holding and carrying, as a share of the target.
+    /// Mean difference of force and target in the second half of holding and carrying, relative to the target.
     pub steady_error: f64,
-    /// Largest difference from the target there, as a share of it.
+    /// Largest absolute difference of force and target in the second half of holding and carrying, relative to the target.
     pub largest_error: f64,
 }
 
-/// True force of a finger across the gripper, the mean of both, N.
+/// True force of a finger across the gripper, mean of both, N.
 fn force_n(step: &GraspStep) -> f64 {
     0.5 * step.fingers.iter().map(|finger| finger.total_n).sum::<f64>()
 }
 
-/// Motor angle at which the force first reaches a level, degrees, between two steps in proportion.
+/// Motor angle at which the force first reaches a level (N), degrees, interpolated linearly between steps.
 fn reached_deg(steps: &[GraspStep], level_n: f64) -> Option<f64> {
     let end = steps.iter().position(|step| force_n(step) >= level_n)?;
     let [from, to] = [&steps[end.checked_sub(1)?], &steps[end]];
@@ -31,7 +31,7 @@ fn reached_deg(steps: &[GraspStep], level_n: f64) -> Option<f64> {
     Some(from.motor_deg + share * (to.motor_deg - from.motor_deg))
 }
 
-/// Figures of a loop from its steps, with the motor's speed where steps have times; none where it never held.
+/// Figures of a closed loop from its steps. `motor_deg_per_s` is the motor's speed, if steps have times. `None` if the loop never held the object.
 pub fn loop_figures(steps: &[GraspStep], target_n: f64, motor_deg_per_s: Option<f64>) -> Option<LoopFigures> {
     let [tenth_deg, most_deg] = [reached_deg(steps, 0.1 * target_n)?, reached_deg(steps, 0.9 * target_n)?];
     let held: Vec<f64> = steps

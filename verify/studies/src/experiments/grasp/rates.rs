@@ -1,8 +1,8 @@
-//! The closed loop against the camera's rate: overshoot, error once held and time of rise, under two levels of noise and two delays.
+//! The closed loop against the camera's frame rate: overshoot, steady error and rise time, with two noise levels and two delays.
 //!
-//! The scene is `loop.toml` without its way: close until a force is sensed, then hold it. Until nine tenths of the force are there, all loops
-//! are one, in steps of the motor angle and without noise: no frame decides anything yet. From there on a step is a frame. Until the target is there
-//! the motor turns whatever is sensed, so that a slower camera sees some of the frames of the fastest one.
+//! The scene is `loop.toml` without its path: close until a force is sensed, then hold it. Up to 90 % of the force, all loops are identical, in steps
+//! of the motor angle and without noise, because no frame affects them yet. From there on, a step is a frame. Until the target is reached the motor
+//! turns regardless of the sensed force, so a slower camera sees a subset of the fastest camera's frames.
 
 use super::course::Course;
 use super::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, LoopFigures, loop_figures};
@@ -11,56 +11,56 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_model::scene::GraspDescription;
 
-/// Frames a second.
+/// Frame rates, 1/s.
 const FRAMES_PER_S: [f64; 7] = [2.0, 5.0, 10.0, 25.0, 50.0, 100.0, 200.0];
-/// The paper's camera, of which the check is.
+/// Frame rate of the paper's camera, 1/s, at which the loop is checked.
 const CHECKED_PER_S: f64 = 25.0;
-/// Frames by which sensing is late.
+/// Delays of sensing, in frames.
 pub const DELAYS: [usize; 2] = [0, 2];
-/// Segments of the lattice in a member of a plate: the loop sees a finger that is some 1 % off its model, which the controller does not notice.
+/// Segments of the lattice in a plate member. The finger then differs by about 1 % from its model, which does not affect the controller.
 const FINENESS: usize = 1;
-/// Share of the force from which on steps are frames.
+/// Share of the target force above which steps are frames.
 const FRAMES_FROM: f64 = 0.9;
-/// Realisations of the camera's noise: each loop is run with every one of them.
+/// Number of noise realisations for each loop.
 const REALISATIONS: u64 = 3;
-/// What is asked of the loop: within 5 % of the target once it holds.
+/// Largest difference from the target while the loop holds, relative to the target.
 const HELD_TOLERANCE: f64 = 0.05;
 
-/// What a loop is run with.
+/// Setting of a loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopSetting {
-    /// Standard deviation of one coordinate, mm.
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Frames by which sensing is late.
+    /// Delay of sensing, in frames.
     pub delay_frames: usize,
-    /// Frames a second.
+    /// Frame rate, 1/s.
     pub frames_per_s: f64,
-    /// Realisations of the noise.
+    /// Number of noise realisations.
     pub realisations: u64,
 }
 
-/// A loop at a rate, with some realisations of the noise.
+/// Results of a loop with one setting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopRun {
-    /// What it is run with.
+    /// Setting of the loop.
     pub setting: LoopSetting,
-    /// Its figures, a realisation each; none where it never held.
+    /// Figures by noise realisation; `None` if the loop never held the object.
     pub figures: Vec<Option<LoopFigures>>,
 }
 
-/// A figure over the realisations of a loop.
+/// Mean and range of a figure over the noise realisations of a loop, in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// Its mean.
+    /// Mean value, in the unit of the figure.
     pub mean: f64,
-    /// The least.
+    /// Smallest value, in the unit of the figure.
     pub least: f64,
-    /// The largest.
+    /// Largest value, in the unit of the figure.
     pub most: f64,
 }
 
 impl LoopRun {
-    /// A figure over all realisations; none where one of them never held.
+    /// Mean and range of a figure over all realisations; `None` if one of them never held the object.
     pub fn over(&self, figure: impl Fn(&LoopFigures) -> f64) -> Option<Spread> {
         let values: Vec<f64> = self.figures.iter().map(|of| of.as_ref().map(&figure)).collect::<Option<_>>()?;
         let of = |fold: fn(f64, f64) -> f64| values.iter().copied().reduce(fold);
@@ -72,24 +72,24 @@ impl LoopRun {
     }
 }
 
-/// Loops at all rates.
+/// Results of loops with all settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopStudy {
-    /// Force of a finger that is asked for, N.
+    /// Target force of a finger, N.
     pub target_n: f64,
-    /// Speed of the motor, degrees a second.
+    /// Speed of the motor, degrees/s.
     pub motor_deg_per_s: f64,
-    /// By noise, delay, then rate.
+    /// Loops by noise level, delay, then frame rate.
     pub runs: Vec<LoopRun>,
 }
 
-/// Runs all loops, for the paper's finger under noise, in a full study.
+/// Runs all loops for the paper's finger under noise; `None` for another finger, without noise, or in a quick study.
 pub(crate) fn run(context: &Context) -> Result<Option<LoopStudy>, ExperimentError> {
     if !context.is_paper || context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);
     }
     context.progress.part("closed loop", 1);
-    // Under the least noise all realisations overshoot alike up to 25 frames a second; above that they differ by less than 0.2 % of the target.
+    // At the smallest noise all realisations have the same overshoot up to 25 frames a second. Above that they differ by less than 0.2 % of the target.
     let levels = [(LEAST_STATED_MM, 1), (context.noise_mm, REALISATIONS)];
     let all = levels.iter().flat_map(|level| DELAYS.iter().map(move |delay_frames| (*level, *delay_frames)));
     let all = all.flat_map(|((noise_mm, realisations), delay_frames)| {
@@ -100,16 +100,16 @@ pub(crate) fn run(context: &Context) -> Result<Option<LoopStudy>, ExperimentErro
     Ok(Some(study))
 }
 
-/// The loop that ships under levels of noise, delays and rates.
+/// Runs the shipped loop with all settings.
 ///
 /// # Errors
-/// [`ExperimentError`] if the scene is no grasp.
+/// [`ExperimentError`] if the scene cannot be grasped.
 pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, ExperimentError> {
     let mut scene = Scene::from_toml(finray_fixtures::GRASP_LOOP_SCENE)?;
     let of = |scene: &Scene| Ok::<_, GraspError>(GraspScene::new(scene, &[])?.with_fineness(FINENESS));
     let grasp = of(&scene)?.grasp().clone();
     let (target_n, motor_deg_per_s) = (grasp.until_force_n.unwrap_or_default(), grasp.motor_deg_per_s);
-    // All begin alike: until most of the force is reached no frame decides anything.
+    // All loops share their beginning: up to 90 % of the force no frame has an effect.
     let mut closing = |changed: GraspDescription| {
         scene.grasp = Some(GraspDescription { path_mm: Vec::new(), ..changed });
         of(&scene)
@@ -158,7 +158,7 @@ fn frames_per_s(scene: &GraspScene) -> f64 {
     scene.grasp().frames_per_s.unwrap_or_default()
 }
 
-/// The frames of a camera until a force is there, or the fingers come no farther.
+/// States at a camera's frames until the force is reached (N), or the motor is at its end.
 fn closing_frames<'s, 'l>(mut course: Course<'s, 'l>, until_n: f64) -> Vec<Course<'s, 'l>> {
     let mut frames = Vec::new();
     while course.force_n() < until_n && !course.is_at_end() && course.advance().is_ok() {
@@ -168,10 +168,10 @@ fn closing_frames<'s, 'l>(mut course: Course<'s, 'l>, until_n: f64) -> Vec<Cours
 }
 
 impl LoopStudy {
-    /// Whether the force is held as well as is asked, at the rate of the paper's camera.
+    /// Checks that the force is held within the tolerance at the frame rate of the paper's camera.
     pub fn held(&self) -> Check {
         let held = self.runs.iter().filter(|run| run.setting.frames_per_s == CHECKED_PER_S);
-        // A loop that never held is no number, which fails.
+        // A loop that never held the object gives NaN, and its check fails.
         let largest = worst(held.map(|run| run.over(|of| of.largest_error).map_or(f64::NAN, |errors| errors.most)));
         Check::new(
             Kind::Internal,

@@ -1,4 +1,4 @@
-//! What a camera sees of a finger in a grasp, and the forces that are sensed from it.
+//! Observation of a finger in a grasp by a camera, and the forces that are sensed from it.
 
 use super::GraspScene;
 use crate::experiments::contact_scene::{
@@ -14,30 +14,29 @@ use finray_model::sensor::Refusal;
 use nalgebra::Rotation2;
 use std::borrow::Cow;
 
-/// What sees the fingers.
+/// Observation of the fingers.
 #[derive(Debug, Clone)]
 pub enum Eyes {
-    /// Positions of the markers with noise of a standard deviation, mm, on each coordinate.
+    /// Marker positions with noise of this standard deviation (mm) on each coordinate.
     Noise(f64),
-    /// Images, one a finger. The camera stands before each finger as the scene has it, in the frame of the finger at its motor angle, or on the gripper,
-    /// in its frame ([`GraspDescription::camera_on_gripper`](finray_model::scene::GraspDescription)). Points of outlines have the noise of a standard
-    /// deviation, mm.
+    /// Images, one for each finger. The camera is in front of each finger as the scene states, in the finger's frame at its motor angle. Alternatively it is
+    /// on the gripper, in the gripper's frame ([`GraspDescription::camera_on_gripper`](finray_model::scene::GraspDescription)).
     Images {
-        /// The camera.
+        /// The camera; its pose is relative to the finger or the gripper.
         camera: Box<Camera>,
-        /// The markers.
+        /// The markers of the finger.
         markers: Markers,
-        /// Noise of every channel of every pixel, grey levels of 255.
+        /// Standard deviation of the noise of every channel of every pixel, grey levels of 255.
         grey_noise: f64,
-        /// Blur, px.
+        /// Standard deviation of the blur, px.
         blur_px: f64,
-        /// Standard deviation of a coordinate of a point of an outline, mm.
+        /// Standard deviation of a coordinate of an outline point, mm.
         outline_noise_mm: f64,
     },
 }
 
 impl Eyes {
-    /// The same before a finger anywhere on the gripper, where the camera stands. Markers on a mirrored finger stand up to its other side.
+    /// Converts a camera on the gripper to the frame of a finger. On a mirrored finger the markers are on the other side.
     fn before(&self, finger: Option<&Placement>) -> Cow<'_, Eyes> {
         let mut eyes = Cow::Borrowed(self);
         if let (Some(placement), Eyes::Images { .. }) = (finger, self)
@@ -49,7 +48,7 @@ impl Eyes {
         eyes
     }
 
-    /// Standard deviations of a coordinate of a marker and of a point of an outline, mm; `None` where observations state it.
+    /// Standard deviations of a coordinate of a marker and of an outline point, mm; `None` if observations state it.
     fn noise_mm(&self) -> [Option<f64>; 2] {
         match self {
             Eyes::Noise(noise_mm) => [Some(*noise_mm); 2],
@@ -57,7 +56,10 @@ impl Eyes {
         }
     }
 
-    /// What is seen of the markers of a bent finger.
+    /// Observation of the markers of a deformed finger.
+    ///
+    /// # Errors
+    /// [`NotSensed`] if the image does not show the finger.
     fn observed(&self, finger: &Finger, shape: &FingerShape, noise: &mut Noise) -> Result<Observation, NotSensed> {
         let (camera, markers, disturbances) = match self {
             Eyes::Noise(noise_mm) => {
@@ -77,50 +79,50 @@ impl Eyes {
     }
 }
 
-/// A finger at rest in a grasp, before anything is sensed.
+/// A finger at rest in a grasp, before sensing.
 #[derive(Debug, Clone)]
 pub struct SeenFinger {
-    /// Its frame in the world.
+    /// Frame of the finger in the world.
     pub placement: Placement,
-    /// The same in the frame of the gripper.
+    /// Frame of the finger in the gripper's frame.
     pub in_gripper: Placement,
-    /// Its shape.
+    /// Shape of the finger.
     pub shape: FingerShape,
-    /// What the object does to it, in its own frame.
+    /// Touches by the object, in the finger's frame.
     pub touches: Vec<Touch>,
-    /// Position of the object, mm, and its angle, rad, in the world.
+    /// Position (mm) and angle (rad) of the object in the world.
     pub object: [f64; 3],
-    /// Unit vector from the object to the finger across the gripper, in the finger's frame.
+    /// Unit vector from the object to the finger, across the gripper, in the finger's frame.
     pub along: Vector,
-    /// Force on the object, world, N.
+    /// Force of the finger on the object, N, world frame.
     pub on_object: Vector,
 }
 
 /// A finger in a step of a grasp.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerStep {
-    /// Its frame in the world.
+    /// Frame of the finger in the world.
     pub placement: Placement,
-    /// Its shape, in its own frame.
+    /// Shape of the finger, in its own frame.
     pub shape: FingerShape,
-    /// Contacts with their true forces, in its own frame, from base to tip.
+    /// Contacts with their true forces, in the finger's frame, from base to tip.
     pub contacts: Vec<SeenContact>,
-    /// Force on the object, N.
+    /// Force of the finger on the object, N, world frame.
     pub on_object: Vector,
-    /// Across the gripper, what it presses on the object with where it can be sensed (not at the clamp), N.
+    /// Total force across the gripper without contacts at the clamp, which cannot be sensed, N.
     pub total_n: f64,
-    /// Forces sensed, and their sum across the gripper; nothing where nothing touches.
+    /// Sensed forces, and their sum across the gripper; `None` without contact.
     pub sensed: Result<Option<SensedStep>, NotSensed>,
 }
 
 impl FingerStep {
-    /// Contacts with what was sensed of each.
+    /// Contacts, each with its sensed force.
     pub fn contacts_sensed(&self) -> impl Iterator<Item = (&SeenContact, Option<SensedContact>)> {
         let sensed = self.sensed.as_ref().ok().and_then(Option::as_ref);
         contacts_sensed(&self.contacts, sensed)
     }
 
-    /// The sensed sum across the gripper, N: nothing where nothing touches, `None` where it was refused.
+    /// Sensed sum across the gripper, N: 0 without contact, `None` if it was refused.
     pub fn sensed_total_n(&self) -> Option<f64> {
         match &self.sensed {
             Ok(Some(sensed)) => Some(sensed.total.sensed_n),
@@ -131,7 +133,7 @@ impl FingerStep {
 }
 
 impl GraspScene {
-    /// Senses one finger.
+    /// Senses the forces on one finger.
     pub(super) fn sense(&self, lattice: &Lattice, seen: SeenFinger, eyes: &Eyes, noise: &mut Noise) -> FingerStep {
         let outline = self.outline_of(&seen);
         let finger = &self.scene.finger;
@@ -163,7 +165,7 @@ impl GraspScene {
         FingerStep { placement, shape, contacts, on_object, total_n, sensed }
     }
 
-    /// Outline of the object, about its own point, in the frame of a finger.
+    /// Outline of the object about its own point, in the frame of a finger.
     fn outline_of(&self, seen: &SeenFinger) -> TurnedOutline {
         let (turn, axes) = (Rotation2::new(seen.object[2]), seen.placement.axes());
         match &self.outline {
@@ -182,7 +184,7 @@ fn position(seen: &SeenFinger) -> Vector {
 /// Why no force was sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotSensed {
-    /// The sensor refuses.
+    /// The sensor refuses to answer.
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// The image does not show the finger.

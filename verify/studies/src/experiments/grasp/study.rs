@@ -1,53 +1,54 @@
-//! The grasps of the report: disc and box picked from a table by two of the paper's fingers, and a ball between fingers of spring steel.
+//! Grasps of the report: a disc and a box picked from a table by the paper's fingers, and a ball between spring-steel fingers.
 
 use super::{Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary};
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 
-/// Forces and moments off balance, over the largest force: rounding of Newton's method, resistance against a moved object up to this.
+/// Largest imbalance of forces and moments, relative to the largest force: rounding of Newton's method, and the resistance against a moved object.
 const BALANCE_TOLERANCE: f64 = 1e-4;
-/// Totals of the two fingers while nothing but them holds the object, as a share: balance across the gripper.
+/// Largest relative difference of the two fingers' totals while they alone hold the object: balance across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;
-/// Sensed totals without noise: what the lattice leaves against converged beams, and the friction of which sensing knows the coefficient alone.
+/// Largest relative error of sensed totals without noise. Its sources are the lattice's difference from converged beams, and friction, of which
+/// sensing knows only the coefficient.
 const TOTAL_TOLERANCE: f64 = 0.01;
-/// Work of the bases against that of friction over the whole grasp, by the trapezoidal rule.
+/// Largest relative difference between the work of the bases and that of friction over the whole grasp, by the trapezoidal rule.
 const WORK_TOLERANCE: f64 = 0.02;
-/// Energy without an account, as a share of the largest elastic energy: the trapezoidal rule over parts of steps of which each lacks less than a ten
-/// thousandth of what bends a finger by the object's size.
+/// Largest unaccounted energy, relative to the largest elastic energy: the error of the trapezoidal rule over parts of steps. Each part lacks less
+/// than 1e-4 of the energy that deforms a finger by the object's size.
 const ENERGY_TOLERANCE: f64 = 0.01;
-/// Share of totals within their intervals: 95 % less four standard deviations of a share of 78.
+/// Nominal share of totals within their intervals, and its tolerance: four standard errors of a share of 78.
 const COVERED: f64 = 0.95;
 const COVERED_TOLERANCE: f64 = 0.1;
 
-/// A grasp with the camera's noise, and what is sensed of it without.
+/// A grasp sensed with the camera's noise, and its summary without noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspStudy {
     /// Name of the scene.
     pub name: String,
     /// The scene.
     pub scene: GraspScene,
-    /// Standard deviation of one coordinate, mm.
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
     /// Steps, sensed with noise.
     pub steps: Vec<GraspStep>,
-    /// In figures, with noise.
+    /// Summary with noise.
     pub noisy: Summary,
-    /// The same without noise, where that was run.
+    /// Summary without noise, if it was computed.
     pub clean: Option<Summary>,
 }
 
 /// A scene of the report.
 struct ReportedScene {
     toml: &'static str,
-    /// Segments of the lattice in a member of a plate.
+    /// Segments of the lattice in a plate member.
     fineness: usize,
-    /// Motor angle of a step, degrees, and steps of the way, where they are coarser than in the scene: a box that both fingers turn costs the most.
+    /// Coarser step of the motor (degrees) and number of steps on the path, to replace the scene's: a box that both fingers rotate is slowest.
     coarser: Option<(f64, usize)>,
-    /// Whether it runs without noise too.
+    /// Whether the grasp also runs without noise.
     clean: bool,
 }
 
-/// What the report shows: an object off the centre, one that the fingers turn, and fingers of spring steel.
+/// Grasps of the report: an object off the centre, one that the fingers rotate, and one between spring-steel fingers.
 const SHOWN: [ReportedScene; 3] = [
     ReportedScene { toml: finray_fixtures::GRASPED_DISC_SCENE, fineness: FINENESS, coarser: None, clean: true },
     ReportedScene { toml: finray_fixtures::GRASPED_BOX_SCENE, fineness: 2, coarser: Some((45.0, 4)), clean: false },
@@ -55,8 +56,10 @@ const SHOWN: [ReportedScene; 3] = [
 ];
 
 impl ReportedScene {
+    /// Name and grasp of the scene.
+    ///
     /// # Errors
-    /// [`ExperimentError`] if it is no grasp.
+    /// [`ExperimentError`] if the scene cannot be grasped.
     fn scene(&self) -> Result<(String, GraspScene), ExperimentError> {
         let mut scene = Scene::from_toml(self.toml)?;
         if let (Some(grasp), Some((step_deg, path_steps))) = (&mut scene.grasp, self.coarser) {
@@ -67,7 +70,7 @@ impl ReportedScene {
     }
 }
 
-/// Runs the grasps of the report, for the paper's finger under noise, in a full study.
+/// Runs the grasps of the report for the paper's finger under noise; empty for another finger, without noise, or in a quick study.
 pub(crate) fn run(context: &Context) -> Result<Vec<GraspStudy>, ExperimentError> {
     let noise_mm = context.noise_mm;
     if !context.is_paper || context.effort == Effort::Quick || noise_mm == 0.0 {
@@ -91,7 +94,7 @@ pub(crate) fn run(context: &Context) -> Result<Vec<GraspStudy>, ExperimentError>
 }
 
 impl GraspStudy {
-    /// Whether the paper's fingers grasp.
+    /// Whether the fingers are the paper's.
     pub fn is_paper(&self) -> bool {
         is_papers_finger(self.scene.finger())
     }

@@ -1,65 +1,65 @@
-//! A grasp in figures.
+//! Summary of a grasp.
 
 use super::outlook::{LoopFigures, loop_figures};
 use super::{GraspEnd, GraspScene, GraspStep, Phase};
 use crate::prelude::*;
 use finray_lattice::grasp::Account;
 
-/// How a grasp went.
+/// Summary of a grasp.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// Name of the scene.
     pub name: String,
-    /// How it ended: `done`, or what went wrong.
+    /// Outcome: `done`, or the failure.
     pub ended: String,
-    /// Steps that came to rest.
+    /// Number of steps at rest.
     pub steps: usize,
-    /// Steps of each phase, in the order of the grasp.
+    /// Number of steps of each phase, in temporal order.
     pub phases: Vec<(Phase, usize)>,
-    /// Largest true total of a finger, N.
+    /// Largest true total force of a finger, N.
     pub largest_total_n: f64,
-    /// How far forces and moments are from balance at worst, as a share of the step's largest force.
+    /// Largest imbalance of forces and moments, relative to the largest force of the step.
     pub worst_imbalance: f64,
-    /// Largest difference of the two fingers' totals while they hold the object off its support, as a share of the larger.
+    /// Largest difference of the two fingers' totals while the support carries nothing, relative to the larger total; `None` without such steps.
     pub left_right_difference: Option<f64>,
-    /// How far the object has moved against the gripper at most while it was lifted and carried, mm; none without a way.
+    /// Largest displacement of the object relative to the gripper while it was lifted and carried, mm; `None` without a path.
     pub slid_mm: Option<f64>,
-    /// Where the work of the motor went.
+    /// Account of the motor's work, N mm.
     pub energy: Account,
     /// Largest elastic energy of the fingers, N mm.
     pub largest_elastic_nmm: f64,
-    /// Sensed contacts and totals.
+    /// Sensed contacts and totals, compared with the true ones.
     pub sensed: SensedSummary,
-    /// The closed loop, where there is one.
+    /// Figures of the closed loop; `None` if the grasp has none.
     #[serde(rename = "loop")]
     pub closed_loop: Option<LoopFigures>,
 }
 
-/// Sensed forces against the true ones.
+/// Sensed forces compared with the true ones.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct SensedSummary {
-    /// What senses: an estimator by its name, or `errors in all variables`.
+    /// Name of the estimator, or `errors in all variables`.
     pub by: &'static str,
-    /// Finger-steps in which something that can be sensed touches.
+    /// Number of finger-steps with a contact that can be sensed.
     pub asked: usize,
-    /// Of these, refused.
+    /// Number of refused finger-steps.
     pub refused: usize,
-    /// Contacts that were answered.
+    /// Number of answered contacts.
     pub contacts: usize,
-    /// Of these, with the true force within the stated 95 % interval.
+    /// Number of answered contacts whose stated 95 % interval contains the true force.
     pub contacts_within_95: usize,
-    /// Of the totals that were answered, with the true one within.
+    /// Number of answered totals whose stated 95 % interval contains the true total.
     pub totals_within_95: usize,
-    /// Mean error of the totals, as a share of the true ones, of those above a tenth of the largest.
+    /// Mean relative error of totals above a tenth of the largest total; `None` without such totals.
     pub mean_total_error: Option<f64>,
-    /// The largest.
+    /// Largest relative error of totals above a tenth of the largest total; `None` without such totals.
     pub worst_total_error: Option<f64>,
-    /// Largest error of a contact above a tenth of the largest total, as a share of its force.
+    /// Largest relative error of contact forces above a tenth of the largest total; `None` without such forces.
     pub worst_contact_error: Option<f64>,
 }
 
 impl Summary {
-    /// A grasp from its steps.
+    /// Summarises a grasp from its steps.
     pub fn new(name: &str, scene: &GraspScene, steps: &[GraspStep], ended: &GraspEnd) -> Summary {
         let mut phases: Vec<(Phase, usize)> = Vec::new();
         for step in steps {
@@ -98,7 +98,7 @@ impl Summary {
     }
 }
 
-/// From where the object was in the gripper when the way began.
+/// Largest displacement of the object in the gripper's frame since the beginning of the path, mm; `None` without a path.
 fn slid_mm(steps: &[GraspStep]) -> Option<f64> {
     let begins = steps.iter().position(|step| step.phase == Phase::Lift)?;
     let at = |step: &GraspStep| Vector::new(step.object[0], step.object[1]) - step.gripper_mm;

@@ -1,14 +1,14 @@
-//! The way of a gripper: a line with corners, from the origin.
+//! The gripper's path: a polyline from the origin.
 
 use finray_model::Vector;
 
-/// Lengths of the parts of a way from the origin, mm.
+/// Lengths of a path's segments, mm.
 fn lengths(path: &[Vector]) -> Vec<f64> {
     let from = std::iter::once(Vector::zeros()).chain(path.iter().copied());
     from.zip(path).map(|(from, to)| (to - from).norm()).collect()
 }
 
-/// Which part of the way a share of its length lies on.
+/// Index of the segment at a share (0 to 1) of a path's length.
 pub(super) fn part_of_way(path: &[Vector], share: f64) -> usize {
     let lengths = lengths(path);
     let mut left = share * lengths.iter().sum::<f64>() * (1.0 - 1e-12);
@@ -21,7 +21,7 @@ pub(super) fn part_of_way(path: &[Vector], share: f64) -> usize {
     path.len().saturating_sub(1)
 }
 
-/// The point at a share of a way's length, mm.
+/// Point at a share (0 to 1) of a path's length, mm.
 pub(super) fn on_way(path: &[Vector], share: f64) -> Vector {
     let part = part_of_way(path, share);
     let (lengths, end) = (lengths(path), path[part]);

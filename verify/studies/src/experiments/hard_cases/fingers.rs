@@ -1,4 +1,4 @@
-//! Fingers that are hard to solve.
+//! Hard cases: fingers that are hard to solve.
 
 use super::soundness::{AGREEMENT, DIFFERENCE, Soundness, difference};
 use super::{Findings, Question, Unexpected, middle};
@@ -58,25 +58,25 @@ pub(super) const QUESTIONS: &[Question] = &[
     },
 ];
 
-/// The force of most cases, N on the paper's finger: its shape turns by tenths of a radian.
+/// Force of most cases, N: it rotates parts of the paper's finger by tenths of a radian.
 const FORCE_N: f64 = 2.0;
-/// Two thicknesses, mm, and the tolerated effect of axial strain on their shapes: it grows as thickness^2.
+/// Two thicknesses, mm, and the largest effect of axial strain on their shapes, relative. The effect grows as thickness^2.
 const THIN_MM: [f64; 2] = [0.01, 0.005];
 const INEXTENSIBLE: f64 = 1e-4;
 const THICK_MM: f64 = 10.0;
 const MODULI_MPA: [f64; 4] = [1e-3, 1.0, 1e3, 1e6];
-/// Newton stops at 1e-11 of the energy norm.
+/// Tolerance of scaling laws, relative; Newton's method stops at 1e-11 of the energy norm.
 const SCALING: f64 = 1e-9;
 const ZONE_FACTORS: [f64; 2] = [1e6, 1e-6];
-/// Tolerance of a zone's own deformation at 1e6 times the stiffness, with room for its leverage.
+/// Largest relative effect of a zone's own deformation at 1e6 times the stiffness, including its leverage.
 const RIGID: f64 = 1e-5;
 const LARGE_MESH_NODES: usize = 100_000;
-/// Four digits are the fewest that a solution may have.
+/// Largest relative error of an accepted solution: four correct digits.
 const FOUR_DIGITS: f64 = 1e-4;
-/// A load for stiff or delicate fingers, N.
+/// Load for stiff or delicate fingers, N.
 const SMALL_FORCE_N: f64 = 0.1;
 
-/// The finger with something changed.
+/// A finger with a changed description.
 fn variant(finger: &Finger, change: impl FnOnce(&mut FingerDescription)) -> Result<Finger, Unexpected> {
     let mut description = finger.description().clone();
     change(&mut description);
@@ -92,7 +92,7 @@ fn with_thickness(finger: &Finger, thickness_mm: f64) -> Result<Finger, Unexpect
     })
 }
 
-/// Force along the normal that bends a finger of another thickness about as the given one.
+/// Force along the normal, N, that deforms a finger of another thickness about as much as the given finger.
 fn bending_force(finger: &Finger, thickness_mm: f64) -> Vector {
     let ratio = thickness_mm / finger.description().front.thickness_mm;
     finger.direction(0.0) * (FORCE_N * ratio.powi(3))
@@ -138,14 +138,14 @@ fn modulus(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Un
 fn zones(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
     let length = finger.plate_length_mm(Plate::Front);
     let with_zone = |modulus_factor: f64| {
-        // Its ends lie inside elements.
+        // The ends of the zone lie inside elements.
         let zone = Zone { part: Part::Front, from_mm: 0.41 * length, to_mm: 0.62 * length, modulus_factor };
         variant(finger, |d| d.zones = vec![zone])
     };
     let mut sound = Soundness::default();
     for (factor, elements) in ZONE_FACTORS.into_iter().flat_map(|factor| [(factor, 1), (factor, 4)]) {
         let mesh = Mesh::with_elements_per_member(&with_zone(factor)?, elements);
-        // The soft zone gives way to a force next to it by more than its length.
+        // The soft zone would deform by more than its length under the full force beside it.
         let force = finger.direction(0.0) * if factor < 1.0 { 0.1 * FORCE_N } else { FORCE_N };
         sound.add(&mesh, finger.tip(), force)?;
     }
@@ -188,7 +188,7 @@ fn close_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(),
     let mesh = Mesh::key_nodes(&closer);
     let load = Load::at_node(middle(&closer), finger.direction(0.0) * SMALL_FORCE_N);
     let refused = [Kinematics::Linear, Kinematics::Corotational].into_iter().filter(|&kinematics| {
-        // Not as if the finger buckled: it stands.
+        // The error must not report buckling: the finger has an equilibrium.
         solve(&mesh, &[load], kinematics).is_err_and(|error| !matches!(error, StaticsError::NoEquilibrium { .. }))
     });
     findings.counts("double precision", "refusals, linear and co-rotational", 2, refused.count());
@@ -198,7 +198,7 @@ fn close_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(),
 fn triangles(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
     let mut sound = Soundness::default();
     let mut sides = Vec::new();
-    // Base, front and back in mm: two needles, a flat roof, and a front plate that leans out over its base.
+    // Lengths of base, front and back, mm: two needles, a flat roof, and a front plate that leans outwards over its base.
     for [base, front, back] in [[0.5, 153.0, 153.0], [1e-3, 153.0, 153.0], [305.9, 153.0, 153.0], [100.0, 54.0, 153.0]]
     {
         let finger = variant(finger, |d| {

@@ -1,4 +1,4 @@
-//! Numbers that are none, or hardly.
+//! Hard cases: invalid, extreme and non-finite input.
 
 use super::soundness::Soundness;
 use super::{Findings, Question, Unexpected, middle};
@@ -34,18 +34,18 @@ pub(super) const QUESTIONS: &[Question] = &[
 ];
 
 const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
-/// Nine digits of a number that is scaled by powers of ten.
+/// Tolerance of proportionality, relative: nine digits under scaling by powers of ten.
 const PROPORTIONAL: f64 = 1e-9;
-/// A displacement that is none.
+/// Tolerance of a displacement that must be zero, mm.
 const NOTHING_MM: f64 = 1e-300;
-/// Values that are invalid for any number, and for any size.
+/// Invalid values for any number, and for any size.
 const NO_NUMBERS: [&str; 4] = ["nan", "inf", "-inf", "1e999"];
 const NO_SIZES: [&str; 3] = ["5e-324", "-5e-324", "-1.0"];
-/// Optional keys, for the paper's scene: beside the depth, and at the end.
+/// Optional keys for the paper's scene: one text is inserted after the depth, the other at the end.
 const OPTIONAL_SIZES: &str = "rod_arm_mm = 0.5\npoissons_ratio = 0.3\n";
 const ZONE: &str = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 60.0\nto_mm = 95.0\nmodulus_factor = 0.5\n[camera]\nnoise_mm = 0.1\n";
 const EXTREME_VALUES: [&str; 6] = ["1e-100", "1e-30", "1e-10", "1e10", "1e30", "1e100"];
-/// A load that extreme fingers are asked to carry, N.
+/// Load on extreme fingers, N.
 const LOAD_N: f64 = 1e-3;
 
 fn loads(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
@@ -93,7 +93,7 @@ fn loads(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unex
     Ok(())
 }
 
-/// A scene with one number after the other replaced; with the key that holds it.
+/// Scenes with one number each replaced by `value`, with the key of the replaced number.
 fn scenes_with<'s>(scene: &'s str, value: &'static str) -> impl Iterator<Item = (&'s str, String)> {
     let lines: Vec<&str> = scene.lines().collect();
     (0..lines.len()).filter_map(move |i| {
@@ -114,7 +114,7 @@ fn scene_values(_: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Un
     let full = full_scene();
     Scene::from_toml(&full)?;
     let no_numbers = NO_NUMBERS.into_iter().flat_map(|value| scenes_with(&full, value));
-    // Optional keys may be zero, and a denormal number as good as that.
+    // Optional keys may be zero or denormal, so only the scene without them is tested.
     let no_sizes = NO_SIZES.into_iter().flat_map(|value| scenes_with(PAPER_SCENE, value));
     let (mut asked, mut refused) = (0, 0);
     for (key, scene) in no_numbers.chain(no_sizes) {
@@ -170,10 +170,10 @@ fn displacements(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<
         off.push((linear.estimate(&scaled, None, Prior::None).forces_n[0] / factor - 1.0).abs());
         nonlinear.reset();
         match nonlinear.estimate(&scaled, None) {
-            // Tiny displacements are those of the linear finger; no finger moves by 1e20 mm.
+            // Tiny displacements equal those of the linear finger; displacements of 1e20 mm are impossible.
             Ok(found) if exponent < 0 => off.push((found.forces.forces_n[0] / factor - 1.0).abs()),
             Ok(found) => {
-                // A force may come out if its residual says that it explains nothing.
+                // A returned force counts as wrong only if its residual claims a fit.
                 wrong += usize::from(found.forces.residual_rms_mm < 0.01 * factor);
             }
             Err(error) => refusals.push((exponent, error)),

@@ -1,4 +1,4 @@
-//! Loads that are hard to follow.
+//! Hard cases: loads whose equilibrium path is hard to follow.
 
 use super::soundness::{LIMIT, Soundness, difference};
 use super::{Findings, Question, Unexpected, middle};
@@ -27,14 +27,14 @@ pub(super) const QUESTIONS: &[Question] = &[
 ];
 
 const TINY_N: [f64; 5] = [1e-9, 1e-7, 1e-5, 1e-3, 1e-1];
-/// Geometrically nonlinear change per N at the middle of the finger as the load goes to zero, and a tenth more: the change is proportional
-/// to the load, so a stopping rule that ends early shows as more.
+/// Largest nonlinear change of the displacement per newton at the middle of the finger for vanishing load, relative, with a margin of 10 %. The
+/// change is proportional to the load, so a stopping rule that ends early gives more.
 const NONLINEARITY_PER_N: f64 = 1.1 * 0.08;
-/// Load steps end at this share of the load that was asked for: a limit load is known no better than that.
+/// Smallest load step, relative to the requested load; a limit load is known to this accuracy.
 const LAST_STEP: f64 = 1e-6;
-/// Forces from the tip towards the base, N; the last three are beyond what the finger carries.
+/// Forces from the tip towards the base, N; the last three exceed the limit load.
 const BUCKLING_N: [f64; 4] = [1.0, 100.0, 1e3, 1e6];
-/// The force of the last case, N, and its directions, degrees from the inward normal.
+/// Force of the last case, N, and its directions, degrees from the inward normal.
 const FORCE_N: f64 = 3.0;
 const ANGLES_DEG: [f64; 6] = [0.0, 90.0, -90.0, 135.0, -135.0, 180.0];
 

@@ -1,7 +1,7 @@
-//! Hard cases: fingers, loads, measurements and inputs at the edge of what can be computed, each with its expected outcome.
+//! Hard cases: fingers, loads, measurements and inputs at the limits of computation, each with an expected outcome.
 //!
-//! No expectation rests on the solver itself: each is a scaling law, another solution method, an energy balance, the
-//! equilibrium of the reactions, a limit with a known answer, or a refusal. All cases are variants of one finger.
+//! No expectation relies on the solver itself. Each is a scaling law, another solution method, an energy balance, equilibrium of the reactions,
+//! a limit with known solution, or a refusal. All cases are variants of one finger.
 
 mod fingers;
 mod input;
@@ -14,49 +14,49 @@ use crate::experiments::{Context, Evidence};
 use crate::prelude::*;
 use std::convert::Infallible;
 
-/// No case may take longer, s.
+/// Largest time of a case, s.
 pub const TIME_LIMIT_S: f64 = 5.0;
 
-/// A case and its results.
+/// A hard case with its results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HardCase {
-    /// Its name.
+    /// Name of the case.
     pub case: &'static str,
-    /// The difficulty.
+    /// Reason why the case is hard.
     pub difficulty: &'static str,
     /// Expected outcome.
     pub expectation: &'static str,
-    /// Results in words, where figures are not enough.
+    /// Results in words that figures cannot express.
     pub notes: Vec<String>,
-    /// Results in figures, each with its tolerance.
+    /// Results as checks with tolerances.
     pub checks: Vec<Check>,
-    /// Time, s.
+    /// Computation time, s.
     pub seconds: f64,
 }
 
 impl HardCase {
-    /// Whether every check passes, within the time limit.
+    /// Whether every check passes within the time limit.
     pub fn passes(&self) -> bool {
         self.seconds <= TIME_LIMIT_S && self.checks.iter().all(Check::passes)
     }
 }
 
-/// A case before it is computed.
+/// A hard case before its computation.
 pub struct Question {
-    /// Its name.
+    /// Name of the case.
     pub case: &'static str,
-    /// The difficulty.
+    /// Reason why the case is hard.
     pub difficulty: &'static str,
     /// Expected outcome.
     pub expectation: &'static str,
-    /// Computes it.
+    /// Computes the case and adds its results to the findings.
     pub answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>,
 }
 
-/// Error that ends a case before its checks, where none was expected.
+/// Unexpected error that ends a case before its checks.
 pub type Unexpected = Box<dyn std::error::Error>;
 
-/// Collects the results of a case.
+/// Collector of the results of a case.
 pub struct Findings {
     case: &'static str,
     notes: Vec<String>,
@@ -68,17 +68,17 @@ impl Findings {
         self.notes.push(words.into());
     }
 
-    /// Adds an internal check: another way of solving, a law that our solutions obey, a count of refusals.
+    /// Adds an internal check: another solution method, a law that solutions obey, or a count of refusals.
     fn check(&mut self, source: &str, quantity: &str, reference: f64, ours: f64, tolerance: f64) {
         self.checks.push(Check::new(Kind::Internal, self.case, source, quantity, reference, ours, tolerance));
     }
 
-    /// An error that should be nothing.
+    /// Checks that an error is zero within a tolerance.
     fn vanishes(&mut self, source: &str, quantity: &str, ours: f64, tolerance: f64) {
         self.check(source, quantity, 0.0, ours, tolerance);
     }
 
-    /// A number of things that must be just so many.
+    /// Checks an exact count.
     fn counts(&mut self, source: &str, quantity: &str, reference: usize, ours: usize) {
         self.check(source, quantity, reference as f64, ours as f64, EXACT_COUNT);
     }
@@ -86,7 +86,7 @@ impl Findings {
 
 impl Evidence for HardCase {}
 
-/// Every case, of the paper's finger.
+/// All hard cases; empty unless the finger is the paper's.
 pub(crate) fn run(context: &Context) -> Result<Vec<HardCase>, Infallible> {
     if !context.is_paper {
         return Ok(Vec::new());
@@ -95,7 +95,7 @@ pub(crate) fn run(context: &Context) -> Result<Vec<HardCase>, Infallible> {
     Ok(hard_cases(context.finger, context.effort, &|| context.progress.step()))
 }
 
-/// Every case; `progress` is called once for each.
+/// Computes all hard cases; `progress` is called after each.
 pub fn hard_cases(finger: &Finger, effort: Effort, progress: &(dyn Fn() + Sync)) -> Vec<HardCase> {
     let questions: Vec<&Question> = questions().collect();
     let answer = |question: &&Question| {
@@ -116,7 +116,7 @@ fn middle(finger: &Finger) -> NodeId {
     nodes[nodes.len() / 2]
 }
 
-/// Asks a question of a finger: an error that ends a case fails it, and so does a case that takes too long.
+/// Computes one hard case. It fails if an error ends it or if it exceeds the time limit.
 pub fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {
     let mut findings = Findings { case: question.case, notes: Vec::new(), checks: Vec::new() };
     let begin = Instant::now();

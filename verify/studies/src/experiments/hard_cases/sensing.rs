@@ -1,4 +1,4 @@
-//! Measurements that are hard to sense from.
+//! Hard cases: measurements that are hard to sense from.
 
 use super::{Findings, Question, Unexpected, middle};
 use crate::prelude::*;
@@ -44,22 +44,22 @@ pub(super) const QUESTIONS: &[Question] = &[
     },
 ];
 
-/// Without noise forces come back to rounding times the condition of the problem (363 for twelve forces).
+/// Largest relative error without noise: rounding times the condition number (363 for twelve forces).
 const EXACT: f64 = 1e-7;
-/// Errors beyond this many sigma do not happen in some hundred draws (6e-7 each).
+/// Largest error in standard deviations over some hundred draws; one draw exceeds it with a probability of 6e-7.
 const SIGMAS: f64 = 5.0;
-/// Tolerance of the scatter over sigma: over four standard errors of the draws, and geometric nonlinearity at 1 mm.
+/// Tolerance of scatter over sigma around 1: over four standard errors of the draws, and geometric nonlinearity at 1 mm noise.
 const SCATTER: f64 = 0.25;
-/// A good camera, for twelve forces at once: with the paper's they would be drowned.
+/// Noise of a good camera, mm, for twelve forces at once; the paper's camera is too noisy for them.
 const GOOD_NOISE_MM: f64 = 0.0067;
 const NOISES_MM: [f64; 4] = [0.01, CAMERA_NOISE_MM, 0.3, 1.0];
-/// Distance of the wild marker, mm; what it may change of a force; and how far its residual stands out.
+/// Displacement error of the outlier, mm; largest relative change of a force that it may cause; smallest ratio of its residual to the noise.
 const WILD_MM: Vector = Vector::new(12.0, 16.0);
 const WILD_CHANGE: f64 = 0.02;
 const CONSPICUOUS: f64 = 10.0;
 
 impl Effort {
-    /// Noise samples of a case.
+    /// Number of noise samples of a case.
     fn draws(self) -> usize {
         self.choose(60, 300)
     }
@@ -69,7 +69,7 @@ fn at_node(node: NodeId, angle_deg: f64) -> Contact {
     Contact { position: ContactPosition::Node(node), angle_deg }
 }
 
-/// Forces on a finger and what a camera without noise sees of them, by kinematics.
+/// Forces on a finger and their noise-free measurements, by kinematics.
 struct Task<'m> {
     mesh: &'m Mesh,
     contacts: Vec<Contact>,
@@ -92,7 +92,7 @@ impl<'m> Task<'m> {
         Ok(Task { mesh, contacts, forces_n, seen })
     }
 
-    /// Senses with the estimator of the finger that was seen.
+    /// Senses with the estimator of the same kinematics as the measured finger.
     fn sense(
         &self,
         kinematics: Kinematics,
@@ -107,13 +107,13 @@ impl<'m> Task<'m> {
         Ok(NonlinearEstimator::new(self.mesh, &questions)?.estimate(measurement, Some(noise_mm))?.forces)
     }
 
-    /// Largest error of a force, as a share of the largest force.
+    /// Largest error of a force, relative to the largest force.
     fn error(&self, found: &Estimate) -> f64 {
         let largest = worst(self.forces_n.iter().copied());
         worst(found.forces_n.iter().zip(&self.forces_n).map(|(found, force)| (found - force).abs())) / largest
     }
 
-    /// Errors over the stated sigma, by force.
+    /// Errors divided by the stated standard deviations, by force.
     fn sigmas_off<'e>(&'e self, found: &'e Estimate) -> impl Iterator<Item = f64> + 'e {
         let errors = found.forces_n.iter().zip(&self.forces_n).map(|(found, force)| (found - force).abs());
         errors.zip(&found.sigmas_n).map(|(error, sigma)| error / sigma)
@@ -128,9 +128,9 @@ impl<'m> Task<'m> {
         Ok(())
     }
 
-    /// Scatter of noisy estimates against their sigma.
+    /// Checks the scatter of noisy estimates against their stated standard deviations.
     fn true_within_sigma(&self, noise_mm: f64, draws: usize, findings: &mut Findings) -> Result<(), Unexpected> {
-        // Draws of its own for each level: the same ones would give a linear finger the same figures again.
+        // Each noise level has independent draws: equal draws would give equal ratios on a linear finger.
         let mut noise = Noise::of_stream(1, noise_mm.to_bits());
         let mut off = Vec::new();
         for _ in 0..draws {
@@ -184,7 +184,7 @@ fn hidden(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Une
     let task = Task::new(&mesh, vec![at_node(middle(finger), 10.0)], vec![2.0])?;
     let mut noise = Noise::new(2);
     let nodes: Vec<NodeId> = finger.marked_nodes().collect();
-    // From both plates in turn.
+    // Markers are removed from both plates in turn.
     let order: Vec<NodeId> = (0..nodes.len()).map(|i| nodes[(i * 10) % nodes.len()]).collect();
     let (mut off, mut shrinks, mut refused) = (Vec::new(), 0, 0);
     for (kinematics, seen) in &task.seen {
@@ -193,7 +193,7 @@ fn hidden(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Une
         for count in 0..=20 {
             let found = task.sense(*kinematics, &noisy.clone().without(&order[..count]), CAMERA_NOISE_MM)?;
             off.extend(task.sigmas_off(&found).collect::<Vec<_>>());
-            // The nonlinear sigma also moves with the estimate itself, by less than this.
+            // The nonlinear sigma also changes with the estimate, by less than 2 %.
             shrinks += usize::from(found.sigmas_n[0] < 0.98 * before);
             before = found.sigmas_n[0];
         }

@@ -1,20 +1,20 @@
-//! Properties of every equilibrium of every finger, checked without the solver.
+//! Properties of every equilibrium of every finger, checked independently of the solver.
 
 use super::{Findings, Unexpected};
 use crate::prelude::*;
 use finray_model::statics::{elastic_energy, reaction};
 
-/// Largest difference between the ladder and the general sparse path, as a share of the largest displacement.
+/// Largest difference between the ladder solver and the general sparse solver, relative to the largest displacement.
 pub const AGREEMENT: f64 = 1e-8;
-/// Largest force and moment left by reactions and loads over the load's: strains of stiff elements keep fewer digits.
+/// Largest imbalance of force and moment between reactions and load, relative to the load. Strains of stiff elements have fewer digits.
 pub const BALANCE: f64 = 1e-6;
-/// Largest difference between elastic energy and work, as a share of the work: what quadrature leaves.
+/// Largest difference between elastic energy and work, relative to the work: the error of the quadrature.
 pub const ENERGY: f64 = 1e-6;
-/// Tolerance of a limit load: load steps end at 1e-6 of the load that was asked for.
+/// Tolerance of a limit load, relative; load steps end at 1e-6 of the requested load.
 pub const LIMIT: f64 = 1e-3;
 /// Quantity of the comparison of two solutions: see [`difference`].
 pub const DIFFERENCE: &str = "difference / largest displacement";
-/// Sections of the load path, each integrated by itself: shallow arches soften on the way.
+/// Number of parts of the load path with separate quadrature, because shallow arches soften along the path.
 const PANELS: usize = 4;
 /// Gauss-Legendre rule with eight points on 0..1: (abscissa, weight).
 const GAUSS: [(f64, f64); 8] = [
@@ -28,26 +28,29 @@ const GAUSS: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
-/// Worst violations over some equilibria.
+/// Largest violations of each law over some equilibria.
 #[derive(Debug, Default)]
 pub struct Soundness {
     against_sparse: Vec<f64>,
     unbalanced: Vec<f64>,
     energy: Vec<f64>,
-    /// Loads without equilibrium, and how many of these refusals smaller loads confirm.
+    /// Numbers of loads without equilibrium, and of those confirmed by a smaller load.
     refused: usize,
     confirmed: usize,
 }
 
 impl Soundness {
-    /// Solves a force on a node, linear and co-rotational; returns both displacement fields.
+    /// Solves a force (N) on a node, linear and co-rotational, and returns both displacement fields.
+    ///
+    /// # Errors
+    /// [`Unexpected`] if the load is invalid or has no equilibrium.
     pub fn add(&mut self, mesh: &Mesh, node: NodeId, force: Vector) -> Result<[FrameMotion; 2], Unexpected> {
         let load = mesh.frame_load(&Load::at_node(node, force))?;
         Ok([self.linear(mesh, load)?, self.corotational(mesh, load)?])
     }
 
-    /// As [`add`](Soundness::add) for a force that may have no equilibrium. Then a little less than what is said to be
-    /// carried must be carried, and half of it soundly; returns the carried share.
+    /// Like [`add`](Soundness::add), for a force (N) that may have no equilibrium. Then slightly less than the reported carried share must have one, and
+    /// half of that share must pass all checks. Returns the carried share, 1 for the full force.
     pub fn add_or_refused(&mut self, mesh: &Mesh, node: NodeId, force: Vector) -> Result<f64, Unexpected> {
         let solve = |share: f64| {
             let load = mesh.frame_load(&Load::at_node(node, force * share))?;
@@ -82,7 +85,7 @@ impl Soundness {
             return Err(error.into());
         }
         let Some(full) = path.last() else { return Err("no equilibrium on the way".into()) };
-        // Work of the growing load: F u at its end less the complementary energy.
+        // Work of the growing load: F u at its end minus the complementary energy.
         let complementary: f64 =
             path.iter().zip(&points).map(|(found, (_, weight))| weight * work(&load, &found.motion)).sum();
         let done = work(&load, &full.motion) - complementary;
@@ -105,7 +108,7 @@ impl Soundness {
         Ok(())
     }
 
-    /// A check for each law over all equilibria; without any, nothing is proven and all fail.
+    /// Adds one check for each law over all equilibria; without equilibria all fail.
     pub fn report(self, findings: &mut Findings) {
         let worst = |figures: Vec<f64>| if figures.is_empty() { f64::NAN } else { worst(figures) };
         findings.vanishes("general sparse path", DIFFERENCE, worst(self.against_sparse), AGREEMENT);
@@ -117,13 +120,13 @@ impl Soundness {
     }
 }
 
-/// Largest difference of two motions' displacements, as a share of the second's largest.
+/// Largest difference of two motions' displacements, relative to the second's largest displacement.
 pub fn difference(a: &FrameMotion, b: &FrameMotion) -> f64 {
     let differences = a.displacements.iter().zip(&b.displacements).map(|(a, b)| (a - b).norm());
     worst(differences) / b.largest_displacement()
 }
 
-/// Work of the full load on the way to a motion, as if it had been there from the beginning.
+/// Work of the full load over a motion, N mm, as if the load were constant.
 fn work(load: &FrameLoad, motion: &FrameMotion) -> f64 {
     match *load {
         FrameLoad::Node { node, force, .. } => force.dot(&motion.displacements[node]),
@@ -131,7 +134,7 @@ fn work(load: &FrameLoad, motion: &FrameMotion) -> f64 {
     }
 }
 
-/// Imbalance of loads and reactions, as a share of the load: force, and moment about the origin over the plate's length.
+/// Imbalance of load and reactions, relative: force over the load, and moment about the origin over load times distance of the loaded node.
 fn unbalanced(mesh: &Mesh, load: &FrameLoad, motion: &FrameMotion, kinematics: Kinematics) -> f64 {
     let FrameLoad::Node { node, force, .. } = *load else { return f64::NAN };
     let (frame, finger) = (mesh.frame(), mesh.finger());

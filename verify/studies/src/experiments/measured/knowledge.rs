@@ -1,29 +1,29 @@
-//! The finger, the rig and friction as they are known, and but for one thing each.
+//! Variants of prior knowledge about finger, rig and friction: all of it, and all except one item each.
 
 use finray_model::finger::{BracketLengths, Finger, FingerDescription, RigidEnds};
 use finray_model::sensing::{Direction, Lean};
 
-/// What is known when a force is sensed: the scene, or the scene but for one thing.
+/// Prior knowledge for sensing: that of the scene, or all except one item.
 pub(super) struct Knowledge {
     pub name: &'static str,
-    /// The finger, where there is one that differs.
+    /// The finger to sense with; `None` if this variant does not differ from the scene's finger.
     pub finger: fn(&Finger) -> Option<Finger>,
-    /// The direction of the force, which as measured is given; `None` where the scene does not say it.
+    /// Direction of the force for sensing, given the measured direction; `None` if the scene does not define it.
     pub direction: fn(measured: Direction, Option<Lean>) -> Option<Direction>,
-    /// Whether the base is sought.
+    /// Whether the position of the base is estimated.
     pub base_is_sought: bool,
     /// Whether the distortion of the camera's lens is known.
     pub lens_is_known: bool,
 }
 
-/// The finger with something of its description left out, where it has that.
+/// The finger without some part of its description; `None` if the finger lacks that part.
 fn without(finger: &Finger, leave_out: fn(&mut FingerDescription)) -> Option<Finger> {
     let mut description = finger.description().clone();
     leave_out(&mut description);
     Finger::new(description).ok().filter(|other| other != finger)
 }
 
-/// All that the scene has, and the measured direction of the force.
+/// All knowledge of the scene, and the measured direction of the force.
 const DIRECTION_MEASURED: Knowledge = Knowledge {
     name: "direction measured",
     finger: |finger| Some(finger.clone()),
@@ -32,7 +32,7 @@ const DIRECTION_MEASURED: Knowledge = Knowledge {
     lens_is_known: true,
 };
 
-/// From the most that is known to less.
+/// All variants; the first has all knowledge.
 pub(super) const KNOWLEDGE: [Knowledge; 8] = [
     DIRECTION_MEASURED,
     Knowledge {

@@ -1,4 +1,4 @@
-//! The camera taken for one without distortion: where an image's markers would then have been located.
+//! The camera without its lens distortion: the positions at which an image's markers would be located.
 
 use finray_model::calibration::LocatedView;
 use finray_model::camera::{Camera, Pixel};
@@ -6,10 +6,10 @@ use finray_model::observation::{ObservedBase, ObservedMarker};
 use finray_model::{Scene, Vector};
 use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
 
-/// Pixels across and down the image from which the camera without distortion is found, as from the holes of a board.
+/// Grid of pixels, across and down the image, to which the camera without distortion is fitted, as if from a calibration board.
 const BOARD: [usize; 2] = [16, 10];
 
-/// From pixels to the plane z = 0 by a projective map, the best that there is for a board that fills the image.
+/// Projective map from pixels to the plane z = 0, fitted to a board that fills the image.
 ///
 /// # Reference
 /// Direct linear transformation (Hartley and Zisserman, Multiple View Geometry in Computer Vision, sec. 4.1), with pixels scaled to the image.
@@ -56,7 +56,7 @@ impl Projective {
     }
 }
 
-/// The image as a camera without distortion has it, where the scene's has one.
+/// The view as located by a camera without distortion; `None` if the scene has no camera pose or no distortion.
 pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<LocatedView> {
     let description = scene.camera?;
     let camera = Camera { lens: description.lens, pose: description.pose? };
@@ -71,7 +71,7 @@ pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<Lo
     };
     let mut observation = seen.observation.clone();
     let seen_base = observation.base.map_or_else(Isometry2::identity, |base| base.pose);
-    // Marks on the base are seen no better than the rest.
+    // Marks on the base get the same location errors.
     let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
     let marks = references.iter().map(|reference| {
         let placed = (seen_base * Point2::from(reference.at)).coords;

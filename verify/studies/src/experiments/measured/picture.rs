@@ -1,4 +1,4 @@
-//! What is left of the markers, over the image that they were found in.
+//! Pictures of the markers' residuals over the image.
 
 use super::MarkerResidual;
 use crate::prelude::*;
@@ -8,41 +8,41 @@ use image::imageops::{FilterType, crop_imm, resize};
 use image::{ImageError, RgbImage};
 use nalgebra::Point2;
 
-/// Width of a picture, px: what a page shows of it.
+/// Width of a picture, px, for display on a page.
 const WIDTH_PX: u32 = 720;
-/// Share of the markers' extent that is shown beyond them.
+/// Margin around the markers, relative to their extent.
 const MARGIN: f64 = 0.35;
-/// Quality of the JPEG that is embedded.
+/// JPEG quality of the embedded picture, 0 to 100.
 const QUALITY: u8 = 82;
 
-/// A marker's residual in a picture, px.
+/// Residual of a marker in a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrow {
-    /// Where the marker is seen.
+    /// Observed position of the marker (x, y), px.
     pub seen: [f64; 2],
-    /// From there to where the finger has it, in true size.
+    /// Computed minus observed position (x, y), px, not magnified.
     pub residual_px: [f64; 2],
 }
 
-/// Part of an image with what is left of its markers.
+/// Part of an image with the residuals of its markers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// The image.
+    /// Name of the image.
     pub image: String,
-    /// Width and height, px.
+    /// Width and height of the picture, px.
     pub size_px: [u32; 2],
-    /// As a JPEG file.
+    /// Picture as a JPEG file.
     pub jpeg: Vec<u8>,
-    /// Pixels of the picture to a mm at the markers.
+    /// Scale of the picture at the markers, px/mm.
     pub px_a_mm: f64,
-    /// The markers.
+    /// Residuals of the markers.
     pub arrows: Vec<Arrow>,
 }
 
-/// The part of an image that shows the finger, with residuals; `None` where the camera's pose is not known, or no marker in the image.
+/// Picture of the part of an image that shows the finger, with residuals. `None` if the camera's pose is unknown, or no marker is in the image.
 ///
 /// # Errors
-/// None in memory; the signature is the encoder's.
+/// [`ImageError`] of the encoder; none occurs in memory.
 pub(super) fn picture(
     scene: &Scene,
     seen: &LocatedView,
@@ -77,7 +77,7 @@ pub(super) fn picture(
         return Ok(None);
     }
     let part = crop_imm(image, from.x as u32, from.y as u32, size.x as u32, size.y as u32).to_image();
-    // No larger than it is.
+    // The image is never enlarged.
     let scale = (f64::from(WIDTH_PX) / size.x).min(1.0);
     let size_px = [size.x, size.y].map(|side| ((side * scale).round() as u32).max(1));
     let part = resize(&part, size_px[0], size_px[1], FilterType::Triangle);

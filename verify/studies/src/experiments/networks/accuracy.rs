@@ -1,4 +1,4 @@
-//! Accuracy of the networks that ship on the co-rotational finger under camera noise, and its tolerances.
+//! Accuracy of the shipped networks on the co-rotational finger under camera noise, with its tolerances.
 
 use crate::experiments::table_two::TableTwo;
 use crate::experiments::{Context, Evidence};
@@ -10,27 +10,27 @@ use finray_model::estimators::network::{NetworkSensing, Networks};
 
 /// Range of each force, N.
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
-/// Relative errors scatter by 1.1 of their mean; three standard errors of the mean are hardly ever met by chance.
+/// Allowance for chance in a mean error: three standard errors. Relative errors have a standard deviation of 1.1 times their mean.
 const CHANCE: f64 = 3.3;
-/// Largest mean error of the sum of two forces.
+/// Largest mean relative error of the sum of two forces.
 const SUM_ERROR: f64 = 0.01;
-/// And no more than this many times what noise alone allows (the Cramer-Rao bound): of a force, 7 % above it at most were measured, known to
-/// 2 %; of a sum, in which the noise of neighbours cancels but the networks' own errors need not, 59 %.
+/// Largest mean error as a multiple of that at the Cramer-Rao bound. Errors of a force were measured at most 7 % above it, known to 2 %. Errors
+/// of a sum were measured up to 59 % above it: the noise of neighbours cancels in a sum, but the networks' own errors need not.
 const OVER_BOUND: f64 = 1.10;
 const SUM_OVER_BOUND: f64 = 1.70;
-/// Seed of forces and noise.
+/// Seed of the forces and the noise.
 const SEED: u64 = 2;
 
-/// Contact nodes, and the tolerance of the mean error of each force there, at the camera's noise.
+/// Contact nodes, with the tolerance of each force's mean error at the camera's noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckedSet {
     /// The contact nodes.
     pub nodes: &'static [usize],
-    /// Largest mean error of each force.
+    /// Largest mean relative error of each force.
     pub force: f64,
 }
 
-/// Single contact nodes, two pairs of neighbours, two further apart. The Cramer-Rao bound is 1.5 % at 24, 2.1 % at 19, 20.
+/// Single contact nodes, two pairs of neighbours and two distant pairs. The Cramer-Rao bound is 1.5 % at node 24, 2.1 % at nodes 19 and 20.
 pub const CHECKED_SETS: [CheckedSet; 15] = {
     const fn set(nodes: &'static [usize], force: f64) -> CheckedSet {
         CheckedSet { nodes, force }
@@ -57,12 +57,12 @@ pub const CHECKED_SETS: [CheckedSet; 15] = {
     ]
 };
 
-/// The networks that ship, on the co-rotational finger of the fine mesh.
+/// Results of the shipped networks on the co-rotational finger with the fine mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NetworkStudy {
-    /// Standard deviation of one coordinate, mm.
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// By [`CHECKED_SETS`]; forces of [`FORCES_N`].
+    /// One row for each of [`CHECKED_SETS`], with forces in the range [`FORCES_N`].
     pub rows: Vec<ScatterRow>,
 }
 
@@ -72,7 +72,7 @@ impl Evidence for NetworkStudy {
     }
 }
 
-/// The networks that ship, under noise; what Table II has sensed already is taken as it is.
+/// Study of the shipped networks under noise; `None` without noise or without Table II, whose results are reused.
 pub(crate) fn run(context: &Context, sensed: Option<&TableTwo>) -> Result<Option<NetworkStudy>, EstimatorError> {
     let Some(sensed) = sensed.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
     let sensed: Vec<_> = sensed.of(TruthId::Corotational, context.noise_mm, EstimatorId::Network).cloned().collect();
@@ -83,16 +83,16 @@ pub(crate) fn run(context: &Context, sensed: Option<&TableTwo>) -> Result<Option
 }
 
 impl NetworkStudy {
-    /// Number of contact sets that [`NetworkStudy::run`] works on: those that are not `sensed` yet.
+    /// Number of contact sets that [`NetworkStudy::run`] computes: those missing in `sensed`.
     pub fn steps(sensed: &[ScatterRow]) -> usize {
         CHECKED_SETS.iter().filter(|set| found(set, sensed).is_none()).count()
     }
 
-    /// Senses `cases` random cases of each set of contacts on `fine`, the mesh of the true finger; what is `sensed` already,
-    /// at the same noise, is taken as it is. `progress` is called after each set, [`NetworkStudy::steps`] times.
+    /// Senses `cases` random cases of each set of contacts on `fine`, the mesh of the true finger, with noise `noise_mm` (mm). Rows in `sensed`, at the
+    /// same noise, are reused. `progress` is called after each set, [`NetworkStudy::steps`] times.
     ///
     /// # Errors
-    /// [`EstimatorError`] for a finger or contacts for which no network ships.
+    /// [`EstimatorError`] for a finger or contacts without a shipped network.
     pub fn run(
         fine: &Mesh,
         networks: &Networks,
@@ -105,7 +105,7 @@ impl NetworkStudy {
         let network = NetworkSensing { networks, finger, refuses: true };
         let open = CHECKED_SETS.iter().filter(|set| found(set, sensed).is_none());
         let sets: Vec<Vec<NodeId>> = open.map(|set| set.nodes.iter().map(|&node| NodeId(node)).collect()).collect();
-        // The bound changes little with the mesh: the coarsest serves.
+        // The bound depends little on the mesh, so the coarsest mesh suffices.
         let request = ScatterRequest {
             truth: fine,
             kinematics: Kinematics::Corotational,
@@ -119,13 +119,13 @@ impl NetworkStudy {
         Ok(NetworkStudy { noise_mm, rows: CHECKED_SETS.iter().filter_map(|set| found(set, &rows)).cloned().collect() })
     }
 
-    /// All checks.
+    /// Checks of all sets of contacts.
     pub fn checks(&self) -> Vec<Check> {
         self.rows.iter().flat_map(|row| self.checks_of(row)).collect()
     }
 
-    /// The checks of one set of contacts: each force, and the sum of several. They hold at the camera's noise; at
-    /// another, for which the networks are not trained, nothing is checked.
+    /// Checks of one set of contacts: each force, and the sum of several. They apply to the camera's noise, for which the networks are trained; at
+    /// another noise the list is empty.
     pub fn checks_of(&self, row: &ScatterRow) -> Vec<Check> {
         let set = CHECKED_SETS.iter().find(|set| set.nodes == row.nodes);
         let Some(set) = set.filter(|_| self.noise_mm == CAMERA_NOISE_MM) else { return Vec::new() };
@@ -138,7 +138,7 @@ impl NetworkStudy {
             let tolerance = largest * (1.0 + chance(cases));
             subject.vanishes(quantity, error.unwrap_or(f64::NAN), tolerance).with_refused(row.refused, cases)
         };
-        // Without a bound there is nothing to hold the network against: not a number fails.
+        // Without a bound the tolerance is NaN, and the check fails.
         let least = |aim: f64, bound: Option<f64>| bound.map_or(f64::NAN, |bound| aim.min(bound));
         let of_force = row.mean_error_bound().map(|bound| OVER_BOUND * bound);
         let of_sum = row.sum.and_then(|sum| Some(SUM_OVER_BOUND * sum.bound?.mean_error_bound));
@@ -149,7 +149,7 @@ impl NetworkStudy {
     }
 }
 
-/// Share by which chance alone may lift a mean error, where it comes from too few cases to be held to its tolerance.
+/// Relative allowance for chance in a mean error over few cases; 0 for enough cases.
 fn chance(cases: usize) -> f64 {
     if cases < ENOUGH_CASES { CHANCE / (cases as f64).sqrt() } else { 0.0 }
 }

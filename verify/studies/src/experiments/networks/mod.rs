@@ -1,4 +1,4 @@
-//! Networks: accuracy of those that ship, training recipes, and the paper's on its Table II.
+//! Networks: accuracy of the shipped ones, training recipes, and the paper's network on its Table II.
 
 pub mod accuracy;
 pub mod paper;

@@ -1,69 +1,69 @@
-//! The paper's own method on its Table II: its network as recorded at the paper's contact nodes, against the five figures.
+//! The paper's own method on its Table II: recorded errors of its network at the paper's contact nodes, against the paper's five figures.
 //!
-//! Networks are trained as sec. IV-A describes, on noise-free cases of the linear finger, with several seeds; what is recorded
-//! is their error on simulated fingers. How the paper scales displacements it does not say: two ways are recorded.
+//! Networks are trained as in sec. IV-A, on noise-free cases of the linear finger, with several seeds. The records hold their errors on simulated
+//! fingers. The paper does not state its scaling of displacements, so two scalings are recorded.
 
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
 use crate::prelude::*;
 use crate::truths::TruthId;
 
-/// The recorded recipes that follow the paper, by their scaling of displacements: by the largest, or by their spread.
+/// Names of the recorded recipes that follow the paper: displacements scaled by the largest one, or by their spread.
 pub const PAPER_RECIPES: [&str; 2] = ["a", "a, by spread"];
-/// A figure is reproduced if ours is within this factor of it. A choice: with inputs scaled by the largest displacement, networks for two
-/// contacts that differ in their seed alone are within such a factor of their mean, so that less would judge the seed.
+/// Largest ratio of our figure and the paper's, either way, at which the paper's is reproduced. It is a choice: with inputs scaled by the largest
+/// displacement, networks that differ only in their seed are within this factor of their mean.
 pub const SAME_FACTOR: f64 = 1.5;
 
-/// Whether an error is the paper's, by [`SAME_FACTOR`].
+/// Whether our error reproduces the paper's, by [`SAME_FACTOR`].
 pub fn reproduces(paper: f64, ours: f64) -> bool {
     ours <= SAME_FACTOR * paper && SAME_FACTOR * ours >= paper
 }
 
-/// A recorded mean error over the sets of a group.
+/// A recorded mean relative error over the sets of a group, by seed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OverSeeds {
-    /// Over the seeds.
+    /// Mean, least and greatest relative error over the seeds.
     #[serde(flatten)]
     pub errors: Span,
     /// Number of seeds.
     pub seeds: usize,
-    /// Cases that were sensed, over sets and seeds.
+    /// Number of answered cases, over sets and seeds.
     pub answered: usize,
-    /// Cases that were refused.
+    /// Number of refused cases, over sets and seeds.
     pub refused: usize,
 }
 
-/// One of the paper's five figures beside the recorded one.
+/// One of the paper's five figures, with the recorded one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// The group of tests.
     pub group: ContactGroup,
     /// `each force` or `sum`.
     pub quantity: &'static str,
-    /// The paper's.
+    /// The paper's mean relative error.
     pub paper: f64,
-    /// As recorded.
+    /// The recorded mean relative error.
     pub recorded: OverSeeds,
 }
 
 impl Figure {
-    /// Whether the mean over the seeds is the paper's, by [`SAME_FACTOR`].
+    /// Whether the mean over the seeds reproduces the paper's figure, by [`SAME_FACTOR`].
     pub fn reproduced(&self) -> bool {
         reproduces(self.paper, self.recorded.errors.mean)
     }
 }
 
-/// The quantities of a group that the paper's table has, with its figures.
+/// Quantities of a group in the paper's table, with its figures.
 pub fn quantities(group: &ContactGroup) -> impl Iterator<Item = (&'static str, f64)> {
     [Some(("each force", group.paper_force)), group.paper_sum.map(|sum| ("sum", sum))].into_iter().flatten()
 }
 
-/// Node numbers as records have them.
+/// Node numbers in the format of the records.
 pub fn nodes_in_records(nodes: &[usize]) -> String {
     nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// The sets of a group at which a recipe is recorded: not all need be, and what is said of the group holds for these alone.
+/// Sets of a group at which a recipe is recorded. Some may be missing; results for the group then hold only for these sets.
 pub fn recorded_sets(records: &[RecipeRow], recipe: &str, group: &ContactGroup) -> Vec<&'static [usize]> {
     let recorded = |nodes: &&&'static [usize]| {
         let name = nodes_in_records(nodes);
@@ -72,8 +72,8 @@ pub fn recorded_sets(records: &[RecipeRow], recipe: &str, group: &ContactGroup) 
     group.sets.iter().filter(recorded).copied().collect()
 }
 
-/// What is recorded of a recipe on a finger, for one quantity of a group: for each seed the mean over the sets that are
-/// [recorded](recorded_sets); `None` if none is, or a seed is missing or unanswered at one of them.
+/// Recorded relative error of a recipe on a finger, for one quantity of a group, at one noise level (mm). Each seed contributes the mean over the
+/// [recorded](recorded_sets) sets. `None` if no set is recorded, or a seed is missing or unanswered at one of them.
 pub fn recorded(
     records: &[RecipeRow],
     recipe: &str,
@@ -105,7 +105,7 @@ pub fn recorded(
     })
 }
 
-/// The table's five figures beside those recorded of a recipe on the co-rotational finger; `None` unless all are recorded.
+/// The paper's five figures with those recorded of a recipe on the co-rotational finger, at one noise level (mm); `None` unless all are recorded.
 pub fn figures(records: &[RecipeRow], recipe: &str, noise_mm: f64) -> Option<Vec<Figure>> {
     let mut all = Vec::new();
     for group in CONTACT_GROUPS {

@@ -1,80 +1,80 @@
-//! Records of trainings that take too long for a report: three recipes, and error against samples and size.
+//! Records of trainings that take too long for a report: three recipes, and error against number of samples and network size.
 //!
-//! `fixtures/networks` holds them with the command that makes them again.
+//! `fixtures/networks` holds them, with the command that computes them.
 
 use crate::experiments::{Context, Evidence};
 use crate::truths::TruthId;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Errors of one quantity by the network of one recipe and one seed.
+/// Errors of one quantity for the network of one recipe and seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecipeRow {
-    /// `a`, the paper's: linear, without noise, inputs by the largest displacement; `a, by spread`; `b`: `a` with noise; `c`:
-    /// co-rotational with noise, principal directions and a linear branch.
+    /// Name of the recipe. `a` is the paper's: linear, without noise, inputs scaled by the largest displacement. `a, by spread` scales by the spread;
+    /// `b` adds noise to `a`. `c` is co-rotational with noise, principal directions and a linear branch.
     pub recipe: String,
     /// Seed of the training.
     pub seed: u64,
     /// The true finger, linear or co-rotational.
     pub truth: TruthId,
-    /// Standard deviation of one coordinate, mm.
+    /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Contact nodes, by spaces.
+    /// Contact nodes, separated by spaces.
     pub nodes: String,
-    /// `each force` or `sum`.
+    /// Quantity: `each force` or `sum`.
     pub quantity: String,
-    /// Cases that were sensed.
+    /// Number of answered cases.
     pub cases: usize,
-    /// Cases that the network refused.
+    /// Number of cases that the network refused.
     pub refused: usize,
-    /// Mean of |sensed / true - 1|; `None` if no case was sensed.
+    /// Mean of |sensed / true - 1|; `None` if no case was answered.
     pub mean_error: Option<f64>,
 }
 
-/// One network of a curve of error against samples, or against size.
+/// One network of a curve of error against samples or size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CurveRow {
-    /// `samples` or `size`.
+    /// Name of the curve: `samples` or `size`.
     pub curve: String,
-    /// Contact nodes, by spaces.
+    /// Contact nodes, separated by spaces.
     pub nodes: String,
-    /// Training cases.
+    /// Number of training cases.
     pub samples: usize,
-    /// Widths of the hidden layers, `32-32`; `none` for linear regression alone.
+    /// Widths of the hidden layers, such as `32-32`; `none` for linear regression alone.
     pub hidden_layers: String,
-    /// Trained numbers.
+    /// Number of trained parameters.
     pub weights: usize,
     /// Seed of the training.
     pub seed: u64,
-    /// Cases that were sensed.
+    /// Number of answered cases.
     pub cases: usize,
-    /// Mean error of each force; `None` if no case was sensed.
+    /// Mean relative error of each force; `None` if no case was answered.
     pub mean_error: Option<f64>,
-    /// Mean error of an estimator that reaches the Cramer-Rao bound.
+    /// Mean relative error of each force for an estimator that reaches the Cramer-Rao bound.
     pub mean_error_bound: Option<f64>,
 }
 
 /// All records.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Records {
-    /// Three recipes side by side.
+    /// Errors of the three recipes.
     pub recipes: Vec<RecipeRow>,
-    /// Error against samples and size.
+    /// Errors against number of samples and network size.
     pub curves: Vec<CurveRow>,
 }
 
 impl Evidence for Records {}
 
-/// The records, for the paper's finger.
+/// The records for the paper's finger; empty for any other.
 pub(crate) fn run(context: &Context) -> Result<Records, csv::Error> {
     if context.is_paper { Records::shipped() } else { Ok(Records::default()) }
 }
 
 impl Records {
-    /// The records that travel inside the binary.
+    /// The records that are embedded in the binary.
     ///
     /// # Errors
-    /// [`csv::Error`] if one does not read: a fault of the build.
+    /// [`csv::Error`] if a record cannot be read.
     pub fn shipped() -> Result<Records, csv::Error> {
         Ok(Records { recipes: rows(finray_fixtures::RECIPES)?, curves: rows(finray_fixtures::CURVES)? })
     }

@@ -1,23 +1,23 @@
-//! The recipes of the networks that ship.
+//! Training recipes of the shipped networks.
 
 use crate::experiments::table_two::contact_sets;
 use crate::prelude::*;
 use finray_model::finger::NodeId;
 use finray_model::train::TrainingRecipe;
 
-/// The tip: the paper's single contacts are the nodes after it.
+/// Node of the tip; the paper's single contacts are the nodes after it.
 const TIP: usize = 13;
 
-/// A network that ships.
+/// A shipped network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shipping {
     /// Name of its file, without extension.
     pub name: String,
-    /// How it is trained.
+    /// Training recipe.
     pub recipe: TrainingRecipe,
 }
 
-/// Everything that ships, in the order of its files' list.
+/// All shipped networks, in the order of the list of files.
 pub fn shipping(finger: &Finger) -> Vec<Shipping> {
     let fixed = |nodes: &[usize]| Shipping {
         name: nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join("-"),

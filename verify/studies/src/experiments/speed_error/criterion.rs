@@ -1,15 +1,14 @@
-//! Criterion's times in the place of the report's own.
+//! Criterion's time measurements, which replace the report's own.
 //!
-//! The bench `speed_error` times the points of the report under their own names: its groups are `speed_error/TASK`, functions are
-//! models and parameters are settings. Criterion keeps, below its folder, a folder `new` for each bench: `benchmark.json` has the
-//! names, `estimates.json` the times in ns.
+//! The bench `speed_error` times the report's points under the same names: groups are `speed_error/TASK`, functions are models, parameters are
+//! settings. Below its folder, criterion keeps a folder `new` for each bench: `benchmark.json` has the names, `estimates.json` the times in ns.
 
 use super::{SpeedErrorPoint, Task, TimedBy, mark_fronts};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
-/// Criterion's folders of one bench lie this deep: group, function, parameter, `new`.
+/// Depth of criterion's folders for one bench: group, function, parameter, `new`.
 const DEPTH: usize = 4;
 
 const NANOSECONDS_A_SECOND: f64 = 1e9;
@@ -19,7 +18,7 @@ pub fn group(task: Task) -> String {
     format!("speed_error/{}", task.name())
 }
 
-/// The median time of one of our points.
+/// Median time of one point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CriterionTime {
     group: String,
@@ -28,12 +27,12 @@ pub struct CriterionTime {
     seconds: f64,
 }
 
-/// Times in criterion's folder.
+/// Time measurements from criterion's folder.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CriterionTimes {
-    /// Times of our points; results of other benches are passed over.
+    /// Times of the report's points; results of other benches are ignored.
     pub times: Vec<CriterionTime>,
-    /// Files that are not what criterion writes.
+    /// Files that are not in criterion's format.
     pub unreadable: Vec<PathBuf>,
 }
 
@@ -49,7 +48,7 @@ struct Estimates {
     median: Estimate,
 }
 
-/// ns.
+/// A time, ns.
 #[derive(Deserialize)]
 struct Estimate {
     point_estimate: f64,
@@ -111,7 +110,7 @@ fn read_json<T: DeserializeOwned>(path: &Path) -> Option<T> {
     serde_json::from_slice(&std::fs::read(path).ok()?).ok()
 }
 
-/// Puts criterion's times in the place of those of the points that both have; returns how many.
+/// Replaces the times of points that criterion also has, and returns their number.
 pub fn take_times(points: &mut [SpeedErrorPoint], times: &CriterionTimes) -> usize {
     let mut taken = 0;
     for point in points.iter_mut().filter(|point| point.seconds.is_finite()) {

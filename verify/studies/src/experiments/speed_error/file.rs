@@ -1,4 +1,4 @@
-//! Times and errors of other programs: what `bench/peers` writes and `report` reads.
+//! Reader of times and errors of other programs: the output of `bench/peers`, which `report` reads.
 
 use crate::experiments::speed_error::peers::{Peer, Peers};
 use crate::experiments::speed_error::{Asked, Task};
@@ -7,13 +7,14 @@ use finray_files::table::{Row, Table};
 use std::path::Path;
 
 const COLUMNS: [&str; 9] = ["task", "model", "setting", "seconds", "error", "program", "version", "nodes", "forces_n"];
-/// Says where the times were taken; a table without it is read too.
+/// Optional column with the machine of the time measurements.
 const MACHINE: &str = "machine";
 
-/// Reads `task,model,setting,seconds,error,program,version,nodes,forces_n`, by name, and `machine` if there; `error` may be empty.
+/// Reads a table with the columns `task,model,setting,seconds,error,program,version,nodes,forces_n` in any order, and `machine` if present. `error`
+/// may be empty.
 ///
 /// # Errors
-/// [`FileError`] naming the line and the column of anything that is none of these.
+/// [`FileError`] with line and column of an invalid entry.
 pub fn load(path: &Path) -> Result<Peers, FileError> {
     let text = finray_files::read_text(path)?;
     let table = Table::of_text(path, &text, COLUMNS)?;

@@ -2,33 +2,33 @@
 
 use super::{Asked, SpeedErrorPoint, Start, Task, TimedBy};
 
-/// One program on one task.
+/// Time and error of one program on one task.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Peer {
-    /// The task.
+    /// Task of the point.
     pub task: Task,
-    /// At which nodes and forces; only points of the same stand beside each other.
+    /// Nodes and forces of the task; only points with equal ones are compared.
     pub asked: Asked,
-    /// The model or estimator.
+    /// Name of the model or estimator.
     pub model: String,
-    /// Its setting.
+    /// Setting in words.
     pub setting: String,
     /// Median time of an answer, s.
     pub seconds: f64,
-    /// As of a [`SpeedErrorPoint`]; `None` where only the time was asked for.
+    /// Relative error, defined as in [`SpeedErrorPoint`]; `None` if only the time was measured.
     pub error: Option<f64>,
     /// Name of the program.
     pub program: String,
-    /// Its version.
+    /// Version of the program.
     pub version: String,
 }
 
-/// A table of other programs.
+/// Points of other programs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Peers {
     /// The rows.
     pub peers: Vec<Peer>,
-    /// The machine that they ran on, in words; empty where the file does not say.
+    /// Description of the machine; empty if the file does not state it.
     pub machine: String,
 }
 

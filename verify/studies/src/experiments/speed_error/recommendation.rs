@@ -1,40 +1,40 @@
-//! Which way of sensing to run.
+//! Recommendation of a method for sensing.
 
 use super::{SpeedErrorPoint, Start, Task, TimedBy};
 use finray_model::estimators::EstimatorId;
 
-/// Largest error of the model itself, in standard deviations of the noise, of a setting that is recommended. With 0.4 the interval of 1.96 standard
-/// deviations still holds 93 % of the truths instead of 95 %, the least that coverage may be: Phi(1.96 - 0.4) - Phi(-1.96 - 0.4).
+/// Largest model error of a recommended setting, in standard deviations of the noise. At 0.4 the interval of 1.96 standard deviations covers
+/// 93 % instead of 95 %, the lower limit of coverage: Phi(1.96 - 0.4) - Phi(-1.96 - 0.4).
 pub const LARGEST_BIAS_SIGMAS: f64 = 0.4;
-/// A setting is near enough to the best within a quarter: a mean over some hundred noisy frames scatters by a tenth.
+/// Largest ratio of a recommended setting's error to the best error. The mean over some hundred noisy frames has a standard error of 10 %.
 const NEAR_BEST: f64 = 1.25;
 
-/// A way of sensing in all its timings.
+/// A sensing method with all its timed points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recommendation<'p> {
-    /// One force, from the warm start where there is one.
+    /// Point for one force, from the warm start if the method has starts.
     pub one: &'p SpeedErrorPoint,
-    /// One force from a cold start, where starts differ.
+    /// Point for one force from a cold start; `None` if the method has no starts.
     pub cold: Option<&'p SpeedErrorPoint>,
-    /// Two neighbouring forces.
+    /// Point for two neighbouring forces.
     pub neighbours: Option<&'p SpeedErrorPoint>,
 }
 
 impl Recommendation<'_> {
-    /// The largest error of the model in standard deviations of the noise, of one force and of two; `None` where none is stated.
+    /// Largest model error over both tasks, in standard deviations of the noise; `None` if one is unknown.
     pub fn bias_sigmas(&self) -> Option<f64> {
         let two = self.neighbours.map_or(Some(0.0), |two| two.bias_sigmas);
         Some(self.one.bias_sigmas?.max(two?))
     }
 
-    /// Whether noise covers what its model is off, and it answers every frame.
+    /// Whether the model error is small against the noise and the method answers every frame.
     pub fn holds(&self) -> bool {
         let answers = self.one.failed == 0 && self.neighbours.is_none_or(|two| two.failed == 0);
         answers && self.bias_sigmas().is_some_and(|bias| bias <= LARGEST_BIAS_SIGMAS)
     }
 }
 
-/// Every way of sensing one force that was timed here.
+/// Every method for one force that was timed by finray.
 pub fn ways(points: &[SpeedErrorPoint]) -> Vec<Recommendation<'_>> {
     let ours = |point: &&SpeedErrorPoint| {
         !matches!(point.timed_by, TimedBy::OtherProgram { .. }) && point.error.is_finite() && point.seconds.is_finite()
@@ -54,7 +54,8 @@ pub fn ways(points: &[SpeedErrorPoint]) -> Vec<Recommendation<'_>> {
     .collect()
 }
 
-/// The fastest way for any contact (networks answer for their own alone) that [holds](Recommendation::holds) and errs hardly more than the best.
+/// The fastest method for any contact that [holds](Recommendation::holds) and has nearly the smallest error. Networks, which support only their own
+/// contacts, are excluded.
 pub fn recommended(points: &[SpeedErrorPoint]) -> Option<Recommendation<'_>> {
     let hold: Vec<Recommendation> =
         ways(points).into_iter().filter(|way| way.one.estimator != Some(EstimatorId::Network) && way.holds()).collect();

@@ -1,4 +1,4 @@
-//! The points of a report.
+//! Computation of the report's points of time and error.
 
 use super::sensing::{TimedEstimator, sensing};
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, solving};
@@ -8,21 +8,21 @@ use finray_model::estimators::network::NetworkSensing;
 
 impl Evidence for SpeedErrorPoint {}
 
-/// Times models and estimators, one after the other: nothing else may run beside them.
+/// Times models and estimators one by one; no other computation may run at the same time.
 ///
 /// # Errors
-/// [`ExperimentError`] if a model or an estimator fails where it is timed.
+/// [`ExperimentError`] if a model or an estimator fails while it is timed.
 pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let &Context { finger, noise_mm, progress, .. } = context;
     let forces = context.checked_forces();
     progress.part("speed and error", 2);
-    // Nodes are the same for every effort, so that other programs always stand beside ours.
-    // Periods of one force and of the pair. Two forces on a finger that folds take tens of milliseconds a frame.
+    // The nodes are the same for every effort, so that points of other programs are always comparable.
+    // Periods of one force and of the pair. Two forces on a folding finger take tens of milliseconds a frame.
     let periods = match context.effort {
         Effort::Quick => [1, 4],
         Effort::Full => [2, 2 * ASKED_NODES],
     };
-    // What a finger does not carry leaves the chart out; the maps say so already.
+    // Without equilibrium under the loads, the chart is omitted; the maps show the missing equilibria.
     let mut points = match solving(finger, ASKED_NODES, forces) {
         Err(ExperimentError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
         points => points?,

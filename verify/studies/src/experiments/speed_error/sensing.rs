@@ -1,10 +1,10 @@
-//! Sensing a moving force, frame by frame: time, error and what the mesh adds to it.
+//! Sensing of a moving force, frame by frame: time, error, and the error of the mesh.
 //!
-//! A force at a node swings over [`TWO_FORCES_N`] once a second at the paper's 25 frames a second, so that it changes by up to 0.34 N from
-//! frame to frame. The camera sees the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a
-//! cold start (least squares, as for an unrelated measurement) and from a warm one (the frame before); others know no
-//! start. What is prepared once for a contact is timed apart. Standard deviations are those of the noise alone, so that the error of linearisation or of
-//! the mesh shows against them; finding that error, as `finray sense` does to widen them, is not timed.
+//! A force at a node oscillates over [`TWO_FORCES_N`] once a second, at the paper's 25 frames a second. It changes by up to 0.34 N between
+//! frames. Frames show the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a cold start (least squares,
+//! as for an unrelated measurement) and from a warm start (the previous frame). Other estimators have no start. Preparation for a contact is timed
+//! separately. Stated standard deviations cover only noise, so that errors of linearisation and mesh show against them. `finray sense` also
+//! computes these errors to widen its intervals, which is not timed here.
 
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::prelude::*;
@@ -14,14 +14,14 @@ use crate::statistics::percentile;
 use finray_model::statics::Ladder;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Frames in which a force swings over its range and back: a second at the paper's 25 Hz.
+/// Number of frames in one oscillation of a force: one second at the paper's 25 Hz.
 pub const FRAMES_A_PERIOD: usize = 25;
 /// Seed of the noise.
 const SEED: u64 = 11;
-/// Preparations for each set of contacts: enough for a median.
+/// Number of preparations for each set of contacts; their median time counts.
 const PREPARATIONS: usize = 5;
 
-/// Measurement of one frame.
+/// One frame: true forces and measurement.
 pub struct Frame {
     /// True forces, N.
     pub forces_n: Vec<f64>,
@@ -29,20 +29,21 @@ pub struct Frame {
     pub seen: Measurement,
     /// Displacements without noise.
     pub exact: Measurement,
-    /// Cramer-Rao bound of each force under the stream's noise, N; `None` where it cannot be found.
+    /// Cramer-Rao bound of each force under the stream's noise, N; `None` if it cannot be computed.
     pub bound_n: Option<Vec<f64>>,
 }
 
-/// Frames of moving forces at one set of contacts.
+/// Frames of oscillating forces at one set of contacts.
 pub struct Stream {
     /// The contacts.
     pub contacts: Vec<Contact>,
-    /// The frames in their order.
+    /// The frames in time order.
     pub frames: Vec<Frame>,
 }
 
 impl Stream {
-    /// Takes frames of the co-rotational finger `truth` under forces of a range, two forces a quarter of a period apart. `stream` separates the sets' noise.
+    /// Generates `frames` frames of the co-rotational finger `truth` under forces in `range_n` (N), with noise `noise_mm` (mm). Two forces differ by a
+    /// quarter of a period in phase. `stream` selects independent noise.
     pub fn take(
         truth: &Mesh,
         nodes: &[NodeId],
@@ -62,7 +63,7 @@ impl Stream {
                 .zip(&forces_n)
                 .map(|(contact, &force_n)| truth.frame_load(&contact.load(finger, force_n)));
             let loads = loads.collect::<Result<Vec<_>, _>>().ok()?;
-            // A finger that does not carry a frame's forces is not asked for it.
+            // Forces without equilibrium give no frame.
             let equilibrium = statics.equilibrium(&loads).ok()?;
             let exact = Measurement::of_shape(finger, &truth.shape(&equilibrium.motion));
             let at_truth = bound.prepare(&contacts, &exact).and_then(|mut prepared| {
@@ -72,7 +73,7 @@ impl Stream {
             Some((forces_n, exact, at_truth.ok().and_then(|sensed| sensed.sigmas_n)))
         };
         let statics = || Statics::ladder(truth, Kinematics::Corotational);
-        // Periods differ in their noise alone.
+        // Periods differ only in their noise.
         let of_period: Vec<_> = (0..frames.min(FRAMES_A_PERIOD)).into_par_iter().map_init(statics, bent).collect();
         let mut noise = Noise::of_stream(SEED, stream);
         let taken = of_period.iter().cycle().take(frames).flatten().map(|(forces_n, exact, bound_n)| Frame {
@@ -85,19 +86,19 @@ impl Stream {
     }
 }
 
-/// The force at a contact in a frame, N, within a range.
+/// Force at a contact in a frame, N, within a range.
 fn force_n([low, high]: [f64; 2], frame: usize, contact: usize) -> f64 {
     let phase = TAU * frame as f64 / FRAMES_A_PERIOD as f64 + FRAC_PI_2 * contact as f64;
     0.5 * (low + high) + 0.5 * (high - low) * phase.sin()
 }
 
-/// An estimator that is timed.
+/// An estimator to be timed.
 pub struct TimedEstimator<'e> {
     /// The estimator.
     pub estimator: Box<dyn Estimator + 'e>,
-    /// Its mesh or what else it is set to, in words.
+    /// Mesh or other setting, in words.
     pub setting: String,
-    /// Start of each frame.
+    /// Starting point of each frame.
     pub start: Start,
 }
 
@@ -108,12 +109,12 @@ impl TimedEstimator<'_> {
     }
 }
 
-/// One, two, four and eight elements a member.
+/// Meshes with one, two, four and eight elements a member.
 pub fn sensing_meshes(finger: &Finger) -> Vec<Mesh> {
     [1, 2, 4, 8].map(|elements| Mesh::with_elements_per_member(finger, elements)).into()
 }
 
-/// The beam estimators that are timed: linear ones on the first of [`sensing_meshes`], the nonlinear on all, cold and warm.
+/// The beam estimators to be timed: linear ones on the first of [`sensing_meshes`], the nonlinear one on all, with cold and warm start.
 pub fn beam_estimators(meshes: &[Mesh]) -> Vec<TimedEstimator<'_>> {
     fn on<'m>(mesh: &'m Mesh, estimator: impl Estimator + 'm, start: Start) -> TimedEstimator<'m> {
         TimedEstimator { estimator: Box::new(estimator), setting: format!("{} nodes", mesh.node_count()), start }
@@ -127,7 +128,7 @@ pub fn beam_estimators(meshes: &[Mesh]) -> Vec<TimedEstimator<'_>> {
     meshes.first().into_iter().flat_map(linear).chain(cold).chain(warm).collect()
 }
 
-/// The nonlinear estimator, each frame from the one before it.
+/// The nonlinear estimator with each frame started from the previous one.
 struct Streaming<'m> {
     mesh: &'m Mesh,
 }
@@ -161,19 +162,20 @@ impl PreparedEstimator for PreparedStream<'_> {
     }
 }
 
-/// The single nodes whose force is sensed, spread over the front plate.
+/// Sets of one node each for sensing: at most `nodes` nodes, evenly spaced over the front plate.
 pub fn singles(finger: &Finger, nodes: usize) -> Vec<Vec<NodeId>> {
     spread(finger, nodes).map(|node| vec![node]).collect()
 }
 
-/// The two neighbours whose forces are sensed, in the middle of the front plate; 19 and 20 of the paper's finger.
+/// One set of two neighbouring nodes in the middle of the front plate: 19 and 20 of the paper's finger. Empty if there are fewer than two nodes.
 pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
     let loaded: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
     let first = (loaded.len() / 2).min(loaded.len().saturating_sub(2));
     loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect()
 }
 
-/// One moving force on [`ASKED_NODES`] over the plate and two on neighbours, so many `periods` of each on `truth`; `further` estimators join beams'.
+/// Times sensing of one oscillating force at [`ASKED_NODES`] nodes and of two at neighbours, over `periods` periods of each on `truth`, with noise
+/// `noise_mm` (mm). `further` estimators are added to those on beams.
 pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,
@@ -197,7 +199,7 @@ pub(crate) fn sensing(
         let estimators: Vec<&TimedEstimator<'_>> = beams.iter().chain(&further).collect();
         let of_task = estimators.iter().map(|timed| sensed(task, timed, noise_mm, &streams));
         let mut of_task = of_task.collect::<Result<Vec<_>, _>>()?;
-        // Nothing is timed any more. Where an estimate starts does not change what its model is off: that of a cold start is found from warm ones.
+        // Timing is complete, so this may run in parallel. The model error does not depend on the start: a cold start has that of the warm one.
         let once: Vec<&&TimedEstimator<'_>> = estimators.iter().filter(|timed| timed.start != Start::Cold).collect();
         let biases = once.par_iter().map(|timed| largest_bias(timed, noise_mm, &streams));
         let biases: Vec<Option<f64>> = biases.collect::<Result<_, _>>()?;
@@ -213,10 +215,10 @@ pub(crate) fn sensing(
     Ok(points)
 }
 
-/// An estimator on streams of frames: time and error, without what its model alone is off.
+/// Time and error of an estimator on streams of frames with noise `noise_mm` (mm), without its model error.
 ///
 /// # Errors
-/// [`ExperimentError`] if it is not made for the contacts.
+/// [`ExperimentError`] if the estimator does not support the contacts.
 pub fn sensed(
     task: Task,
     timed: &TimedEstimator<'_>,
@@ -265,11 +267,11 @@ pub fn sensed(
     })
 }
 
-/// What the model of an estimator alone is off: its largest error where frames carry no noise, in standard deviations of the noise alone. It is
-/// compared with the bound: what an estimator states rests on its residual, the larger the wronger its model is.
+/// Model error of an estimator: largest error over frames without noise, in standard deviations of the noise. Those are taken from the Cramer-Rao
+/// bound, because the estimator's stated deviation grows with its model error.
 ///
 /// # Errors
-/// [`ExperimentError`] if it is not made for the contacts.
+/// [`ExperimentError`] if the estimator does not support the contacts.
 pub fn largest_bias(
     timed: &TimedEstimator<'_>,
     noise_mm: f64,
@@ -283,7 +285,7 @@ pub fn largest_bias(
             let forces_n = answer.forces_n.iter().zip(&frame.forces_n).zip(frame.bound_n.as_ref()?);
             forces_n.map(|((sensed, force), bound_n)| ((sensed - force) / bound_n).abs()).reduce(f64::max)
         };
-        // Without noise the frames of all periods are the same.
+        // Without noise all periods have the same frames.
         Ok(stream.frames.iter().take(FRAMES_A_PERIOD).filter_map(of_frame).reduce(f64::max))
     };
     let of_streams: Vec<Option<f64>> = streams.par_iter().map(of_stream).collect::<Result<_, ExperimentError>>()?;

@@ -1,4 +1,4 @@
-//! The shape under a load: every theory on every mesh, and lattices.
+//! Time and error of computing the shape under a load: every theory on every mesh, and lattices.
 
 use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
@@ -8,14 +8,14 @@ use finray_model::statics::solve;
 
 const SOLVED_ANGLES_DEG: [f64; 3] = [-40.0, 0.0, 40.0];
 
-/// Loads, with the reference's shapes.
+/// Loads, with the shapes of the reference.
 struct ReferenceSolutions {
     loads: Vec<Load>,
     reference: Vec<FingerShape>,
 }
 
 impl ReferenceSolutions {
-    /// A point from a way to solve.
+    /// Times a solution method and compares its shapes with the reference.
     fn point(
         &self,
         model: &str,
@@ -36,7 +36,7 @@ impl ReferenceSolutions {
     }
 }
 
-/// The point of a way to solve that took these times for the loads that it carried of so many; without any it has no error.
+/// Point of a solution method, from its times (s) for the loads with equilibrium among `asked` loads. The error is NaN without such loads.
 pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: f64, asked: usize) -> SpeedErrorPoint {
     SpeedErrorPoint {
         task: Task::Solve,
@@ -56,8 +56,8 @@ pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: 
     }
 }
 
-/// Beams on several meshes and lattices of several finenesses, each under the drawn force on `nodes` nodes of the finger, spread over the front
-/// plate, in three directions; errors against beams of [`CONVERGED_ELEMENTS`] elements a member. Nothing for a finger without such nodes.
+/// Times beams on several meshes and lattices of several finenesses. Each has the drawn force at `nodes` nodes along the front plate in three
+/// directions. Errors are against beams of [`CONVERGED_ELEMENTS`] elements a member. Empty for a finger without such nodes.
 ///
 /// # Errors
 /// [`ExperimentError`] if the reference has no equilibrium or a lattice cannot be built.
@@ -81,7 +81,7 @@ pub fn solving(finger: &Finger, nodes: usize, forces: ReportForces) -> Result<Ve
     for (setting, lattice) in lattices(finger)? {
         points.push(solved.point(LATTICE, setting, |load| lattice.equilibrium(&[*load]).ok()));
     }
-    // Settling takes a hundred times longer: one load is enough.
+    // Settling takes a hundred times longer, so one load must suffice.
     let one = ReferenceSolutions {
         loads: solved.loads.into_iter().take(1).collect(),
         reference: solved.reference.into_iter().take(1).collect(),
@@ -95,19 +95,19 @@ pub fn solving(finger: &Finger, nodes: usize, forces: ReportForces) -> Result<Ve
     Ok(points)
 }
 
-/// Beams as they are timed.
+/// A beam model to be timed.
 pub struct Beams {
     /// Name of the model.
     pub model: &'static str,
-    /// The mesh in words.
+    /// Mesh in words.
     pub setting: String,
-    /// Theory.
+    /// Kinematics of the model.
     pub kinematics: Kinematics,
     /// The mesh.
     pub mesh: Mesh,
 }
 
-/// Every theory on every mesh that is timed.
+/// All beam models to be timed: each kinematics on each of its meshes.
 pub fn beams(finger: &Finger) -> Vec<Beams> {
     let theories = [
         (Kinematics::Linear, "linear beams"),
@@ -115,7 +115,7 @@ pub fn beams(finger: &Finger) -> Vec<Beams> {
         (Kinematics::Corotational, "co-rotational"),
     ];
     let on_meshes = |(kinematics, model)| {
-        // Linear frames are exact at the nodes: other meshes only cost more.
+        // Linear frames are exact at the nodes, so finer meshes only take longer.
         let elements: &[usize] = if kinematics == Kinematics::Linear { &[1] } else { &[1, 2, 4, 8] };
         elements.iter().map(move |&elements| {
             let mesh = Mesh::with_elements_per_member(finger, elements);
@@ -125,13 +125,13 @@ pub fn beams(finger: &Finger) -> Vec<Beams> {
     theories.into_iter().flat_map(on_meshes).collect()
 }
 
-/// Name of the lattices that Newton's method solves.
+/// Name of lattices that are solved by Newton's method.
 pub const LATTICE: &str = "spring lattice, Newton";
 
-/// Every lattice whose equilibrium is timed, after its setting in words.
+/// All lattices to be timed, with their settings in words.
 ///
 /// # Errors
-/// [`LatticeError`] if one cannot be built.
+/// [`LatticeError`] if a lattice cannot be built.
 pub fn lattices(finger: &Finger) -> Result<Vec<(String, Lattice)>, LatticeError> {
     let build = |fineness| Lattice::new(finger, fineness).map(|lattice| (bodies(&lattice), lattice));
     [1, 2, 3, 4].into_iter().map(build).collect()
@@ -141,7 +141,7 @@ fn bodies(lattice: &Lattice) -> String {
     format!("{} bodies", lattice.assembly().bodies.len())
 }
 
-/// The loads that shapes are timed under: the drawn force on `nodes` nodes along the front plate, in three directions.
+/// Loads for timing shapes: the drawn force at `nodes` nodes along the front plate, in three directions.
 pub fn solved_loads(finger: &Finger, nodes: usize, forces: ReportForces) -> Vec<Load> {
     let force = |angle_deg| finger.direction(angle_deg) * forces.drawn_n();
     let directions = |node| SOLVED_ANGLES_DEG.map(|angle_deg| Load::at_node(node, force(angle_deg)));

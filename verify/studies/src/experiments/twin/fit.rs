@@ -1,4 +1,4 @@
-//! Zone factors from the six mean errors of Table I.
+//! Fit of zone factors to the six mean errors of Table I.
 
 use super::{MEMBER_MM, ZoneSet};
 use crate::experiments::ExperimentError;
@@ -10,45 +10,45 @@ use finray_numerics::optimise::{Convergence, LeastSquaresProblem, LevenbergMarqu
 
 /// Direction assumed for the weights, degrees from the inward normal.
 pub const ANGLE_DEG: f64 = 0.0;
-/// What is fitted at nodes 14 to 24: mean of sensed / true - 1, and how far it may be off. Forces were sensed too large at
-/// 14, 16 and 24; their errors over six weights scatter by about 5 points, which leaves 2 for the mean. At 18 to 22 the
-/// signs are not published, and the errors stay below 5 %: zero, give or take 3.
+/// Targets at nodes 14 to 24: mean of sensed / true - 1, and its tolerance. Forces were sensed too large at 14, 16 and 24. There the errors over six
+/// weights scatter by about 5 points, so the mean is uncertain by 2. At 18 to 22 the signs are not published and the errors stay below 5 %, so the
+/// target is 0 with tolerance 3 points.
 pub const TARGETS: [(f64, f64); 6] =
     [(0.563, 0.02), (0.121, 0.02), (0.0, 0.03), (0.0, 0.03), (0.0, 0.03), (0.200, 0.02)];
-/// The calibrated modulus is the published one, to this share: a condition rather than a measurement.
+/// Tolerance of the calibrated modulus relative to the published one; small, because equality is required.
 const MODULUS_TOLERANCE: f64 = 1e-3;
-/// Step of ln(factor) for differences: errors are smooth to nine digits.
+/// Step of ln(factor) for finite differences; errors are smooth to nine digits.
 const DIFFERENCE: f64 = 1e-4;
-/// The fit ends when no factor changes by more than this share; differences allow no less.
+/// Largest relative change of a factor at convergence; finite differences allow no smaller one.
 const SMALLEST_STEP: f64 = 1e-7;
-/// More steps than any set took.
+/// Largest number of iterations; every set of zones needs fewer.
 const MAX_STEPS: usize = 40;
-/// Largest change of ln(factor) in a step.
+/// Largest change of ln(factor) in one iteration.
 const LARGEST_STEP: f64 = 0.5;
 
-/// Factors of a [`ZoneSet`] that come nearest to Table I.
+/// Factors of a [`ZoneSet`] that fit Table I best.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwinFit {
     /// The zones.
     pub set: ZoneSet,
-    /// The fitted finger; its modulus is such that the paper's calibration finds the published one.
+    /// The fitted finger. Its modulus is chosen so that the paper's calibration gives the published one.
     pub finger: Finger,
-    /// Factor of each group.
+    /// Modulus factor of each group of zones, dimensionless.
     pub factors: Vec<f64>,
-    /// Standard deviation of each factor, taking [`TARGETS`]' scatter for that of independent measurements.
+    /// Standard deviation of each factor, dimensionless, with the tolerances of [`TARGETS`] as independent standard deviations.
     pub sigmas: Vec<f64>,
-    /// Factor on the published modulus outside the zones.
+    /// Ratio of the modulus outside the zones to the published one.
     pub modulus_factor: f64,
     /// Mean of sensed / true - 1 at each node of Table I.
     pub errors: Vec<f64>,
-    /// Root mean square of the differences to [`TARGETS`] over what they may be off: below 1 fits.
+    /// Root mean square of the differences from [`TARGETS`], each divided by its tolerance, dimensionless; below 1 the fit is within tolerance.
     pub misfit: f64,
 }
 
-/// Fits a set of zones on the co-rotational finger, four elements a member: the protocol of Table I is run for each trial.
+/// Fits a set of zones on the co-rotational finger with four elements a member. Each trial runs the protocol of Table I.
 ///
 /// # Errors
-/// [`ExperimentError`] if the finger cannot carry the weights at the start.
+/// [`ExperimentError`] if the starting finger has no equilibrium under a weight.
 pub fn fit(paper: &Finger, set: &ZoneSet) -> Result<TwinFit, ExperimentError> {
     let count = set.groups.len() + 1;
     let start = DVector::from_iterator(count, set.groups.iter().map(|(_, start)| start.ln()).chain([0.0]));
@@ -78,7 +78,7 @@ pub fn mean_errors(table: &TableOne) -> Vec<f64> {
     table.rows.iter().map(|row| mean(row.errors.iter().copied()).unwrap_or(f64::NAN)).collect()
 }
 
-/// The paper's finger with the factors of a set's groups, and of all moduli, in its place.
+/// The paper's finger with the factors of a set's zones, and with all moduli multiplied by `modulus`.
 pub(crate) fn with_factors(
     paper: &Finger,
     set: &ZoneSet,
@@ -107,7 +107,7 @@ fn run(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<(Finger, Ta
     Ok((finger, table))
 }
 
-/// Differences to the targets over what they may be off, then that of the calibrated modulus. The unknowns are logarithms of factors.
+/// Residuals of the fit: differences from the targets over their tolerances, then that of the calibrated modulus. Unknowns are logarithms of factors.
 struct TwinProblem<'p> {
     paper: &'p Finger,
     set: &'p ZoneSet,
@@ -118,7 +118,7 @@ impl LeastSquaresProblem for TwinProblem<'_> {
     type Error = ExperimentError;
 
     fn residual(&mut self, logs: &DVector<f64>) -> Result<DVector<f64>, Refusal<ExperimentError>> {
-        // A finger that cannot carry the weights is too soft.
+        // A finger without equilibrium under the weights is too soft.
         let (_, table) = run(self.paper, self.set, logs).map_err(Refusal::Here)?;
         let errors = mean_errors(&table).into_iter().zip(TARGETS).map(|(error, (target, off))| (error - target) / off);
         let modulus = (table.modulus_factor - 1.0) / MODULUS_TOLERANCE;

@@ -1,9 +1,9 @@
-//! A digital twin of the finger behind Table I of Xu et al. (2021): the paper's finger with one of several softer ends that fit.
+//! A digital twin of the finger behind Table I of Xu et al. (2021): the paper's finger with one of several possible sets of softer ends.
 //!
-//! The paper infers from its errors that the modulus "at the tip and base should be lower", and does not test it. Here zones
-//! and the modulus outside are [fitted](fit) to the six published mean errors, and what follows from them is [studied](study). Six
-//! numbers, with the direction of the weights assumed, do not determine a finger: other zones fit as well, some better, and the twin's
-//! moduli lie below those of TPU. Soft ends are put in, so that they are what errs is no finding.
+//! The paper infers from its errors that the modulus "at the tip and base should be lower", and does not test it. Here zones and the modulus outside
+//! them are [fitted](fit) to the six published mean errors, and the consequences are [studied](study). Six numbers, with an assumed direction of the
+//! weights, do not determine a finger: other zones fit as well, some better. The twin's moduli are below those of TPU. Soft ends are an assumption
+//! of the fit, so their effect is no evidence for them.
 
 pub mod fit;
 pub mod study;
@@ -11,15 +11,15 @@ pub mod study;
 use finray_model::Finger;
 use finray_model::finger::Part;
 
-/// One zone: part, and from where to where along it from the base, in members.
+/// One zone: part of the finger, and its start and end along that part from the base, in member lengths.
 pub type Section = (Part, f64, f64);
 
-/// Zones of the paper's finger that share a factor each, group by group.
+/// Zones of the paper's finger, in groups that share a modulus factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ZoneSet {
-    /// Its name, for tables.
+    /// Name in tables.
     pub name: &'static str,
-    /// The groups, each with the factor where the fit starts: where a fit from 0.2 ended.
+    /// Groups of zones, each with the starting factor of its fit: the result of a fit that started from 0.2.
     pub groups: &'static [(&'static [Section], f64)],
 }
 
@@ -30,11 +30,11 @@ const BASE: &[Section] = &[(Part::Front, 0.0, 1.0), (Part::Back, 0.0, 1.0)];
 const NEXT: &[Section] = &[(Part::Front, 8.0, 10.0), (Part::Back, 8.0, 10.0)];
 const TIP: &[Section] = &[(Part::Front, 10.0, 12.0), (Part::Back, 10.0, 12.0)];
 
-/// The zones of the twin: the members at the base, two members before the tip's, and two at the tip.
+/// Zones of the twin: the members at the base, two members before those at the tip, and two at the tip.
 pub const TWIN: ZoneSet =
     ZoneSet { name: "base, before the tip, tip (drawn here)", groups: &[(BASE, 0.72), (NEXT, 0.153), (TIP, 0.064)] };
 
-/// Other zones that were tried, among them some that do as well.
+/// Alternative sets of zones; some of them fit as well.
 pub const OTHERS: [ZoneSet; 6] = [
     ZoneSet {
         name: "base of the front plate alone, before the tip, tip",

@@ -1,4 +1,4 @@
-//! Study of the twin: Table I before and after, its zones calibrated from noisy shapes, and sensing with them.
+//! Study of the digital twin: Table I before and after, calibration of its zones from noisy shapes, and sensing with the calibrated zones.
 
 use super::fit::{ANGLE_DEG, TwinFit, fit};
 use super::{OTHERS, TWIN};
@@ -11,44 +11,44 @@ use crate::settings::ONE_FORCE_N;
 use crate::truths::{MeshTruth, TruthId, fine_mesh, twin_of};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
 
-/// The zones of the twin's scene that share a factor: front and back.
+/// Indices of the zones in the twin's scene that share a factor, front and back.
 pub const GROUPS: [[usize; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
-/// Nodes on which weights hang for the calibration of the zones: those of Table I and of the paper's calibration.
+/// Nodes loaded by weights for the calibration of the zones: those of Table I and of the paper's calibration.
 pub const LOADED: [usize; 9] = [14, 16, 17, 18, 19, 20, 21, 22, 24];
-/// Nodes at which sensing is tried on the twin: the contact nodes but for the tip.
+/// Nodes at which sensing is tested on the twin: the contact nodes except the tip.
 const SENSED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
-/// Elements a member when zones are calibrated: 54 shapes average noise away to less than the error of a coarse mesh.
+/// Elements a member for the calibration of zones. Averaged over 54 shapes, noise is smaller than the error of a coarse mesh.
 const CALIBRATION_ELEMENTS: usize = 12;
-/// Sensing that knows the zones: mean error at every node, a tenth above the Cramer-Rao bound at the worst (node 24).
+/// Largest mean relative error at a node with known zones: 10 % above the Cramer-Rao bound at the worst node (24).
 const SENSED: f64 = 0.013;
-/// Rms error over sigma: so far from 1 once in thousands for 10 repetitions of 4 parameters (standard error 0.11).
+/// Tolerance of rms error over sigma around 1, exceeded by chance once in thousands for 10 repetitions of 4 parameters (standard error 0.11).
 const COVERED: f64 = 0.45;
 
-/// The study.
+/// Results of the study of the digital twin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwinStudy {
-    /// The twin.
+    /// The twin's finger.
     pub finger: Finger,
     /// Table I on the uniform finger.
     pub before: TableOne,
     /// Table I on the twin.
     pub after: TableOne,
-    /// Modulus that eq. (11) finds on the twin from all weights of Table I and the calibration, over that from the paper's three.
+    /// Modulus by eq. (11) on the twin, from all weights of Table I and the calibration, relative to that from the paper's three nodes.
     pub recalibrated: f64,
-    /// The twin's zones fitted anew, then other sets.
+    /// Fits of the twin's zones, then of alternative sets.
     pub fits: Vec<TwinFit>,
-    /// Standard deviation of one coordinate in what follows, mm.
+    /// Standard deviation of a coordinate's noise in calibrations and sensing, mm.
     pub noise_mm: f64,
-    /// The twin's factors from noisy shapes, a repetition each.
+    /// The twin's factors calibrated from noisy shapes, one estimate a repetition.
     pub calibrations: Vec<FactorEstimate>,
-    /// Sensing at each node.
+    /// Results of sensing at each node.
     pub sensing: Vec<TwinSensing>,
 }
 
-/// Sensing of random forces at one node of the twin, with noise.
+/// Results of sensing random forces at one node of the twin, with noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwinSensing {
-    /// The node.
+    /// Loaded node.
     pub node: usize,
     /// Linear least squares with the paper's uniform model.
     pub uniform: ScatterRow,
@@ -68,7 +68,7 @@ impl Evidence for TwinStudy {
     }
 }
 
-/// The twin of the paper's finger under noise; `before` is Table I of the uniform finger.
+/// Study of the twin; `None` unless the finger is the paper's, with noise. `before` is Table I of the uniform finger.
 pub(crate) fn run(context: &Context, before: Option<&TableOne>) -> Result<Option<TwinStudy>, ExperimentError> {
     let Some(before) = before.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
     context.progress.part("digital twin", TwinStudy::STEPS);
@@ -77,10 +77,10 @@ pub(crate) fn run(context: &Context, before: Option<&TableOne>) -> Result<Option
 }
 
 impl TwinStudy {
-    /// How often progress is reported.
+    /// Number of progress calls.
     pub const STEPS: usize = 3;
 
-    /// Runs the study: `repeats` calibrations, `cases` forces a node, fits of `sets` sets of zones, the twin's first.
+    /// Runs the study: `repeats` calibrations, `cases` forces at each node, and fits of the first `sets` sets of zones, beginning with the twin's.
     pub(crate) fn run(
         paper: &Finger,
         before: &TableOne,
@@ -112,7 +112,7 @@ impl TwinStudy {
         Ok(TwinStudy { finger, before: before.clone(), after, recalibrated, fits, noise_mm, calibrations, sensing })
     }
 
-    /// The fit's residuals: the twin's errors beside those of Table I, which its zones were fitted to.
+    /// Residuals of the fit: the twin's errors beside those of Table I, to which its zones were fitted.
     pub fn comparisons(&self) -> Vec<Comparison> {
         let comparison = |row: &TableOneRow| Comparison {
             problem: "digital twin of Table I: residual of its fit".to_owned(),
@@ -124,14 +124,14 @@ impl TwinStudy {
         self.after.rows.iter().map(comparison).collect()
     }
 
-    /// Root mean square of the errors of all calibrated factors over their stated sigmas.
+    /// Root mean square of the errors of all calibrated factors, divided by their stated standard deviations.
     pub fn rms_over_sigma(&self) -> f64 {
         let factors = self.calibrations.iter().flat_map(|found| found.factors.iter().zip(&found.relative_sigmas));
         rms(factors.map(|(factor, sigma)| factor.ln() / sigma)).unwrap_or(f64::NAN)
     }
 
-    /// Checks of what follows from the twin. Its nearness to Table I is none: three factors were fitted to these six numbers, so the
-    /// difference is a residual of the fit, which [`comparisons`](TwinStudy::comparisons) show.
+    /// Checks of results on the twin. Its agreement with Table I is not checked: three factors were fitted to these six numbers.
+    /// [`comparisons`](TwinStudy::comparisons) show the residuals of the fit.
     pub fn checks(&self) -> Vec<Check> {
         let problem = "digital twin of Table I";
         let nonlinear = || self.sensing.iter().map(|sensing| &sensing.nonlinear);
@@ -145,7 +145,7 @@ impl TwinStudy {
     }
 }
 
-/// The twin's modulus and zones from noisy shapes, front and back sharing a factor. Factors are over the true ones.
+/// Calibrates the twin's modulus and zones from noisy shapes; front and back share factors. Factors are relative to the true ones.
 fn calibrate(
     finger: &Finger,
     clean: &[CalibrationCase],

@@ -1,4 +1,4 @@
-//! Random cases: forces that bend the true finger, noisy measurements of it, and the estimates of every estimator.
+//! Random cases: forces that deform the true finger, its noisy measurements, and the estimates of every estimator.
 
 use super::ScatterRequest;
 use super::scout::{LoadClass, RatioLimits, Scout, loads};
@@ -6,35 +6,35 @@ use crate::prelude::*;
 use crate::sampling::noise::{Noise, with_sample};
 use finray_model::statics::equilibria;
 
-/// A finger that carries none of this many draws in a row carries no force of the range.
+/// Number of successive draws without equilibrium after which the finger counts as unable to carry any force of the range.
 const MOST_DRAWS: usize = 100;
-/// Cases that share prepared estimators; threads take turns by as many.
+/// Number of cases that share prepared estimators; a thread computes one such block at a time.
 const BLOCK: u64 = 100;
-/// Share of the noise by which the first-order response is found: the forces change by some per cent of sigma then, far above where the
-/// search stops, and curvature leaves a tenth of what it does at the full noise.
+/// Share of the noise at which the first-order response is computed. Forces then change by some per cent of sigma, far above the convergence
+/// tolerance of the search. The effect of curvature is a tenth of that at full noise.
 const LITTLE: f64 = 0.1;
 
-/// One case, seen with every level of noise by every estimator.
+/// One case, measured at every noise level and sensed by every estimator.
 pub(super) struct Case {
     /// True forces, N.
     pub forces_n: Vec<f64>,
-    /// By level of noise.
+    /// Samples by noise level.
     samples: Vec<Sample>,
-    /// Draws that were repeated because the finger does not carry them.
+    /// Number of draws that were repeated because the finger has no equilibrium under them.
     pub not_carried: usize,
 }
 
 /// Estimates from one noise sample.
 struct Sample {
-    /// The bound: what an estimator of the true finger states; `None` without noise, or if it leaves forces open.
+    /// The bound: standard deviations stated by an estimator of the true finger. `None` without noise, or if a force is not identifiable.
     bound: Option<Sensed>,
-    /// First-order errors by the noise, N, of an estimator of the true finger; `None` without noise, or if not asked for.
+    /// First-order errors caused by the noise, N, of an estimator of the true finger; `None` without noise, or if not requested.
     first_order: Option<Vec<f64>>,
-    /// By estimator; `None` where it refused.
+    /// Estimates by estimator; `None` if it refused.
     sensed: Vec<Option<Sensed>>,
 }
 
-/// The estimate of one estimator from one noise sample.
+/// Estimate of one estimator from one noise sample.
 pub(super) struct CaseEstimate<'c> {
     /// The case.
     pub case: &'c Case,
@@ -42,12 +42,12 @@ pub(super) struct CaseEstimate<'c> {
     pub bound: Option<&'c Sensed>,
     /// Errors of the forces to first order in the noise of this sample, N.
     pub first_order: Option<&'c [f64]>,
-    /// The estimate; `None` where it refused.
+    /// The estimate; `None` if the estimator refused.
     pub sensed: Option<&'c Sensed>,
 }
 
 impl Case {
-    /// Estimator number `estimator` at level of noise number `level`.
+    /// Estimate of estimator number `estimator` at noise level number `level`.
     pub fn estimate(&self, level: usize, estimator: usize) -> CaseEstimate<'_> {
         let sample = &self.samples[level];
         CaseEstimate {
@@ -59,7 +59,7 @@ impl Case {
     }
 }
 
-/// All cases of one set of contacts in their order; none for a finger that carries no force of the range.
+/// All cases of one set of contacts, in order; empty if the finger carries no force of the range.
 pub(super) fn cases(
     request: &ScatterRequest,
     estimators: &[&dyn Estimator],
@@ -79,7 +79,7 @@ pub(super) fn cases(
         let draws = numbers.map(|number| Draw::new(request, contacts, range_n, stream, number)).collect();
         Ok(runner.carried(draws, range_n).iter().flatten().map(|draw| runner.case(request, draw, controlled)).collect())
     };
-    // Wrong contacts, and fingers that carry nothing, show in the first case.
+    // The first case reveals wrong contacts, and fingers without any equilibrium.
     let mut all = run(0..count.min(1))?;
     if all.is_empty() {
         return Ok(all);
@@ -90,14 +90,14 @@ pub(super) fn cases(
     Ok(all)
 }
 
-/// The true finger and every estimator.
+/// The true finger, the bound's estimator, and every estimator under test.
 struct CaseRunner<'a> {
     finger: &'a Finger,
     mesh: &'a Mesh,
     contacts: &'a [Contact],
     kinematics: Kinematics,
     ratio_limits: &'a RatioLimits<'a>,
-    /// Tells which draws are too large; there once one was.
+    /// Recognises draws that are too large; created at the first such draw.
     scout: Option<Scout<'a>>,
     bound: Box<dyn PreparedEstimator + 'a>,
     estimators: Vec<Box<dyn PreparedEstimator + 'a>>,
@@ -126,13 +126,13 @@ impl<'a> CaseRunner<'a> {
         })
     }
 
-    /// Bends the finger by every draw, many at once; `None` for those that it does not carry, however often they are drawn again.
+    /// Deforms the finger by all draws together; `None` for draws without equilibrium after all repetitions.
     fn carried(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<CarriedDraw>> {
         let mut carried: Vec<Option<CarriedDraw>> = draws.iter().map(|_| None).collect();
         let size_n = |number: &usize| draws[*number].forces_n.iter().sum::<f64>();
         let mut open: Vec<usize> = (0..draws.len()).collect();
         open.sort_by(|a, b| size_n(b).total_cmp(&size_n(a)));
-        // The largest, alone, shows whether a scout has to look at the others.
+        // The largest draw alone shows whether the others need a scout.
         let others = open.split_off(open.len().min(1));
         let mut open = self.attempt(&mut draws, open, &mut carried, range_n);
         open.extend(others);
@@ -142,7 +142,7 @@ impl<'a> CaseRunner<'a> {
         carried
     }
 
-    /// Bends the finger by the draws of these numbers; those that it does not carry are returned, drawn again.
+    /// Deforms the finger by the draws with these numbers. Returns the numbers of draws without equilibrium, which are drawn again.
     fn attempt(
         &mut self,
         draws: &mut [Draw],
@@ -162,7 +162,7 @@ impl<'a> CaseRunner<'a> {
             });
         }
         let of_draw = |number: &usize| loads(self.mesh, self.contacts, &draws[*number].forces_n);
-        // Contacts that are not on the finger carry nothing.
+        // Contacts off the finger have no load.
         let Some(loads) = open.iter().map(of_draw).collect::<Option<Vec<_>>>() else { return Vec::new() };
         let found = equilibria(self.mesh, self.kinematics, &loads);
         let mut again = Vec::new();
@@ -183,7 +183,7 @@ impl<'a> CaseRunner<'a> {
         again
     }
 
-    /// Estimates of every estimator from the noise samples of a bent finger.
+    /// Estimates of every estimator from the noise samples of a deformed finger.
     fn case(&mut self, request: &ScatterRequest, carried: &CarriedDraw, controlled: bool) -> Case {
         let sample = |&noise_mm: &f64| {
             let seen = with_sample(&carried.clean, &carried.noise, noise_mm);
@@ -211,16 +211,16 @@ impl<'a> CaseRunner<'a> {
 /// Random numbers of one case, the same for every estimator.
 struct Draw {
     forces_n: Vec<f64>,
-    /// Of each coordinate, in standard deviations.
+    /// Noise of each coordinate, in standard deviations.
     noise: Vec<f64>,
-    /// Forces that were not carried before these.
+    /// Number of earlier draws without equilibrium.
     not_carried: usize,
-    /// For forces that must be drawn again.
+    /// Generator for repeated draws.
     chance: Noise,
 }
 
 impl Draw {
-    /// Case number `number` of the stream.
+    /// Draw of case number `number` of the stream.
     fn new(request: &ScatterRequest, contacts: &[Contact], range_n: [f64; 2], stream: u64, number: u64) -> Draw {
         let mut chance = Noise::of_stream(request.seed, stream);
         chance.go_to(number);
@@ -234,7 +234,7 @@ impl Draw {
         self.forces_n.fill_with(|| self.chance.evenly(range_n));
     }
 
-    /// Draws other forces after some that were not carried; `false` if that has been done too often.
+    /// Draws other forces after a draw without equilibrium; `false` if the largest number of draws is reached.
     fn again(&mut self, range_n: [f64; 2]) -> bool {
         self.not_carried += 1;
         self.draw(range_n);
@@ -242,11 +242,11 @@ impl Draw {
     }
 }
 
-/// A draw that the finger carries.
+/// A draw with equilibrium.
 struct CarriedDraw {
     forces_n: Vec<f64>,
     noise: Vec<f64>,
-    /// The measurement without noise.
+    /// Measurement without noise.
     clean: Measurement,
     not_carried: usize,
 }

@@ -1,21 +1,22 @@
-//! Which forces are clearly more than a finger carries, found at little cost on the estimator's mesh.
+//! Fast detection of forces that clearly exceed the finger's limit load, on the estimator's mesh.
 
 use crate::prelude::*;
 use finray_model::statics::Ladder;
 use std::sync::OnceLock;
 
-/// Forces of which the finger of this mesh carries no more than this share are clearly too large: of 432 limit loads of random pairs of forces
-/// on two fingers, those of the true finger's mesh are 0.990 to 1.001 times those of the estimator's.
+/// Carried fraction below which forces on this mesh are clearly too large. The true finger's mesh has 0.990 to 1.001 times the limit load of the
+/// estimator's mesh, over 432 random pairs of forces on two fingers.
 const CLEARLY_TOO_LARGE: f64 = 0.98;
-/// Between two ratios of forces that differ by less than this angle, rad, ...
+/// Largest angle, rad, between a ratio of forces and a known one, whose limit load then replaces a solve.
 const NEIGHBOURS: f64 = 0.1;
-/// ... forces are too large if the larger of both limits is within this share of them, and carried if within it of the smaller.
+/// Margin of the neighbours' limits: forces are too large if the larger limit is below this share of them. They are carried if they are below this
+/// share of the smaller limit.
 const BETWEEN_NEIGHBOURS: f64 = 0.9;
 
-/// Ratios of forces whose limits all blocks of cases share: this far apart, rad, over those of the range.
+/// Largest angle, rad, between the ratios of forces whose limit loads are computed once for all blocks of cases.
 const SPREAD: f64 = 0.05;
 
-/// Limits of the ratios of forces that are drawn, on the estimator's mesh; found when one asks for them first.
+/// Limit loads of the drawn ratios of forces on the estimator's mesh, computed at the first request.
 pub(super) struct RatioLimits<'m> {
     mesh: &'m Mesh,
     kinematics: Kinematics,
@@ -34,13 +35,13 @@ impl<'m> RatioLimits<'m> {
         RatioLimits { mesh, kinematics, contacts, range_n, limits: OnceLock::new() }
     }
 
-    /// A scout that knows these limits.
+    /// A scout that starts with these limits.
     pub(super) fn scout(&self) -> Scout<'m> {
         let statics = Statics::ladder(self.mesh, self.kinematics);
         let mut scout = Scout { mesh: self.mesh, contacts: self.contacts, statics, limits: Vec::new() };
         let limits = self.limits.get_or_init(|| {
             let limit = |forces_n: Vec<f64>| match scout.sees(&forces_n) {
-                // The limit of what is carried whole is beyond the range.
+                // Forces that are fully carried have their limit beyond the range.
                 LoadClass::Carried => Ray::of(&forces_n).map(|ray| Limit { ray, size_n: f64::INFINITY }),
                 LoadClass::AtTheLimit | LoadClass::TooLarge => scout.limits.drain(..).next(),
             };
@@ -50,7 +51,7 @@ impl<'m> RatioLimits<'m> {
         scout
     }
 
-    /// The largest forces of each ratio that are drawn; none where a ratio is more than an angle.
+    /// Largest drawn forces (N) of each ratio; empty if one angle does not describe the ratio.
     fn largest_forces(&self) -> Vec<Vec<f64>> {
         let [least, most] = self.range_n;
         if least <= 0.0 || self.contacts.len() > 2 {
@@ -70,7 +71,7 @@ impl<'m> RatioLimits<'m> {
     }
 }
 
-/// A finger on a coarser mesh than the true one, and what was found of the forces that it carries.
+/// A finger on a coarser mesh than the true one, with known limits of the forces that it carries.
 pub(super) struct Scout<'m> {
     mesh: &'m Mesh,
     contacts: &'m [Contact],
@@ -78,30 +79,30 @@ pub(super) struct Scout<'m> {
     limits: Vec<Limit>,
 }
 
-/// What a scout sees of some forces.
+/// Load class of some forces, determined on the scout's finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LoadClass {
-    /// Its finger carries them.
+    /// The scout's finger carries the forces.
     Carried,
-    /// Its finger does not carry them, but a finer mesh may.
+    /// The scout's finger does not carry the forces, but a finer mesh may.
     AtTheLimit,
-    /// Its finger carries much less.
+    /// The forces clearly exceed the limit.
     TooLarge,
 }
 
-/// The largest forces of one ratio that the finger carries.
+/// Largest forces of one ratio that the finger carries.
 #[derive(Clone, Copy)]
 struct Limit {
     ray: Ray,
     size_n: f64,
 }
 
-/// Ratio of one or two forces, as an angle, rad; forces of one ratio are followed from rest in a straight line.
+/// Ratio of one or two forces, as an angle, rad. Load paths follow one ratio from rest in a straight line.
 #[derive(Clone, Copy)]
 struct Ray(f64);
 
 impl Ray {
-    /// `None` for more than two forces.
+    /// Ratio of some forces; `None` for more than two.
     fn of(forces_n: &[f64]) -> Option<Ray> {
         match *forces_n {
             [force] => Some(Ray(if force < 0.0 { std::f64::consts::PI } else { 0.0 })),
@@ -112,7 +113,7 @@ impl Ray {
 }
 
 impl Scout<'_> {
-    /// What the finger carries of some forces.
+    /// Load class of some forces (N), by the limit loads of neighbouring ratios or by a solve. A solve without equilibrium stores its limit load.
     pub(super) fn sees(&mut self, forces_n: &[f64]) -> LoadClass {
         let size_n = forces_n.iter().map(|force| force * force).sum::<f64>().sqrt();
         let ray = Ray::of(forces_n);
@@ -135,7 +136,7 @@ impl Scout<'_> {
         }
     }
 
-    /// Limits of the nearest known ratios to both sides, the lower one first; `None` if one of them is too far.
+    /// Limit loads (N) of the nearest known ratios on both sides, the lower one first; `None` if one of them is too far.
     fn known_limits_n(&self, Ray(angle): Ray) -> Option<[f64; 2]> {
         let nearest = |side: f64| {
             let away = |limit: &Limit| side * (limit.ray.0 - angle);
@@ -147,7 +148,7 @@ impl Scout<'_> {
     }
 }
 
-/// Forces at contacts as loads on a mesh; `None` for contacts that are not on it.
+/// Forces (N) at contacts as loads on a mesh; `None` if a contact is not on the mesh.
 pub(super) fn loads(mesh: &Mesh, contacts: &[Contact], forces_n: &[f64]) -> Option<Vec<FrameLoad>> {
     let load = |(c, f): (&Contact, &f64)| mesh.frame_load(&c.load(mesh.finger(), *f)).ok();
     contacts.iter().zip(forces_n).map(load).collect()

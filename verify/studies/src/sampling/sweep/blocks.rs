@@ -1,4 +1,4 @@
-//! The blocks of a sweep: computed in parallel, written in order.
+//! Blocks of a sweep, computed in parallel and written in order.
 
 use super::samples::NoiseSamples;
 use super::tally::Tally;
@@ -9,27 +9,26 @@ use crate::truths::Truth;
 use std::ops::Range;
 use std::time::Duration;
 
-/// Pieces of work that a thread does before rows are written: enough that waiting for the last one costs little.
+/// Pieces of work of each thread between two writes: enough that waiting for the slowest piece costs little.
 const PIECES_A_THREAD: usize = 16;
-/// Where pieces of one block are done in less than this time, waiting for threads and files would take longer than the
-/// work: pieces then grow, so long as a run which is stopped loses no more than twice this.
+/// Time of a round of pieces below which waiting for threads and files would dominate. Pieces then grow; a stopped run loses at most twice this.
 const LEAST_TIME: Duration = Duration::from_millis(10);
-/// Rows in memory at once, however fast they come, but for those of one block a piece.
+/// Largest number of rows in memory, except if single blocks hold more.
 const MOST_ROWS: usize = 1 << 16;
 
-/// Truths and estimators on a grid.
+/// A sweep of truths and estimators over a grid.
 pub struct Sweep<'s> {
     finger: &'s Finger,
     truths: Vec<&'s dyn Truth>,
     estimators: Vec<&'s dyn Estimator>,
-    /// The same, made ready for many contacts where that gains something: of fingers that bend as they do, and of linear ones.
+    /// The estimators prepared for many contacts, where preparation saves time: for the true finger's kinematics, and for a linear true finger.
     for_many: Vec<[Option<Box<dyn Estimator + 's>>; 2]>,
     grid: &'s Grid,
     noise: NoiseSamples,
 }
 
 impl<'s> Sweep<'s> {
-    /// Sets up a sweep; all cells see the same noise samples.
+    /// Sets up a sweep; all cells share the same noise samples.
     pub fn new(
         finger: &'s Finger,
         truths: Vec<&'s dyn Truth>,
@@ -41,7 +40,7 @@ impl<'s> Sweep<'s> {
         Sweep { finger, truths, estimators, for_many, grid, noise: NoiseSamples::new(grid, finger) }
     }
 
-    /// Number of blocks: a truth and contact each.
+    /// Number of blocks, one for each truth and contact.
     pub fn block_count(&self) -> usize {
         self.truths.len() * self.grid.contact_count()
     }
@@ -51,7 +50,7 @@ impl<'s> Sweep<'s> {
         self.estimators.len() * self.grid.noise_levels_mm.len() * self.grid.forces_n.len()
     }
 
-    /// Computes the cells of a block, by estimator, then noise, then force.
+    /// Computes the cells of a block, by estimator, then noise level, then force.
     pub fn block(&self, number: usize) -> Vec<Cell> {
         let truth = self.truths[number / self.grid.contact_count()];
         let contact = self.grid.contact(number % self.grid.contact_count());
@@ -108,17 +107,17 @@ impl<'s> Sweep<'s> {
             .collect()
     }
 
-    /// Every level of noise with every force and its number.
+    /// Every noise level (mm) with every force (N) and the force's number.
     fn levels(&self) -> impl Iterator<Item = (f64, f64, usize)> {
         let of_level =
             |&noise_mm| self.grid.forces_n.iter().enumerate().map(move |(n, &force_n)| (noise_mm, force_n, n));
         self.grid.noise_levels_mm.iter().flat_map(of_level)
     }
 
-    /// Computes blocks in parallel, hands rows to `write` with their number, in order; few blocks a thread in memory.
+    /// Computes blocks in parallel and passes to `write`, in order, a number of blocks and their rows. Memory holds few blocks a thread.
     ///
     /// # Errors
-    /// The first one of `write`, or of the CSV writer (none in memory).
+    /// The first error of `write` or of the CSV writer.
     pub fn stream<E: From<csv::Error>>(
         &self,
         table: Table,
@@ -155,7 +154,7 @@ impl<'s> Sweep<'s> {
     }
 }
 
-/// Counts the answers of an estimator to noise samples of a measurement.
+/// Adds the answers of an estimator to noise samples of a measurement to `tally`.
 fn sense<'p>(
     estimator: &mut dyn PreparedEstimator,
     seen: &Measurement,

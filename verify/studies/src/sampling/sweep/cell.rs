@@ -3,14 +3,14 @@
 use crate::truths::TruthId;
 use finray_model::estimators::{EstimatorError, EstimatorId};
 
-/// One force at one position and direction, at one level of noise, on one truth, by one estimator.
+/// One force at one position and direction, at one noise level, on one truth, by one estimator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     /// The true finger.
     pub truth: TruthId,
     /// The estimator.
     pub estimator: EstimatorId,
-    /// Standard deviation of a measured coordinate, mm.
+    /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
     /// Position on the front plate, mm from the base.
     pub s_mm: f64,
@@ -18,51 +18,51 @@ pub struct Cell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Results.
+    /// Results over the noise samples.
     pub outcome: Outcome,
 }
 
-/// Results of a cell's noise samples; a single one without noise.
+/// Results over a cell's noise samples; without noise there is a single sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// Noise samples; none where the finger has no equilibrium.
+    /// Number of noise samples; 0 if the finger has no equilibrium.
     pub samples: usize,
-    /// Samples that were answered.
+    /// Number of answered samples.
     pub answered: usize,
-    /// `None` where fewer than half of the samples were answered: the few are no fair sample.
+    /// Errors of the answered samples; `None` if fewer than half of the samples were answered, because those are biased.
     pub errors: Option<Errors>,
-    /// How often the stated intervals hold; `None` if none are stated, or nothing was answered.
+    /// Coverage of the stated intervals; `None` if none are stated, or nothing was answered.
     pub covered: Option<Covered>,
-    /// Why the finger or the first sample that was refused gave no answer; `None` if all were answered.
+    /// Reason why the finger has no equilibrium or the first refused sample has no answer; `None` if all were answered.
     pub refusal: Option<String>,
 }
 
 /// Errors over the answered samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// Mean of |sensed / true - 1|.
+    /// Mean of |sensed / true - 1|, dimensionless.
     pub mean_error: f64,
-    /// Mean of sensed / true - 1: what is wrong even without noise.
+    /// Mean of sensed / true - 1, dimensionless: the systematic error.
     pub bias: f64,
-    /// Standard deviation of sensed / true over the noise.
+    /// Standard deviation of sensed / true over the noise samples, dimensionless.
     pub spread: f64,
-    /// Root mean square of the standard deviations that the estimator states, N; `None` if it states none.
+    /// Root mean square of the standard deviations stated by the estimator, N; `None` if it states none.
     pub sigma_n: Option<f64>,
 }
 
-/// Answered samples by whether the true force lies within 1.96 stated standard deviations, those with a warning apart.
+/// Numbers of answered samples with the true force within 1.96 stated standard deviations, with and without a warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Covered {
-    /// Answers with a warning.
+    /// Number of answers with a warning.
     pub warned: usize,
-    /// Answers without a warning whose interval holds the truth.
+    /// Number of answers without a warning whose interval contains the true force.
     pub covered: usize,
-    /// Answers with a warning whose interval holds the truth.
+    /// Number of answers with a warning whose interval contains the true force.
     pub covered_warned: usize,
 }
 
 impl Cell {
-    /// Standard deviation of sensed / true over the noise; `None` where a single noisy sample was answered, or none.
+    /// Standard deviation of sensed / true over the noise samples; `None` if at most one noisy sample was answered.
     pub fn spread(&self) -> Option<f64> {
         let known = self.noise_mm == 0.0 || self.outcome.answered > 1;
         self.outcome.errors.filter(|_| known).map(|errors| errors.spread)
@@ -70,7 +70,7 @@ impl Cell {
 }
 
 impl Outcome {
-    /// Every sample was drawn, and none answered.
+    /// Outcome of a cell with every sample refused.
     pub(super) fn refused(samples: usize, error: &EstimatorError) -> Outcome {
         Outcome { samples, answered: 0, errors: None, covered: None, refusal: Some(error.to_string()) }
     }

@@ -1,11 +1,11 @@
-//! The grid of positions, directions, forces and noise on which sensing is tested.
+//! The grid of positions, directions, forces and noise levels on which sensing is tested.
 
 use crate::prelude::*;
 
-/// Largest angle of a direction from the normal, degrees: flatter forces slide rather than press.
+/// Largest angle between force and normal, degrees: at larger angles a force slides rather than presses.
 const LARGEST_ANGLE_DEG: f64 = 80.0;
 
-/// The grid of one request, for every truth and estimator.
+/// The grid of one request, shared by all truths and estimators.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
     /// Positions on the front plate, mm from the base.
@@ -13,11 +13,11 @@ pub struct Grid {
     pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
-    /// Forces, N, growing.
+    /// Forces, N, ascending.
     pub forces_n: Vec<f64>,
-    /// Standard deviations of a measured coordinate, mm; 0 for none.
+    /// Standard deviations of a measured coordinate's noise, mm; 0 for none.
     pub noise_levels_mm: Vec<f64>,
-    /// Number of noise samples; every cell sees the same ones.
+    /// Number of noise samples, shared by all cells.
     #[serde(rename = "noise_pictures")]
     pub noise_samples: usize,
     /// Seed of the noise.
@@ -25,8 +25,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// About `positions` positions up to the tip, which divide every member of the front plate alike (or
-    /// skip nodes where there are too many), and directions from -80 to 80 degrees in steps of `step_deg`.
+    /// Positions (mm from the base) and directions (degrees). There are about `positions` positions up to the tip, evenly spaced in every member of the
+    /// front plate. A plate with more nodes than `positions` is sampled at a subset of nodes. Directions are from -80 to 80 degrees in steps of `step_deg`.
     pub fn grid(finger: &Finger, positions: usize, step_deg: f64) -> (Vec<f64>, Vec<f64>) {
         let mut nodes = finger.plate_positions_mm(Plate::Front);
         nodes.dedup();
@@ -36,19 +36,19 @@ impl Grid {
         let divided = nodes
             .windows(2)
             .flat_map(|w| (1..=per_member).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / per_member as f64));
-        // Counted from the tip, so that the tip is always among them.
+        // Selection starts from the tip, so that the tip is always included.
         let mut positions: Vec<f64> = divided.collect::<Vec<_>>().into_iter().rev().step_by(every).collect();
         positions.reverse();
         let steps = (LARGEST_ANGLE_DEG / step_deg).floor() as i32;
         (positions, (-steps..=steps).map(|i| f64::from(i) * step_deg).collect())
     }
 
-    /// Number of contacts: a position and a direction each.
+    /// Number of contacts (pairs of position and direction).
     pub fn contact_count(&self) -> usize {
         self.positions_mm.len() * self.angles_deg.len()
     }
 
-    /// The contact of a number below [`contact_count`](Grid::contact_count), by position, then direction.
+    /// Contact of a number below [`contact_count`](Grid::contact_count). Contacts are numbered by position, then direction.
     pub fn contact(&self, number: usize) -> Contact {
         let (position, angle) = (number / self.angles_deg.len(), number % self.angles_deg.len());
         Contact { position: ContactPosition::At(self.positions_mm[position]), angle_deg: self.angles_deg[angle] }

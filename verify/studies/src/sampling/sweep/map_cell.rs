@@ -1,4 +1,4 @@
-//! The cells of an accuracy map: those of a sweep with one truth, estimator and level of noise.
+//! Cells of an accuracy map: those of a sweep with one truth, estimator and noise level.
 
 use super::Cell;
 use serde::{Deserialize, Serialize};
@@ -12,37 +12,37 @@ pub struct MapCell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Mean of |sensed / true - 1| over answered samples; empty without equilibrium, or if more than half are refused.
+    /// Mean of |sensed / true - 1| over answered samples; `None` without equilibrium, or if more than half are refused.
     pub mean_error: Option<f64>,
-    /// Mean of sensed / true - 1: what is wrong even without noise.
+    /// Mean of sensed / true - 1, dimensionless: the systematic error.
     pub bias: Option<f64>,
-    /// Standard deviation of sensed / true over the noise.
+    /// Standard deviation of sensed / true over the noise samples, dimensionless.
     pub spread: Option<f64>,
-    /// Noise samples that were drawn, a single one without noise; none where the finger has no equilibrium.
+    /// Number of noise samples, one without noise; 0 if the finger has no equilibrium.
     pub samples: usize,
-    /// Samples that were answered; the errors above are theirs.
+    /// Number of answered samples, over which the errors above are averaged.
     pub answered: usize,
-    /// Answered samples with a warning; `None` if no standard deviation is stated.
+    /// Number of answered samples with a warning; `None` if no standard deviation is stated.
     pub warned: Option<usize>,
-    /// Answered samples without a warning of which the interval of 1.96 stated standard deviations holds the true force.
+    /// Number of answered samples without a warning whose interval of 1.96 stated standard deviations contains the true force.
     pub covered: Option<usize>,
-    /// The same of those with a warning.
+    /// Number of answered samples with a warning whose interval of 1.96 stated standard deviations contains the true force.
     pub covered_warned: Option<usize>,
 }
 
-/// Outcome of a cell, or of the same position and direction under several forces.
+/// Outcome of a cell, or of one position and direction under several forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CellState {
     /// At least half of the samples were answered.
     Answered,
-    /// The finger bends, but the estimator refuses more than half of the samples: the few answers are no fair sample.
+    /// The finger has equilibrium, but the estimator refuses more than half of the samples, so its few answers are biased.
     Refused,
     /// The finger has no equilibrium under the force, so there is nothing to sense.
     WithoutEquilibrium,
 }
 
 impl CellState {
-    /// For files.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
             CellState::Answered => "answered",
@@ -62,7 +62,7 @@ impl MapCell {
         }
     }
 
-    /// Whether its error is above a limit. A cell that is refused counts as above; one without equilibrium does not count at all: `None`.
+    /// Whether the mean error is above a limit. A refused cell counts as above; a cell without equilibrium gives `None`.
     pub fn is_above(&self, limit: f64) -> Option<bool> {
         (self.state() != CellState::WithoutEquilibrium).then(|| self.mean_error.is_none_or(|error| error > limit))
     }

@@ -1,4 +1,4 @@
-//! Shards put together again.
+//! Merging the shards of a sweep.
 
 use super::request::lines_of_head;
 use super::{Head, Request, Shard};
@@ -8,28 +8,28 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// All shards of one request; nothing but their heads is in memory.
+/// All shards of one request; only their heads are in memory.
 #[derive(Debug)]
 pub struct Shards {
     request: Request,
-    /// Files, and where their rows begin, by the shard's number.
+    /// Files and the byte offsets of their rows, by shard number.
     files: BTreeMap<usize, (PathBuf, u64)>,
 }
 
 /// Why shards cannot be merged.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// A file cannot be read, is no whole shard, stands there twice or belongs to another request.
+    /// A file is unreadable, incomplete, given twice, or belongs to another request.
     #[error(transparent)]
     File(#[from] FileError),
-    /// Some are not there.
+    /// Shards are missing.
     #[error("incomplete: of {of} shards, {found} were given; missing: {missing}")]
     Missing {
-        /// Numbers of the first few, from 1.
+        /// Numbers of the first few missing shards, from 1.
         missing: String,
-        /// How many there are.
+        /// Number of shards found.
         found: usize,
-        /// How many there should be.
+        /// Number of shards of the request.
         of: usize,
     },
     /// No file was given.
@@ -37,14 +37,14 @@ pub enum MergeError {
     Nothing,
 }
 
-/// Missing shards that a message names.
+/// Largest number of missing shards that a message lists.
 const NAMED: usize = 10;
 
 impl Shards {
-    /// Checks that files are the shards of one request: all of them, each once and whole.
+    /// Checks that files are the shards of one request: all of them, each once and complete.
     ///
     /// # Errors
-    /// [`MergeError`] naming the first file that is wrong, or what is missing.
+    /// [`MergeError`] with the first invalid file, or the missing shards.
     pub fn open(paths: &[PathBuf]) -> Result<Shards, MergeError> {
         let first = paths.first().ok_or(MergeError::Nothing)?;
         let (request, Shard { of, .. }, _) = whole_shard(first)?;
@@ -77,7 +77,7 @@ impl Shards {
         Ok(Shards { request, files })
     }
 
-    /// Their request.
+    /// The request that the shards share.
     pub fn request(&self) -> &Request {
         &self.request
     }
@@ -89,12 +89,12 @@ impl Shards {
     }
 }
 
-/// Request and share of a shard, and where its rows begin.
+/// Request and number of a shard, and the byte offset of its rows.
 fn whole_shard(path: &Path) -> Result<(Request, Shard, u64), FileError> {
     let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
     let no_shard = || FileError::content(path, "is no shard: expected a file that was written with --shard I/N");
     let mut reader = BufReader::new(File::open(path).map_err(unreadable)?);
-    // A file that is no text has no head either.
+    // A binary file has no head.
     let lines = lines_of_head(&mut reader).or_else(|error| match error.kind() {
         std::io::ErrorKind::InvalidData => Ok(String::new()),
         _ => Err(unreadable(error)),
@@ -123,7 +123,7 @@ fn whole_shard(path: &Path) -> Result<(Request, Shard, u64), FileError> {
     Ok((head.request, shard, (lines.len() + header.len()) as u64))
 }
 
-/// The rows of shards one after the other, one file open at a time: there may be more of them than a process may open.
+/// Rows of all shards in sequence. One file is open at a time, because there may be more shards than a process may open.
 struct Rows<'s> {
     rest: std::collections::btree_map::Values<'s, usize, (PathBuf, u64)>,
     open: Option<File>,

@@ -1,11 +1,10 @@
-//! Sweeps: every truth and estimator on a grid of positions, directions, forces and noise.
+//! Sweeps: every truth and estimator on a grid of positions, directions, forces and noise levels.
 //!
-//! A [`Cell`] is one force of one contact at one level of noise, sensed by one estimator on one truth; the noise samples
-//! of a cell are reduced to mean error, bias and spread. A *block* is all cells of one truth and contact: they share the
-//! truth's path of shapes and each estimator's preparation, so it is what threads and [`Shard`]s divide. Blocks are
-//! numbered by truth, then position, then direction; the cells of a block go by estimator, then noise, then force. Neither
-//! order nor numbers depend on the threads, so rows can be written as they come ([`Sweep::stream`]), a run that was
-//! stopped goes on where its [`Partial`] file ends, and [`Shards`] put together are one run's bytes.
+//! A [`Cell`] is one force at one contact and noise level, sensed by one estimator on one truth. The noise samples of a cell are reduced to mean
+//! error, bias and spread. A *block* holds all cells of one truth and contact, which share the truth's shapes and the prepared estimators.
+//! Threads and [`Shard`]s divide the blocks. Blocks are numbered by truth, position, then direction; cells within a block by estimator, noise
+//! level, then force. Order and numbers do not depend on the threads, so [`Sweep::stream`] can write rows immediately. A stopped run continues
+//! from its [`Partial`] file. Merged [`Shards`] equal the output of one run byte for byte.
 
 mod blocks;
 mod cell;

@@ -1,4 +1,4 @@
-//! A table that is being written, row by row, beside its final path.
+//! An unfinished table, written row by row beside its final path.
 
 use super::Head;
 use super::request::lines_of_head;
@@ -9,23 +9,23 @@ use std::path::{Path, PathBuf};
 
 /// The file `OUT.partial`: a [`Head`], the table's header and the rows of finished blocks.
 ///
-/// A stopped run leaves it behind; the next with the same request drops what is no whole block. Locked while written.
+/// A stopped run leaves it behind. The next run with the same request drops an incomplete last block and continues. It is locked while written.
 #[derive(Debug)]
 pub struct Partial {
     out: PathBuf,
     path: PathBuf,
     file: File,
     head: Head,
-    /// Where the table's header begins.
+    /// Byte offset of the table's header.
     table_at: u64,
     blocks_done: usize,
 }
 
 impl Partial {
-    /// Begins the file, or resumes a run of the same request.
+    /// Creates the file, or resumes a run of the same request.
     ///
     /// # Errors
-    /// [`FileError::Content`] for a file of another request or a run still writing; [`FileError::Unwritable`].
+    /// [`FileError::Content`] for a file of another request or of a running process; [`FileError::Unwritable`] if the file cannot be written.
     pub fn open(out: &Path, head: Head) -> Result<Partial, FileError> {
         let mut path = out.as_os_str().to_owned();
         path.push(".partial");
@@ -47,7 +47,7 @@ impl Partial {
         let blocks_done = if begin == text.as_bytes() {
             keep_whole_blocks(&mut file, text.len() as u64, head.request.rows_in_block()).map_err(unwritable)?
         } else if text.as_bytes().starts_with(&begin) {
-            // Stopped before a row was written, or new.
+            // The file is new, or the run stopped before its first row.
             file.set_len(0).map_err(unwritable)?;
             file.rewind().and_then(|()| file.write_all(text.as_bytes())).map_err(unwritable)?;
             0
@@ -58,17 +58,17 @@ impl Partial {
         Ok(Partial { out: out.to_owned(), path, file, head, table_at, blocks_done })
     }
 
-    /// Blocks whose rows are there, of those of the head's shard.
+    /// Number of blocks of this shard whose rows are in the file.
     pub fn blocks_done(&self) -> usize {
         self.blocks_done
     }
 
-    /// Writes the rows of the next blocks.
+    /// Appends the rows of the next blocks.
     ///
     /// # Errors
-    /// [`FileError::Unwritable`]; what is not written yet can be once there is room.
+    /// [`FileError::Unwritable`], for example if the disk is full; the run can be resumed later.
     pub fn append(&mut self, blocks: usize, rows: &str) -> Result<(), FileError> {
-        // In one call: a run that is killed leaves whole rows, if the system can.
+        // One call, so that a killed run usually leaves whole rows.
         self.file
             .write_all(rows.as_bytes())
             .map_err(|reason| FileError::Unwritable { path: self.path.clone(), reason })?;
@@ -79,17 +79,17 @@ impl Partial {
     /// The table so far, with its header.
     ///
     /// # Errors
-    /// [`FileError::Unreadable`].
+    /// [`FileError::Unreadable`] if the file cannot be read.
     pub fn table(&mut self) -> Result<impl Read + '_, FileError> {
         let unreadable = |reason| FileError::Unreadable { path: self.path.clone(), reason };
         self.file.seek(SeekFrom::Start(self.table_at)).map_err(unreadable)?;
         Ok(BufReader::new(&self.file))
     }
 
-    /// Puts the table at its path, with other files beside it, all or none; a shard keeps its head.
+    /// Moves the table to its final path and writes the files `beside` it: all or none. A shard keeps its head.
     ///
     /// # Errors
-    /// [`FileError`], with the rows kept for another try.
+    /// [`FileError`] if a file cannot be written; the rows stay for another attempt.
     pub fn finish(mut self, beside: &[(PathBuf, String)]) -> Result<(), FileError> {
         let unreadable = |reason| FileError::Unreadable { path: self.path.clone(), reason };
         let from = if self.head.shard.is_some() { 0 } else { self.table_at };
@@ -98,12 +98,12 @@ impl Partial {
         let mut sources: Vec<(&Path, &mut dyn Read)> = vec![(&self.out, &mut self.file)];
         sources.extend(beside.iter().zip(&mut texts).map(|((path, _), text)| (path.as_path(), text as &mut dyn Read)));
         write_from(sources)?;
-        // Should it stay, the next run finds all rows in it.
+        // If removal fails, the next run finds all rows in the file.
         std::fs::remove_file(&self.path).map_err(|reason| FileError::Unwritable { path: self.path.clone(), reason })
     }
 }
 
-/// Cuts off what stands after the last whole block, and leaves the file's cursor there.
+/// Truncates the file after the last whole block and moves its cursor there. Returns the number of whole blocks.
 fn keep_whole_blocks(file: &mut File, rows_at: u64, rows_in_block: usize) -> std::io::Result<usize> {
     file.seek(SeekFrom::Start(rows_at))?;
     let mut reader = BufReader::new(&*file);
@@ -130,7 +130,7 @@ fn keep_whole_blocks(file: &mut File, rows_at: u64, rows_in_block: usize) -> std
     Ok(rows / rows_in_block)
 }
 
-/// Error text for a file with another head.
+/// Error text for a file whose head belongs to another request.
 fn of_another_request(file: &mut File, head: &Head) -> String {
     let theirs = file.rewind().and_then(|()| lines_of_head(&mut BufReader::new(&*file)));
     let difference = match theirs.ok().and_then(|lines| Head::from_lines(&lines)) {

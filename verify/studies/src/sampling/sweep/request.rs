@@ -1,37 +1,37 @@
-//! The request, at the head of files that are to be resumed or merged.
+//! The request of a sweep, in the head of files that can be resumed or merged.
 
 use super::{Grid, Shard, Table};
 use crate::prelude::*;
 use crate::truths::TruthId;
 use std::io::BufRead;
 
-/// Everything that decides the rows of a table: equal requests give equal bytes.
+/// Everything that determines the rows of a table: equal requests give identical bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
-    /// Version of finray: another one may compute other digits.
+    /// Version of finray; other versions may compute other digits.
     pub finray: String,
-    /// Which columns.
+    /// Columns of the table.
     pub table: Table,
     /// The true fingers.
     pub truths: Vec<TruthId>,
     /// The estimators.
     pub estimators: Vec<EstimatorId>,
-    /// SHA-256 of a network file of the user's, in hexadecimal digits.
+    /// SHA-256 of the user's network file, hexadecimal.
     pub network: Option<String>,
     /// Text of the scene file.
     pub scene: String,
-    /// Positions, directions, forces and noise.
+    /// Positions, directions, forces and noise levels.
     pub grid: Grid,
 }
 
 impl Request {
-    /// The request of a program of this version.
+    /// Version of this program.
     pub fn version() -> String {
         env!("CARGO_PKG_VERSION").to_owned()
     }
 
-    /// Number of blocks: a truth and contact each.
+    /// Number of blocks, one for each truth and contact.
     pub fn block_count(&self) -> usize {
         self.truths.len() * self.grid.contact_count()
     }
@@ -41,7 +41,7 @@ impl Request {
         self.estimators.len() * self.grid.noise_levels_mm.len() * self.grid.forces_n.len()
     }
 
-    /// The first thing in which two requests differ, for people; `None` if they are the same.
+    /// Name of the first property in which two requests differ, for messages; `None` if they are equal.
     pub fn difference(&self, other: &Request) -> Option<&'static str> {
         let differences = [
             (self.finray != other.finray, "version of finray"),
@@ -60,11 +60,11 @@ impl Request {
     }
 }
 
-/// First lines of a shard or unfinished file: the request as TOML behind `#`, which readers of tables take for comments.
+/// First lines of a shard or unfinished file: the request as TOML behind `#`, which readers of tables treat as comments.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Head {
-    /// Which share of the rows stands below; `None` for all of them.
+    /// Shard whose rows follow; `None` for all rows.
     pub shard: Option<Shard>,
     /// The request.
     pub request: Request,
@@ -74,34 +74,34 @@ pub struct Head {
 const MARK: &str = "# ";
 
 impl Head {
-    /// As text, with the header of the table below it.
+    /// The head as text, followed by the header of the table.
     ///
     /// # Errors
-    /// None in practice: numbers, texts and lists have a form in TOML.
+    /// [`toml::ser::Error`] if TOML cannot represent the request.
     pub fn to_text(&self) -> Result<String, toml::ser::Error> {
         let toml = toml::to_string(self)?;
         let marked: String = toml.lines().map(|line| format!("{MARK}{line}\n")).collect();
         Ok(marked + self.request.table.header())
     }
 
-    /// Reads what [`to_text`](Head::to_text) wrote, without the table's header.
+    /// Parses the output of [`to_text`](Head::to_text), without the table's header.
     pub(super) fn from_lines(lines: &str) -> Option<Head> {
         let toml: String = lines.split_inclusive('\n').map(|line| line.strip_prefix(MARK).unwrap_or(line)).collect();
         let head: Head = toml::from_str(&toml).ok()?;
         head.shard.is_none_or(Shard::is_sound).then_some(head)
     }
 
-    /// Number of rows below it when it is whole.
+    /// Number of rows of the complete file.
     pub fn row_count(&self) -> usize {
         let blocks = self.request.block_count();
         self.shard.map_or(blocks, |shard| shard.blocks(blocks).len()) * self.request.rows_in_block()
     }
 }
 
-/// The lines of a file that may be a head: those behind a mark. The reader then stands at the first line that has none.
+/// Lines of a file that may be a head: those behind a mark. The reader then stands at the first line without a mark.
 ///
 /// # Errors
-/// The reader's.
+/// [`std::io::Error`] of the reader.
 pub(super) fn lines_of_head(reader: &mut impl BufRead) -> std::io::Result<String> {
     let mut lines = String::new();
     while reader.fill_buf()?.starts_with(&MARK.as_bytes()[..1]) {

@@ -1,22 +1,22 @@
-//! Noise samples, which every cell of a sweep sees alike.
+//! Noise samples that all cells of a sweep share.
 
 use super::Grid;
 use crate::sampling::noise::Noise;
 use finray_model::Finger;
 use std::ops::Range;
 
-/// Numbers drawn once and kept, 2 MB: 5600 samples of the paper's finger. What is beyond is drawn anew for each block.
+/// Random numbers that are drawn once and kept, 2 MB: 5600 samples of the paper's finger. Further samples are drawn again for each block.
 const KEPT: usize = 1 << 18;
-/// Samples that a block looks at together, drawn into the same room.
+/// Number of samples that a block processes together.
 const AT_ONCE: usize = 256;
 
-/// Displacement noise of every marker coordinate, in units of the noise.
+/// Displacement noise of every marker coordinate, in standard deviations.
 pub(super) struct NoiseSamples {
     seed: u64,
-    /// Numbers a sample: two for each marker.
+    /// Number of coordinates of a sample: two for each marker.
     coordinates: usize,
     samples: usize,
-    /// The first samples.
+    /// Coordinates of the first samples.
     kept: Vec<f64>,
 }
 
@@ -29,12 +29,12 @@ impl NoiseSamples {
         noise
     }
 
-    /// Number of samples at a level of noise: without noise all are the same.
+    /// Number of samples at a noise level (mm): one without noise, because all are equal.
     pub(super) fn samples(&self, noise_mm: f64) -> usize {
         if noise_mm == 0.0 { 1 } else { self.samples }
     }
 
-    /// Hands all samples to `look`, some at a time: the first one's number, and their coordinates one after the other.
+    /// Passes all samples to `look` in groups: the number of the first sample, and the coordinates of the group in sequence.
     pub(super) fn each(&self, mut look: impl FnMut(usize, &[f64])) {
         for first in (0..self.samples).step_by(AT_ONCE) {
             let numbers = first..self.samples.min(first + AT_ONCE);
@@ -45,7 +45,7 @@ impl NoiseSamples {
         }
     }
 
-    /// Numbers of one sample.
+    /// Number of coordinates of one sample.
     pub(super) fn coordinates(&self) -> usize {
         self.coordinates
     }

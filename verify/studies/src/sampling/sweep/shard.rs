@@ -1,28 +1,28 @@
-//! Shares of a sweep for machines that work apart.
+//! Shards of a sweep, for machines that work independently.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// One of several shares: each a run of neighbouring blocks, so that shards one after the other are the whole.
+/// One of several shares of a sweep: a range of consecutive blocks, so that shards in sequence form the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// Which one, from 1.
+    /// Number of this shard, from 1.
     pub number: usize,
-    /// How many there are.
+    /// Number of all shards.
     pub of: usize,
 }
 
 impl Shard {
-    /// The blocks of this share; none where there are more shards than blocks.
+    /// Blocks of this shard among `count` blocks; empty if there are more shards than blocks and this one has none.
     pub fn blocks(self, count: usize) -> Range<usize> {
-        // Wide, as a product of two counts may not fit.
+        // u128, because the product of two counts may overflow usize.
         let bound = |shards: usize| (count as u128 * shards as u128 / self.of as u128) as usize;
         bound(self.number - 1)..bound(self.number)
     }
 
-    /// Whether this is a shard at all.
+    /// Whether the number is between 1 and the number of shards.
     pub(super) fn is_sound(self) -> bool {
         (1..=self.of).contains(&self.number)
     }
@@ -37,7 +37,7 @@ impl fmt::Display for Shard {
 impl FromStr for Shard {
     type Err = String;
 
-    /// `I/N`.
+    /// Parses `I/N`.
     fn from_str(text: &str) -> Result<Shard, String> {
         let shard = text
             .split_once('/')

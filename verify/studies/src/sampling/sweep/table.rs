@@ -1,17 +1,17 @@
-//! The tables that a sweep can be written as.
+//! The table formats of a sweep.
 
 use super::{Cell, MapCell};
 use crate::prelude::*;
 use crate::truths::TruthId;
 use finray_files::csv_text;
 
-/// Which columns are written.
+/// Table format, which determines the columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Table {
-    /// One accuracy map: one truth, estimator and level of noise, which the table leaves out.
+    /// One accuracy map. Truth, estimator and noise level are constant and have no column.
     Map,
-    /// Everything that is known of a cell.
+    /// All results of each cell.
     Sweep,
 }
 
@@ -37,7 +37,7 @@ struct Row {
 }
 
 impl Table {
-    /// The line of column names, with its end.
+    /// Line of column names, with its line end.
     pub fn header(self) -> &'static str {
         match self {
             Table::Map => {
@@ -50,10 +50,10 @@ impl Table {
         }
     }
 
-    /// The rows of cells as CSV without header, a line each.
+    /// Rows of the cells as CSV without header, one line each.
     ///
     /// # Errors
-    /// None in memory; the signature is the CSV writer's.
+    /// [`csv::Error`] of the writer; none occurs in memory.
     pub(super) fn rows(self, cells: &[Cell]) -> Result<String, csv::Error> {
         let text = match self {
             Table::Map => csv_text(cells.iter().map(MapCell::from))?,
@@ -80,7 +80,7 @@ impl Row {
             bias: outcome.errors.map(|errors| errors.bias),
             spread: cell.spread(),
             sigma_n: outcome.errors.and_then(|errors| errors.sigma_n),
-            // A row is a line: rows are counted by their ends.
+            // Rows are counted by line ends, so a text must not contain one.
             refusal: outcome.refusal.as_ref().map(|text| text.split_whitespace().collect::<Vec<_>>().join(" ")),
             warned: outcome.covered.map(|covered| covered.warned),
             covered: outcome.covered.map(|covered| covered.covered),

@@ -1,4 +1,4 @@
-//! The samples of a cell, counted one by one in constant memory.
+//! Running statistics of a cell's samples, in constant memory.
 
 use super::cell::{Covered, Errors, Outcome};
 use crate::prelude::*;
@@ -9,19 +9,19 @@ pub(super) struct Tally {
     answered: usize,
     sum: f64,
     absolute: f64,
-    /// Running mean of the errors, and the sum of their squared differences from it (Welford 1962).
+    /// Running mean of the errors, and sum of their squared deviations from it (Welford 1962).
     mean: f64,
     squares: f64,
     variance_n2: f64,
-    /// Answers that come with a standard deviation.
+    /// Number of answers with a standard deviation.
     stated: usize,
     covered: Covered,
-    /// Why the first sample that was refused gave no answer.
+    /// Reason of the first refused sample.
     refusal: Option<String>,
 }
 
 impl Tally {
-    /// An answer to a sample of one true force.
+    /// Adds an answer to a sample with true force `force_n` (N).
     pub(super) fn answer(&mut self, sensed: &Sensed, force_n: f64) {
         let error = sensed.forces_n[0] / force_n - 1.0;
         self.answered += 1;
@@ -42,12 +42,12 @@ impl Tally {
         }
     }
 
-    /// A sample without an answer.
+    /// Adds a refused sample.
     pub(super) fn refuse(&mut self, error: &EstimatorError) {
         self.refusal.get_or_insert_with(|| error.to_string());
     }
 
-    /// Results of this number of samples.
+    /// Results over `samples` samples.
     pub(super) fn outcome(&self, samples: usize) -> Outcome {
         let count = self.answered as f64;
         let enough = self.answered > 0 && 2 * self.answered >= samples;

@@ -1,4 +1,4 @@
-//! How a finger closes on caps: the motor's steps, and the forces with which caps and rods fit.
+//! Closing of a finger on caps: steps of the motor, and forces that make caps and rods compatible.
 
 use super::ExperimentError;
 use crate::experiments::contact_scene::angle_deg;
@@ -6,35 +6,35 @@ use crate::experiments::table_two::FORCES_N;
 use crate::prelude::*;
 use finray_model::scene::ROD_RADIUS_MM;
 
-/// Where the motor starts, degrees: the sensor's axis is then 12.4 degrees off the plate's normal (the paper: at most 12.5).
+/// Starting angle of the motor, degrees. The sensor's axis is then 12.4 degrees off the plate's normal (the paper: at most 12.5).
 const START_DEG: f64 = 360.0;
-/// Way of the motor between two settled steps, degrees (sec. V-C).
+/// Motion of the motor between two steps at rest, degrees (sec. V-C).
 const STEP_DEG: f64 = 22.5;
-/// Steps at most: 900 degrees, the end of the paper's figures.
+/// Largest number of steps: 900 degrees, the end of the paper's figures.
 const MOST_STEPS: usize = 40;
-/// The first node meets its cap when the motor has turned by this, degrees.
+/// Rotation of the motor at which the first node meets its cap, degrees.
 const TOUCH_DEG: f64 = 45.0;
-/// A rod is on its cap when it is this near, mm: rounding of the equilibrium.
+/// Largest gap between a rod and a cap that it touches, mm: rounding of the equilibrium.
 const ON_CAP_MM: f64 = 1e-9;
-/// Newton steps in which it must be found which caps are touched and how hard.
+/// Largest number of Newton steps to find the touched caps and their forces.
 const MOST_NEWTON_STEPS: usize = 60;
 
-/// A settled step before anything is sensed.
+/// A step at rest, before sensing.
 #[derive(Debug, Clone)]
 pub struct ClosedStep {
-    /// As of [`ModuleStep`](super::ModuleStep).
+    /// Motor angle by which the gripper has closed, degrees.
     pub turned_deg: f64,
-    /// The same.
+    /// Direction of the sensors' axis, degrees from the plate's undeformed inward normal, positive towards the tip.
     pub axis_deg: f64,
-    /// The same.
+    /// True force on each node along the axis, N.
     pub true_n: Vec<f64>,
-    /// Displacements of the markers against the undeformed finger at the motor's angle.
+    /// Displacements of the markers relative to the undeformed finger at the motor angle.
     pub displacements: Measurement,
-    /// How far each node's rod is from its cap, mm.
+    /// Gap between each node's rod and its cap, mm.
     pub gaps_mm: Vec<f64>,
 }
 
-/// Closes a finger on caps before its nodes; steps with a force, until one is beyond the paper's range or the finger finds no equilibrium.
+/// Closes a finger on caps in front of its nodes. Returns the steps with a force, until one exceeds the paper's range or has no equilibrium.
 ///
 /// # Errors
 /// [`ExperimentError`] for nodes that are not on the finger.
@@ -70,31 +70,31 @@ pub fn closing(mesh: &Mesh, gripper: &Gripper, nodes: &[usize]) -> Result<Vec<Cl
     Ok(steps)
 }
 
-/// From the module to the right finger, in the finger's frame.
+/// Unit vector from the module to the right finger, in the finger's frame.
 fn across(placement: &Placement) -> Vector {
     placement.axes().transpose() * Vector::x()
 }
 
-/// Where the markers and rods are once the forces are found.
+/// Displacements of markers and gaps of rods at the final forces.
 struct Pressed {
-    /// Two coordinates a marker.
+    /// Displacements, mm, two coordinates a marker.
     displacements_mm: DVector<f64>,
-    /// Of each node.
+    /// Gap between each node's rod and its cap, mm.
     gaps_mm: Vec<f64>,
 }
 
-/// A finger before its caps, at the forces of the last step.
+/// A finger in front of its caps, with the forces of the last step.
 struct Caps<'m> {
     bent: RespondingFinger<'m>,
     finger: &'m Finger,
     nodes: Vec<NodeId>,
-    /// Where the caps are, mm from the middle of the gripper.
+    /// Position of the caps' plane, mm from the middle of the gripper.
     plane_mm: f64,
     forces_n: Vec<f64>,
 }
 
 impl Caps<'_> {
-    /// Finds forces with which no rod is inside its cap and none off it is held: Newton's method on the gaps. None without equilibrium.
+    /// Finds forces at which no rod penetrates its cap, and only rods on their cap have a force, by Newton's method on the gaps. `None` without equilibrium.
     fn press(&mut self, placement: &Placement) -> Result<Option<Pressed>, LoadError> {
         let across = across(placement);
         let angle_deg = angle_deg(self.finger, across);
