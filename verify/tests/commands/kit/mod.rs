@@ -22,6 +22,8 @@ pub struct Answer {
     pub code: Option<i32>,
     pub out: String,
     pub err: String,
+    /// The last line of standard error, if it says what was done; `err` is without it.
+    pub summary: Option<String>,
 }
 
 /// The command with its arguments.
@@ -50,7 +52,12 @@ pub fn started(input: &[u8], arguments: &[&str], stdout: Stdio) -> Child {
 pub fn finray_reading(input: &[u8], arguments: &[&str]) -> Answer {
     let output = started(input, arguments, Stdio::piped()).wait_with_output().expect("finray ends");
     let text = |bytes| String::from_utf8(bytes).expect("finray writes UTF-8");
-    Answer { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+    let (mut err, mut summary) = (text(output.stderr), None);
+    let last = err.trim_end().rfind('\n').map_or(0, |end| end + 1);
+    if err[last..].starts_with("done: ") {
+        summary = Some(err.split_off(last).trim_end().to_owned());
+    }
+    Answer { code: output.status.code(), out: text(output.stdout), err, summary }
 }
 
 impl Answer {

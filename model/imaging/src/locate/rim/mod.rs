@@ -120,31 +120,59 @@ fn direction(ray: usize) -> Vector {
 
 /// Measures the rim about a pixel; `None` if there is none.
 fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buffers) -> Option<Rim> {
-    let GreyView { camera, grey, .. } = view;
-    let mut centre = camera.on_plane(about, shape.height_mm).ok()?;
+    let (circle, mm_a_px) = circle(view, shape, view.camera.on_plane(about, shape.height_mm).ok()?)?;
+    let pixel = view.camera.project(&circle.centre.push(shape.height_mm)).ok()?;
+    let sd_mm = circle.sd_mm.max(LEAST_SD_PX * mm_a_px);
+    let Circle { centre, radius_mm, .. } = circle;
+    let by_rays = Rim { centre, pixel, radius_mm, sd_mm, rays_sd_mm: sd_mm, excess_variances: None };
+    let rim = by_edge(view, shape, &by_rays, buffers).unwrap_or(by_rays);
+    Some(with_inner_edge(view, shape, rim).unwrap_or(rim))
+}
+
+/// Circle through the edges that rays from near a centre meet, about the frame's origin, and mm a px there; `None` if there is no rim.
+fn circle(view: &GreyView, shape: &RimShape, mut centre: Vector) -> Option<(Circle, f64)> {
+    let camera = view.camera;
     let mut last = None;
     for _ in 0..ROUNDS {
         let (_, by_pixel) = camera
             .on_plane_with_derivatives(&camera.project(&centre.push(shape.height_mm)).ok()?, shape.height_mm)
             .ok()?;
         let mm_a_px = by_pixel.determinant().abs().sqrt();
-        let edges = edges(grey, camera, shape, &centre, mm_a_px);
+        let edges = edges(&view.grey, camera, shape, &centre, mm_a_px);
         let circle = Circle::through(&edges, LEAST_SPREAD_PX * mm_a_px)?;
         if circle.centre.norm() > shape.radius_mm {
             return None;
         }
         centre += circle.centre;
-        last = Some((circle, mm_a_px));
+        last = Some((Circle { centre, ..circle }, mm_a_px));
     }
-    let (circle, mm_a_px) = last?;
-    let off = (circle.radius_mm / shape.radius_mm - 1.0).abs();
-    let is_rim =
-        circle.share >= LEAST_SHARE && off <= RADIUS_TOLERANCE && circle.spread_mm <= LARGEST_SPREAD * shape.radius_mm;
-    let pixel = camera.project(&centre.push(shape.height_mm)).ok()?;
-    let sd_mm = circle.sd_mm.max(LEAST_SD_PX * mm_a_px);
-    let radius_mm = circle.radius_mm;
-    let by_rays = Rim { centre, pixel, radius_mm, sd_mm, rays_sd_mm: sd_mm, excess_variances: None };
-    is_rim.then(|| by_edge(view, shape, &by_rays, buffers).unwrap_or(by_rays))
+    let is_rim = |(circle, _): &(Circle, f64)| {
+        let off = (circle.radius_mm / shape.radius_mm - 1.0).abs();
+        circle.share >= LEAST_SHARE && off <= RADIUS_TOLERANCE && circle.spread_mm <= LARGEST_SPREAD * shape.radius_mm
+    };
+    last.filter(is_rim)
+}
+
+/// The rim of a ring with the centre of its inner edge, if that is a circle. Strips behind a ring shift its outer edge and not its inner one. Where
+/// both contradict each other, the standard deviation grows as the contradiction (Birge ratio).
+fn with_inner_edge(view: &GreyView, shape: &RimShape, rim: Rim) -> Option<Rim> {
+    let shade = match shape.shade {
+        Shade::Bright => Shade::Dark,
+        Shade::Dark => Shade::Bright,
+    };
+    let inner = RimShape { radius_mm: shape.inner_radius_mm, inner_radius_mm: 0.0, shade, ..*shape };
+    if inner.radius_mm <= 0.0 {
+        return None;
+    }
+    let (circle, mm_a_px) = circle(view, &inner, rim.centre)?;
+    let variances = [rim.sd_mm, circle.sd_mm.max(LEAST_SD_PX * mm_a_px)].map(|sd_mm| sd_mm * sd_mm);
+    let weights = variances.map(f64::recip);
+    let away = circle.centre - rim.centre;
+    let contradiction = away.norm_squared() / (2.0 * (variances[0] + variances[1]));
+    let variance = contradiction.max(1.0) / (weights[0] + weights[1]);
+    let centre = rim.centre + away * weights[1] / (weights[0] + weights[1]);
+    let pixel = view.camera.project(&centre.push(shape.height_mm)).ok()?;
+    Some(Rim { centre, pixel, sd_mm: variance.sqrt(), ..rim })
 }
 
 /// Measures a rim by the model of a blurred edge; `None` if the model does not fit.
@@ -220,7 +248,7 @@ fn brightness(grey: &GrayImage, at: &Pixel) -> Option<f64> {
 /// A circle through the edges found by rays.
 #[derive(Debug, Clone, Copy)]
 struct Circle {
-    /// Centre relative to the origin of the rays, mm.
+    /// Centre relative to the origin of the rays, or of the plane's frame, mm.
     centre: Vector,
     radius_mm: f64,
     /// Share of the rays that count.
