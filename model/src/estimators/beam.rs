@@ -102,7 +102,7 @@ impl Estimator for SolvedLinear<'_> {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
         let estimator = LinearEstimator::on(&self.solved, contacts, markers).or_else(|error| match error {
-            // Rounding may prevent the moment equilibrium of the solved finger but not that of a new solution.
+            // Rounding may fail the solution for a unit moment where that for the force succeeds.
             SensingError::Statics(_) => LinearEstimator::new(self.solved.finger(), contacts, markers),
             error => Err(error),
         })?;
