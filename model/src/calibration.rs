@@ -135,7 +135,7 @@ pub enum CalibrationError {
     MirroredForces {
         /// Relative standard deviation of the measured forces about the estimated ones, dimensionless.
         scatter: f64,
-        /// The same for measured forces mirrored about the plate's normal.
+        /// Relative standard deviation of the measured forces after mirroring about the plate's normal, dimensionless.
         mirrored: f64,
     },
     /// A parameter is outside the range that a finger allows.
@@ -157,8 +157,8 @@ const BISECTIONS: usize = 1200;
 /// between measured and computed nodes, over all nodes and cases.
 ///
 /// Computed displacements v are proportional to c = 1 / factor, so the sum of |m - c v| is convex in c. Bisection finds the zero of its derivative. A sum
-/// of distances (not of squares) is robust to single bad markers. The standard deviation is the sandwich estimate of an M-estimator, sqrt(sum g^2) / sum h
-/// with g and h the first and second derivative of each node's distance (Huber 1967).
+/// of distances (not of squares) is robust to single bad markers. The standard deviation is the sandwich estimate of an M-estimator (Huber 1967):
+/// sqrt(sum g^2) / sum h, with the first and second derivative g and h of each node's distance.
 ///
 /// # Errors
 /// [`CalibrationError`] if the statics fail, no load moves a measured node, or the nodes move against the loads.

@@ -98,7 +98,7 @@ pub enum MeasurementError {
 /// Errors of a finger's markers relative to their stated standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MarkerErrors {
-    /// Ratio of actual to stated marker noise. Below 1 where part of the stated noise is common to all images and absorbed by calibration.
+    /// Ratio of actual to stated marker noise, dimensionless. Below 1 where part of the stated noise is common to all images and absorbed by calibration.
     pub noise_factor: f64,
     /// Error of the finger model, mm: standard deviation of one coordinate.
     pub model_mm: f64,
@@ -122,8 +122,8 @@ impl Measurement {
     /// Checks markers against a finger. Omits clamped nodes with zero displacement.
     ///
     /// # Errors
-    /// [`MeasurementError`] for the first marker that is unknown, repeated or not finite, has a weight that is not positive, contradicts another marker
-    /// at the same point, or is clamped and moves.
+    /// [`MeasurementError`] for the first marker with an unknown or repeated node, values that are not finite, or a weight of zero or less. Also for a clamped
+    /// marker that moves, and for different displacements at one point.
     pub fn new(finger: &Finger, markers: impl IntoIterator<Item = Marker>) -> Result<Measurement, MeasurementError> {
         let mut measurement = Measurement::empty();
         for marker in markers {
@@ -242,7 +242,7 @@ impl Measurement {
         self
     }
 
-    /// Adds noise to every coordinate. `noise_mm` / weight scales the number that `standard_normal` returns for each.
+    /// Adds noise, mm, to every coordinate. `noise_mm` / weight scales the number that `standard_normal` returns for each.
     pub fn add_noise(&mut self, noise_mm: f64, mut standard_normal: impl FnMut() -> f64) {
         for marker in &mut self.markers {
             marker.displacement += Vector::new(standard_normal(), standard_normal()) * (noise_mm / marker.weight);

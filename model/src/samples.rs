@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
-/// Largest number of draws for one case. A finger that carries none of them is too weak for the range of forces.
+/// Largest number of draws for one case. If the finger carries no draw, it is too weak for the range of forces.
 const MOST_DRAWS: usize = 100;
 /// Number of cases that one thread draws together, so that their equilibria are computed in groups.
 const CASES_A_PIECE: usize = 256;

@@ -352,7 +352,7 @@ impl AskedDirection {
     /// undeformed normal.
     ///
     /// # Errors
-    /// [`MissingInScene`] if the direction needs a friction, object or measured force that is not given.
+    /// [`MissingInScene`] if the direction needs a friction, an object or a measured force, and it is missing.
     pub fn of_scene(self, scene: &Scene, measured_deg: Option<f64>) -> Result<Direction, MissingInScene> {
         let friction = scene.contact.lean;
         match self {

@@ -16,7 +16,7 @@ pub enum Unknown {
     /// One factor on all moduli of the finger.
     Modulus,
     /// One factor on the modulus factors of some zones, counted from 0 in the order of the finger's description. A zone at the base can represent a
-    /// compliant clamp: a clamp of rotational stiffness k (N mm/rad) equals a first member of length l whose factor f satisfies
+    /// compliant clamp. Its rotational stiffness k (N mm/rad) corresponds to a first member of length l and factor f with
     /// l (1/f - 1) / (E I) = 1 / k.
     Zones(Vec<usize>),
 }

@@ -52,8 +52,8 @@ pub struct OutlyingMarker {
 /// Young's modulus of the co-rotational finger. Finds the factor on all moduli that minimises the sum of squared distances between measured and
 /// computed nodes, with distant markers down-weighted.
 ///
-/// `elements` is the number of beam elements per member. `noise_mm` is the standard deviation of one measured coordinate, mm. The residual replaces a
-/// noise that is unknown or contradicted.
+/// `elements` is the number of beam elements per member. `noise_mm` is the standard deviation of one measured coordinate, mm. The residual replaces an
+/// unknown or contradicted noise.
 ///
 /// # Reference
 /// Eq. (11) of Xu et al. (2021) as in [`youngs_modulus`], with co-rotational equilibria and weighted squares of distances. [`factors`] starts from the

@@ -83,7 +83,7 @@ impl Estimator for BeamEstimator<'_> {
     }
 }
 
-/// A linear estimator on a finger that is solved once for all contacts.
+/// A linear estimator on a finger solved once for all contacts.
 struct SolvedLinear<'m> {
     id: EstimatorId,
     solved: NodalCompliance,

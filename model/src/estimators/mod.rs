@@ -170,14 +170,14 @@ pub trait Estimator: Sync {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
 
-    /// An equivalent estimator, up to rounding, that solves once what all contacts share. `None` if this saves nothing. For a linear true finger,
-    /// a linear estimator omits the error of linearisation.
+    /// An equivalent estimator, up to rounding, that solves the part common to all contacts once. `None` if this saves nothing. For a linear true finger, a
+    /// linear estimator omits the error of linearisation.
     fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
         None
     }
 }
 
-/// An estimator that is prepared for contacts and markers.
+/// An estimator prepared for contacts and markers.
 pub trait PreparedEstimator {
     /// Estimates the forces from the displacements of its markers. `noise_mm` is the standard deviation of a coordinate, mm; `None` if unknown.
     ///

@@ -108,7 +108,7 @@ impl UnloadedError {
         OF_RIB * ribs + OF_REST
     }
 
-    /// The row of numbers from which [`UnloadedError::from_row`] reads this error.
+    /// The row of numbers from which [`UnloadedError::from_row`] reads this error, in its order and units.
     pub fn to_row(&self) -> Vec<f64> {
         let rest = [self.preload_nmm, self.height_mm, self.base.x, self.base.y, self.base_turn_rad.to_degrees()];
         self.joints_mm.iter().flatten().flatten().chain(&self.clip_mm).copied().chain(rest).collect()

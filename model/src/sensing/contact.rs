@@ -57,7 +57,7 @@ impl Contact {
         }
     }
 
-    /// Position along the front plate, mm from the base. `None` for a node that is not on the front plate.
+    /// Position along the front plate, mm from the base. `None` for a node off the front plate.
     pub fn position_mm(&self, finger: &Finger) -> Option<f64> {
         match self.position {
             ContactPosition::Node(node) => finger.front_position_mm(node),

@@ -55,9 +55,9 @@ pub enum SensingError {
          not determine the forces (contact {weakest} least)"
     )]
     IllConditioned {
-        /// Ratio of largest to smallest scaled singular value.
+        /// Ratio of largest to smallest scaled singular value, dimensionless.
         span: f64,
-        /// Largest accepted ratio.
+        /// Largest accepted ratio, dimensionless.
         limit: f64,
         /// Contact with the largest share in the invisible combination, from 1.
         weakest: usize,

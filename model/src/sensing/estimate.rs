@@ -69,7 +69,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Adds an error that is a share of each force, as a calibration states it, to the standard deviations.
+    /// Adds an error proportional to each force, as a calibration states it, to the standard deviations. `share` is dimensionless.
     pub fn add_force_error(&mut self, share: f64) {
         for (sigma_n, force_n) in self.sigmas_n.iter_mut().zip(&self.forces_n) {
             *sigma_n = sigma_n.hypot(share * force_n);

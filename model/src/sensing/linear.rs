@@ -12,8 +12,8 @@ use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
-/// Difference of misfits, in squared standard deviations of the noise, from which a measurement shows a linear finger: the linear finger explains it
-/// better than the co-rotational one by three standard deviations.
+/// A measurement shows a linear finger if that explains it better than the co-rotational finger by this difference of misfits. It is in squared standard
+/// deviations of the noise: three standard deviations.
 const FAVOURED: f64 = 9.0;
 
 /// Largest residual, as a share of the displacements, that the linear finger explains if no noise is stated. At deflections beyond the co-rotational
@@ -43,9 +43,9 @@ impl Prior {
 /// At least as many measured coordinates as contacts, and singular values that span at most [`LARGEST_SPAN`].
 ///
 /// # Reference
-/// Minimises |W (u - C f)|^2 with the measured displacements u, the compliance C of eq. (5) of Xu et al. (2021) at the
-/// markers and contacts, and the weights W. A prior of standard deviation p adds |f|^2 s^2 / p^2 for a noise s
-/// (Hoerl and Kennard 1970); the sigmas are then those of the posterior.
+/// Minimises |W (u - C f)|^2 with the measured displacements u and the weights W. C is the compliance of eq. (5) of Xu et
+/// al. (2021) at the markers and contacts. A prior of standard deviation p adds |f|^2 s^2 / p^2 for a noise s (Hoerl and
+/// Kennard 1970); the sigmas are then those of the posterior.
 #[derive(Debug, Clone)]
 pub struct LinearEstimator {
     /// Weighted compliance W C, mm/N: two rows (x, y) per marker, one column per contact.
@@ -63,7 +63,7 @@ impl LinearEstimator {
         LinearEstimator::prepared(finger, contacts, markers, |loads| Compliance::new(finger, loads))
     }
 
-    /// As [`LinearEstimator::new`], up to rounding, on a finger that is already solved.
+    /// As [`LinearEstimator::new`], up to rounding, on an already solved finger.
     ///
     /// # Errors
     /// [`SensingError`] if a contact is wrong or the forces are not identifiable.
@@ -244,8 +244,8 @@ impl Inverse {
     }
 }
 
-/// Singular values of the problem, in descending order, if its solution is unique. All unknowns are forces in N and all rows have the same noise, so they
-/// need no scaling: twelve normal forces on the paper's finger span 363.
+/// Singular values of the problem, in descending order, if its solution is unique. All unknowns are forces in N and all rows have the same noise, so no
+/// scaling is needed. Twelve normal forces on the paper's finger span 363.
 fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
     if compliance.ncols() == 1 {
         // The singular value of a single column is its length.

@@ -62,7 +62,7 @@ pub struct MeasuredContactForces {
 struct Problem<'a> {
     contacts: &'a [MeasuredContact],
     knowledge: ContactKnowledge,
-    /// Standard deviation of each unknown about its datum 0, from the first tangent on. Zero for an unknown that is exactly 0.
+    /// Standard deviation of each unknown about its datum 0, from the first tangent on. Zero for an unknown of exactly 0.
     own_sds: Vec<f64>,
     /// Displacements, mm, two coordinates per marked node. Zero for a hidden node.
     measured_mm: DVector<f64>,
@@ -151,7 +151,7 @@ impl LeastSquaresProblem for Problem<'_> {
         point + step
     }
 
-    /// Data of tangents and shifts. An unknown that is exactly zero has no derivatives; its prior keeps it at zero.
+    /// Data of tangents and shifts. An unknown of exactly zero has no derivatives; its prior keeps it at zero.
     fn priors(&self, point: &DVector<f64>) -> Vec<Prior> {
         let own = (self.contacts.len()..).zip(&self.own_sds);
         own.map(|(unknown, &sd)| Prior::on(unknown, point[unknown], 0.0, if sd > 0.0 { sd } else { 1.0 })).collect()

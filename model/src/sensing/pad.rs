@@ -37,7 +37,7 @@ impl Pad {
     /// Turn of the plate under the pad by a motion, rad. Zero without a pad, where it has no effect.
     ///
     /// # Errors
-    /// [`LoadError`] for a contact that is not on the front plate.
+    /// [`LoadError`] for a contact off the front plate.
     pub(crate) fn plate_turn(&self, mesh: &Mesh, contact: &Contact, motion: &FrameMotion) -> Result<f64, LoadError> {
         match self.is_none() {
             true => Ok(0.0),
@@ -48,7 +48,7 @@ impl Pad {
     /// Loads of a contact force of `force_n`, N, on a plate turned by `plate_turn_rad`. They are proportional to the force.
     ///
     /// # Errors
-    /// [`LoadError`] for a contact that is not on the front plate.
+    /// [`LoadError`] for a contact off the front plate.
     pub(crate) fn loads<'m>(
         &self,
         mesh: &'m Mesh,

@@ -28,7 +28,7 @@ impl ResidualTest {
         Some(ResidualTest { noise_mm, residual_sd_mm, degrees_of_freedom })
     }
 
-    /// Probability of a residual at least as large under the stated noise.
+    /// Probability, 0 to 1, of a residual at least as large under the stated noise.
     pub fn p_value(&self) -> f64 {
         let squares = self.degrees_of_freedom as f64 * (self.residual_sd_mm / self.noise_mm).powi(2);
         // There is at least one degree of freedom, so the distribution exists.

@@ -70,7 +70,7 @@ pub struct Response {
     pub moved: Vec<DVector<f64>>,
 }
 
-/// A co-rotational finger that is bent repeatedly, each time from its last shape.
+/// A co-rotational finger for repeated bending, each time from its last shape.
 #[derive(Debug, Clone)]
 pub struct RespondingFinger<'m> {
     mesh: &'m Mesh,
@@ -93,7 +93,7 @@ impl<'m> RespondingFinger<'m> {
     /// Bends the finger under forces. `None` if it has no equilibrium.
     ///
     /// # Errors
-    /// [`LoadError`] for a contact that is not on the finger.
+    /// [`LoadError`] for a contact off the finger.
     pub fn under(&mut self, forces: &[ContactForce]) -> Result<Option<Response>, LoadError> {
         let finger = self.mesh.finger();
         let framed = |load: Load| self.mesh.frame_load(&load);
@@ -145,7 +145,7 @@ impl<'m> RespondingFinger<'m> {
     }
 }
 
-/// Coordinates (x, y) of the marked nodes, from one vector per key node.
+/// Coordinates (x, y) of the marked nodes, from one vector per key node and in its unit.
 pub fn marker_coordinates(finger: &Finger, of_nodes: &[Vector]) -> DVector<f64> {
     let nodes = finger.marked_nodes();
     DVector::from_iterator(2 * nodes.len(), nodes.flat_map(|node| [of_nodes[node.0 - 1].x, of_nodes[node.0 - 1].y]))

@@ -16,7 +16,7 @@ use nalgebra::{Isometry2, Point2};
 const ELEMENTS_UNLOADED: usize = 4;
 /// Assumed error of the markers, mm, before the deviation of the unloaded shape is estimated.
 const UNLOADED_ERROR_MM: f64 = 0.3;
-/// Standard deviation, mm and rad, of a base that is known exactly: smaller than any camera resolves.
+/// Standard deviation, mm and rad, of an exactly known base: smaller than any camera resolves.
 const EXACT: f64 = 1e-6;
 
 impl Sensor<'_> {
@@ -43,7 +43,7 @@ impl Sensor<'_> {
         UnloadedFinger { assembly, camera, measured_in_frame_sd_rad }
     }
 
-    /// Estimates one force together with the errors of the unloaded finger, starting from the estimate for the scene's finger if there is one. `None` for
+    /// Estimates one force together with the errors of the unloaded finger. It starts from the estimate for the scene's finger, if that succeeds. `None` for
     /// several contacts, for a contact with an object, and for estimators that do not search.
     pub(super) fn all_at_once(
         &self,

@@ -106,7 +106,7 @@ fn refusal(error: CalibrationError) -> Refusal<CalibrationError> {
     }
 }
 
-/// Members (indices) and the share of their stiffness that is proportional to an unknown.
+/// Indices of members, and the share of their stiffness proportional to an unknown.
 fn shares(mesh: &Mesh, unknown: &Unknown) -> Vec<(usize, f64)> {
     match unknown {
         Unknown::Modulus => (0..mesh.frame().members().len()).map(|member| (member, 1.0)).collect(),

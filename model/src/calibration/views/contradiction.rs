@@ -9,7 +9,7 @@ use crate::sensing::{ContactQuestion, Direction, NonlinearEstimator};
 use crate::{NodeId, Vector};
 use nalgebra::Isometry2;
 
-/// Assumed errors before calibration: of markers, mm, and of a base that is sought, mm and rad.
+/// Assumed errors before calibration: of markers, mm, and of a sought base, mm and rad.
 const UNCALIBRATED_MM: f64 = 0.3;
 const SOUGHT_BASE: [f64; 2] = [5.0, 0.05];
 /// Largest factor by which a view's ratio of measured force to marker force may differ from the median. Marker forces of an uncalibrated finger err by up
@@ -26,6 +26,7 @@ const NEARER: f64 = 0.5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MarkerForce {
     pub own: ViewUnknowns,
+    /// Standard deviation of the force, N.
     pub sigma_n: f64,
 }
 
@@ -33,6 +34,7 @@ pub(super) struct MarkerForce {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Compared<'v> {
     pub view: &'v View,
+    /// Ratio of the measured force to the other estimate, dimensionless.
     pub times: f64,
     /// Standard deviation of 1 / `times` due to noise and base of the view, dimensionless.
     pub inverse_sd: f64,

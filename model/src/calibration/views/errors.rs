@@ -6,7 +6,7 @@ use crate::measurement::{Marker, MarkerErrors};
 use crate::optimise::Fit;
 use nalgebra::DMatrix;
 
-/// Smallest factor on the stated noise that is tried, and the number of geometric steps to it from 1.
+/// Smallest tried factor on the stated noise, and the number of geometric steps to it from 1.
 const LEAST_NOISE_FACTOR: f64 = 1e-3;
 const STEPS: usize = 60;
 /// Prior standard deviation of the logarithm of the factor on the stated noise. If the stated noise is equal for all markers, residuals show only the sum
@@ -27,8 +27,7 @@ struct CoordinateResidual {
 }
 
 impl Problem<'_> {
-    /// Errors of the markers estimated from the residuals of a fit with the given covariance: the factor on the stated noise, and the error of the
-    /// model.
+    /// Factor on the stated noise of the markers, and error of the model, estimated from the residuals of a fit with the given covariance.
     pub(super) fn marker_errors(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> MarkerErrors {
         let mut left = Vec::new();
         for (view, _, rows, _) in self.parts(&fitted.point) {

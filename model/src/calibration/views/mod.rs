@@ -165,12 +165,12 @@ fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Optio
 /// # Reference
 /// Nonlinear least squares over all views and their own unknowns at once, by the method of Levenberg and Marquardt. This is bundle adjustment (Triggs et
 /// al. 2000) with the co-rotational finger in place of points; derivatives are differences of equilibria. The variance of the residuals beyond the noise
-/// is estimated with the fit, so that priors have the right weight. Where residuals are smaller than the noise, the noise is reduced. If a modulus is
+/// is estimated with the fit, so that priors have the right weight. The noise is reduced if residuals are smaller than it. If a modulus is
 /// sought, the relative variance of measured forces is estimated, too. It covers errors of the force sensor, and of the model where markers do not show
 /// them. All variances follow by restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971), from fit to fit until they settle.
 /// # Errors
-/// [`CalibrationError`] if a view has no explanation at the start or contradicts the others, a quantity is not identifiable, or the calibrated finger
-/// would be too inaccurate for use.
+/// [`CalibrationError`] if a view has no explanation at the start or contradicts the others, or if a quantity is not identifiable. Also if the calibrated
+/// finger would be too inaccurate for use.
 pub fn views(
     finger: &Finger,
     views: &[View],

@@ -53,7 +53,7 @@ pub struct ForceInView {
     pub force_n: f64,
     /// Standard deviation of the force, N. It rests on the residual if this contradicts the noise of the view.
     pub sigma_n: f64,
-    /// Sum of squared residuals divided by their variances, priors included.
+    /// Sum of squared residuals divided by their variances, priors included, dimensionless.
     pub squares: f64,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,

@@ -1,4 +1,4 @@
-//! Finds outliers among the measured forces and markers of a fit, and refuses a fit that is too inaccurate for use.
+//! Finds outliers among the measured forces and markers of a fit, and refuses a fit too inaccurate for use.
 
 use super::contradiction::Compared;
 use super::problem::{Point, Problem};

@@ -35,8 +35,11 @@ pub(super) struct Point {
 /// The unknowns of one view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ViewUnknowns {
+    /// Position of the force along the front plate, mm.
     pub s_mm: f64,
+    /// Motion of the base from the frame of the view, mm and rad.
     pub base: Isometry2<f64>,
+    /// Magnitude of the force, N.
     pub force_n: f64,
     /// Difference between the lean of the force and its mean, degrees.
     pub further_lean_deg: f64,
@@ -45,7 +48,9 @@ pub(super) struct ViewUnknowns {
 /// A finger and its rig, with changes applied.
 pub(super) struct Candidate {
     pub mesh: Mesh,
+    /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
+    /// Transformation from the finger frame to the frame that a view has of its base, mm and rad.
     pub base: Isometry2<f64>,
     /// Moment at the tip without load, N mm.
     pub preload_nmm: f64,
@@ -70,8 +75,10 @@ pub(super) struct Problem<'p> {
 
 /// Equilibrium of a finger under the force of a view.
 pub(super) struct Pressed {
+    /// The force in the finger frame, N.
     pub force: Vector,
     pub motion: FrameMotion,
+    /// Turn of the plate's normal at the contact, rad.
     pub normal_turn_rad: f64,
     /// Equilibrium without the force, if displacements refer to it.
     at_rest: Option<FrameMotion>,
@@ -142,7 +149,7 @@ impl Problem<'_> {
         view.measurement.coordinate_count() + BASE_ROWS + further
     }
 
-    /// Equilibrium under the force of a view. `None` if there is none.
+    /// Equilibrium under the force of a view. `None` if the finger has none.
     pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Pressed> {
         self.pressed_from(None, candidate, view, own)
     }
@@ -238,7 +245,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Residuals of one view divided by their standard deviations, priors last. The equilibrium is sought from `near`. `None` if there is none.
+    /// Residuals of one view divided by their standard deviations, priors last. The equilibrium is sought from `near`. `None` without equilibrium.
     pub(super) fn weighted(
         &self,
         near: Option<&Pressed>,

@@ -16,13 +16,13 @@ use nalgebra::Point2;
 /// Camera height, mm, for a scene without a camera: so large that the height of markers has no effect.
 const NO_CAMERA_MM: f64 = 1e12;
 
-/// Prior uncertainty of the base about its references, if the scene states none. It suits a part that is mounted by hand and gives way. Images state
-/// only how well the references are seen, which is far more accurate.
+/// Prior uncertainty of the base about its references, if the scene states none. It suits a compliant part mounted by hand. Images state only the accuracy
+/// of the located references, which is far better.
 pub const UNSTATED_BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: std::f64::consts::PI / 180.0, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 
-/// Relative scatter of measured forces above which forces mirrored about the normal are tried, and the factor by which they must scatter less to prove a
-/// wrong sign.
+/// Relative scatter of measured forces above which forces mirrored about the normal are tried. `FAR_LESS` is the factor by which these must scatter less
+/// to prove a wrong sign.
 const LARGE_SCATTER: f64 = 0.03;
 const FAR_LESS: f64 = 3.0;
 

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::function::erf::erfc;
 
-/// Smallest and largest relative scatter that is tried, and the number of geometric steps between them.
+/// Smallest and largest relative scatter in the search, and the number of geometric steps between them.
 const LEAST: f64 = 1e-5;
 const LARGEST: f64 = 1.0;
 const STEPS: usize = 400;
@@ -13,7 +13,7 @@ const HALVINGS: usize = 50;
 pub(super) const TWO_SIDED_95: f64 = 1.959_964;
 /// Probability outside this interval.
 const OUTSIDE: f64 = 0.05;
-/// Largest standard deviation of a new force that is tried, as a multiple of [`LARGEST`].
+/// Largest standard deviation of a new force in the search, as a multiple of [`LARGEST`].
 const FARTHEST: f64 = 10.0;
 /// Iterations of the search for two variances: enough for three digits if both matter. A variance of zero decreases only as 1 / iterations.
 const ROUNDS: usize = 1000;
@@ -32,11 +32,11 @@ struct Combination {
 /// Relative force of one image by that image alone, as if it were new.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NewImage {
-    /// Derivative with respect to each unknown that all images share.
+    /// Derivative of the relative force with respect to each unknown that all images share.
     pub by_shared: DVector<f64>,
-    /// Variance due to the image's own noise and base.
+    /// Variance due to the image's own noise and base, dimensionless.
     pub variance: f64,
-    /// Part of this variance that is due to the noise of the markers.
+    /// Part of this variance due to the noise of the markers.
     pub of_markers: f64,
 }
 
@@ -236,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Balanced one-way random effects: mean square minus the variance within groups, or zero if that is negative (Searle, Casella and McCulloch,
+    /// Balanced one-way random effects: mean square minus the variance within groups, and zero instead of a negative value (Searle, Casella and McCulloch,
     /// Variance Components, 1992, sec. 3.8).
     #[test]
     fn a_balanced_variance_component_has_its_closed_form() {

@@ -100,7 +100,7 @@ pub enum ViewError {
         node: NodeId,
         /// Node near the marker.
         other: NodeId,
-        /// Distance from the computed position of its own node, mm.
+        /// Distance from the computed position of the named node, mm.
         away_mm: f64,
     },
     /// The calibrated finger would sense forces too inaccurately for use. The measured force of this view deviates most.

@@ -7,7 +7,7 @@ use crate::finger::NodeId;
 use crate::sensing::{Contact, ContactPosition};
 use serde::{Deserialize, Serialize};
 
-/// Version of the file format that is written, and the only one that is read.
+/// The only version of the file format that is written and read.
 pub const FORMAT: u32 = 1;
 
 /// Conversion of displacements to the inputs of a network.

@@ -42,7 +42,7 @@ pub enum NetworkError {
         part: String,
         /// Index of the number.
         index: usize,
-        /// The number.
+        /// The number that is infinite or NaN.
         value: f64,
     },
     /// A part has an impossible value.

@@ -66,7 +66,7 @@ impl Network {
     /// Reads a network from the bytes of its file.
     ///
     /// # Errors
-    /// [`NetworkError`] naming the tensor or key that is missing, wrong or damaged, with the expected content.
+    /// [`NetworkError`] naming the missing, wrong or damaged tensor or key, with the expected content.
     pub fn from_bytes(bytes: &[u8]) -> Result<Network, NetworkError> {
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(|error| unreadable(&error))?;
         let file = SafeTensors::deserialize(bytes).map_err(|error| unreadable(&error))?;

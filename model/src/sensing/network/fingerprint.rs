@@ -10,8 +10,8 @@ use std::str::FromStr;
 /// Significant digits that count. Ribs stated by number and by their positions differ by rounding.
 const DIGITS: i32 = 10;
 
-/// SHA-256 over the numbers of a finger: key nodes, rigid arms, clips and ends, rigidities, tapers, rib thicknesses, joints, brackets with the points of the
-/// markers, and zones. Names, the order of zones, the notation of the ribs, and other tables of the scene have no effect.
+/// SHA-256 over the numbers of a finger. They cover key nodes, rigid arms, clips and ends, rigidities, tapers, rib thicknesses, joints, brackets with the
+/// points of markers, and zones. Names, the order of zones, the notation of the ribs, and other tables of the scene have no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fingerprint([u8; 32]);
 

@@ -1,7 +1,7 @@
 //! Fills in the displacements of hidden markers from the training shapes.
 //!
-//! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c of the stored variances L. d = x_s - mean_s
-//! are the seen coordinates. The expected coordinates are mean + F d, with F the identity for seen coordinates and S_hs S_ss^-1 for hidden ones. The
+//! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c of the stored variances L. The seen
+//! coordinates are d = x_s - mean_s. The expected coordinates are mean + F d, with F the identity for seen coordinates and S_hs S_ss^-1 for hidden ones. The
 //! covariance is S = V^T L V + noise^2 (Rasmussen and Williams, Gaussian Processes for Machine Learning, eq. (A.6)). If all coordinates are seen, F is the
 //! identity.
 

@@ -55,9 +55,9 @@ pub struct Dense {
     pub inputs: usize,
     /// Length of y.
     pub outputs: usize,
-    /// W by rows, outputs x inputs.
+    /// W by rows, outputs x inputs. N in the last layer, dimensionless in the others.
     pub weights: Vec<f32>,
-    /// b, length outputs.
+    /// b, length outputs. N in the last layer, dimensionless in the others.
     pub bias: Vec<f32>,
 }
 

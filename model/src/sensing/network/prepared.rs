@@ -21,7 +21,7 @@ pub(crate) fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f6
 pub(super) struct Prepared {
     /// P, inputs x coordinates, 1/mm.
     pub(super) projection: DMatrix<f64>,
-    /// Vector that is added to P x.
+    /// Vector added to P x.
     pub(super) offset: Vec<f64>,
     /// The layers of the MLP.
     pub(super) layers: Vec<Dense>,

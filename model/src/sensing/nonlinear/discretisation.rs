@@ -11,8 +11,8 @@ use crate::statics::{Ladder, Statics};
 /// square of the element length.
 const DIVISIONS: usize = 2;
 const DIVISIONS_OF_SINGLE: usize = 4;
-/// Differences within which a stored error is reused: of forces, as a share of the largest, of positions, as a share of the plate, and of directions. The
-/// error itself is known to about a third.
+/// Largest differences at which a stored error is reused: of forces (share of the largest), positions (share of the plate) and directions. The error
+/// itself is known to about a third.
 const SAME_FORCE: f64 = 0.12;
 const SAME_POSITION: f64 = 0.02;
 const SAME_ANGLE_DEG: f64 = 3.0;
@@ -46,7 +46,7 @@ struct Known {
 }
 
 impl<'m> Discretisation<'m> {
-    /// A mesh that is fine enough to show the error of another.
+    /// A mesh fine enough to show the error of another.
     pub fn finer(mesh: &Mesh) -> Mesh {
         mesh.refined(if mesh.has_single_elements() { DIVISIONS_OF_SINGLE } else { DIVISIONS })
     }

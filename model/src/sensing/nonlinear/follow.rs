@@ -68,8 +68,8 @@ impl NonlinearEstimator<'_> {
         Followed { misfit_mm2, best }
     }
 
-    /// State after a share of the step, at the equilibrium near one on the path. `None` if there is none, or if its misfit exceeds `current_mm2`, that of the
-    /// current state.
+    /// State after a share of the step, at the equilibrium near one on the path. `None` if no equilibrium is near, or if its misfit exceeds `current_mm2`,
+    /// that of the current state.
     pub(super) fn part_of_step(
         &mut self,
         state: &State,

@@ -24,7 +24,7 @@ pub(super) struct FoundLean {
     pub sd_deg: f64,
     /// Derivative of each force with respect to the lean, with all other unknowns at their optimum, N per degree.
     pub by_lean_n: Vec<f64>,
-    /// Contribution of second order that the variance of its own force already includes, N^2.
+    /// Contribution of second order, N^2, already in the variance of the force that leans.
     pub second_order_n2: f64,
 }
 

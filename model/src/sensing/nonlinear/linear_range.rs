@@ -11,8 +11,8 @@ use nalgebra::DVectorView;
 
 /// Relative standard deviation up to which a force needs no check.
 const WELL_KNOWN: f64 = 0.3;
-/// Largest relative difference between nonlinear and linearised motion of the markers under a change of a force by one standard deviation (Bates and Watts,
-/// Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature).
+/// Largest relative difference between nonlinear and linearised motion of the markers when a force changes by one standard deviation. See Bates and Watts,
+/// Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
 const LARGEST_DEPARTURE: f64 = 0.5;
 
 /// Size of a confidence region, relative to the largest force, below which it needs no check. Without noise its ends differ only by rounding.

@@ -17,11 +17,11 @@ use crate::sensing::SensingError;
 const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
 
-/// Number of measured coordinates from which a minimum is unique if it explains them all and the first start leads to it: for one force, and for
-/// several.
+/// Number of measured coordinates from which a minimum counts as unique, for one force and for several. The minimum must explain all coordinates, and the
+/// first start must lead to it.
 pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
-/// Multiple of [`MANY_COORDINATES`] from which a minimum is unique if it explains all coordinates or two searches end in it. For unknown forces alone. Holds
-/// without a silent error for 8000 random fingers (test `random_fingers`).
+/// Multiple of [`MANY_COORDINATES`] from which a minimum counts as unique if it explains all coordinates or two searches end in it. It applies if only
+/// forces are unknown. Of 8000 random fingers none had an undetected error (test `random_fingers`).
 const VERY_MANY: usize = 2;
 
 /// The smallest minimum, and the other results of the searches.

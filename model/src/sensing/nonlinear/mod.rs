@@ -79,7 +79,7 @@ impl NonlinearEstimate {
     }
 }
 
-/// Estimates forces with the co-rotational finger on one mesh. Each estimate starts from the last one, if there is one, as suits a stream of camera
+/// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the last one, as suits a stream of camera
 /// frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each, and give every thread a clone.
 ///
 /// # Requirements

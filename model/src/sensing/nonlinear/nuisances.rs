@@ -1,8 +1,9 @@
-//! Nuisance parameters beside forces and positions: the pose of the base, the leans of forces, the pose of an object, and
-//! errors that all markers share.
+//! Nuisance parameters beside forces and positions: poses of the base and of an object, leans of forces, and errors that
+//! all markers share.
 //!
-//! Each has a Gaussian prior, which is one row of the least-squares problem below the markers: the deviation from its expected value, in standard
-//! deviations, times the noise of a coordinate. A compliant base is expected to turn with the forces, and the uncertainty of its turn grows with them.
+//! Each has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected value, in
+//! standard deviations, times the noise of a coordinate. A compliant base is expected to turn with the forces, and the uncertainty of its turn grows with
+//! them.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;

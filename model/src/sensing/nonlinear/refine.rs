@@ -6,8 +6,8 @@ use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::sensing::{ContactQuestion, Meeting, SensingError, Warning};
 
-/// Refinement ends when doubling the mesh changes no force by more than this share of the largest, nor by more than `REFINEMENT_SIGMAS` of its standard
-/// deviations. A change by the share `NEGLIGIBLE` is always small enough.
+/// Refinement ends when doubling the mesh changes no force by more than this share of the largest and `REFINEMENT_SIGMAS` of its standard deviations. A
+/// change by the share `NEGLIGIBLE` is always small enough.
 const REFINEMENT_TOLERANCE: f64 = 2e-3;
 const REFINEMENT_SIGMAS: f64 = 0.5;
 const NEGLIGIBLE: f64 = 1e-4;
@@ -18,8 +18,8 @@ const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
 /// Smallest number of elements at the start, so that the mesh of a finger with few ribs separates minima as a fine mesh does.
 const LEAST_ELEMENTS: usize = 40;
 
-/// Refines the mesh until doubling it changes no force by more than half of its standard deviation, nor by more than 0.2 % of the largest force. A change
-/// of 0.01 % is always small enough. The standard deviations include the remaining error of the last mesh.
+/// Refines the mesh until doubling it changes no force by more than half of its standard deviation and 0.2 % of the largest force. A change of 0.01 % is
+/// always small enough. The standard deviations include the remaining error of the last mesh.
 ///
 /// Small changes alone do not prove convergence: near a limit load, and for loads between nodes, they may be small by chance and grow again.
 ///

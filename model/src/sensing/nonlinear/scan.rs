@@ -12,8 +12,8 @@ use crate::frame::FrameMotion;
 use crate::measurement::{Marker, Measurement};
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 
-/// Largest change of a displacement, as a share of the front plate, and of a rotation, rad, between points: of the curve of a single force, and of curves
-/// that cover a surface.
+/// Largest change between points of a curve: of a displacement, as a share of the front plate, and of a rotation, rad. The first row is for the curve of a
+/// single force, the second for curves that cover a surface.
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
 /// Multiple of the largest change from which a step is repeated shorter.
 const TOO_LONG: f64 = 1.5;
@@ -50,7 +50,9 @@ pub(super) struct Scan {
 /// A point of a curve with its misfit for a measurement.
 #[derive(Debug, Clone)]
 pub(super) struct ScannedPoint {
+    /// Misfit at the point, mm^2.
     pub misfit_mm2: f64,
+    /// Forces at the point, N.
     pub forces_n: Vec<f64>,
     curve: usize,
     /// Index of the preceding point of the curve.

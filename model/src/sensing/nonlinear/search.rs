@@ -1,8 +1,8 @@
 //! Search for the nearest minimum from any start: the Levenberg-Marquardt method with a trust region.
 //!
 //! The finger hardly responds to a force along a plate until the plate buckles. A step that suits the linearised finger may
-//! lead far away, or to no equilibrium. The trust region therefore limits steps to the range in which the last ones were as
-//! predicted, and a step ends at an equilibrium that is worse than its start ([`follow`](super::follow)).
+//! lead far away, or to no equilibrium. The trust region therefore limits steps to the range in which predictions held. A
+//! step also ends at an equilibrium with a larger misfit than its start ([`follow`](super::follow)).
 
 use super::follow::{Followed, PartOfStep};
 use super::search_history::SearchHistory;
@@ -14,17 +14,17 @@ use crate::statics::StaticsError;
 
 /// Largest number of steps; a good start needs three.
 const MAX_STEPS: usize = 60;
-/// Steps have converged when they change every unknown by less than this share of its scale, or when every combination of the
-/// unknowns is within a hundredth of its standard deviation of its best value.
+/// Steps have converged when they change every unknown by less than this share of its scale. They have also converged when
+/// every combination of unknowns is within a hundredth of its standard deviation of the optimum.
 const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, step: 1e-7 };
-/// Change, as a share of each unknown's scale, that is small enough after [`MAX_STEPS`]: no camera resolves it. If the finger does not explain the
-/// data, the weights of the markers change in every step and converge slowly.
+/// Largest accepted change after [`MAX_STEPS`], as a share of each unknown's scale: no camera resolves it. If the finger does not explain the data, the
+/// weights of the markers change in every step and converge slowly.
 const SMALL_ENOUGH: f64 = 1e-5;
 /// Change of the unknowns by a step, as a share of their scales, below which the minimum may be near. If it is not, a tenth of that change is the next
 /// limit.
 const MAY_BE_NEAR: f64 = 0.03;
-/// Relative increase of the misfit that is accepted in a step: for rounding, and while directions follow a turning plate. A turning normal may make a good
-/// step look worse; the next step corrects its residual.
+/// Largest accepted relative increase of the misfit in a step: for rounding, and while directions follow a turning plate. A turning normal may make a
+/// good step look worse; the next step corrects its residual.
 const SETTLED_SLACK: f64 = 1e-12;
 const TURNING_SLACK: f64 = 0.5;
 

@@ -48,12 +48,12 @@ impl SearchHistory {
         SearchHistory { are_kept: forces_alone && !questions.iter().any(follows), ..SearchHistory::default() }
     }
 
-    /// This history for a measurement that is explained up to a misfit, mm^2. `None`: any misfit may explain it.
+    /// This history with the largest misfit, mm^2, that explains the measurement. `None`: any misfit may explain it.
     pub(super) fn explaining_up_to(self, misfit_mm2: Option<f64>) -> SearchHistory {
         SearchHistory { far_mm2: misfit_mm2.map(|misfit_mm2| FAR * FAR * misfit_mm2), ..self }
     }
 
-    /// Whether a search may end at a misfit, mm^2, that is far from explaining the measurement and can only decrease by `decrease_mm2`.
+    /// Whether a search may end at `misfit_mm2`, far from explaining the measurement, because it can only decrease by `decrease_mm2`.
     pub(super) fn ends_far(&self, misfit_mm2: f64, decrease_mm2: f64) -> bool {
         self.is_far(misfit_mm2) && decrease_mm2 <= NEARLY * misfit_mm2
     }

@@ -1,4 +1,4 @@
-//! Simultaneous correction of forces and shape, for a minimum that is near.
+//! Simultaneous correction of forces and shape, for a near minimum.
 //!
 //! Each step factors the tangent once. It corrects the shape by Newton's method, then the forces by the Gauss-Newton method
 //! with derivatives from the same tangent. These lag one correction behind; both methods still converge quadratically. A frame
@@ -14,7 +14,7 @@ const LARGEST_TURN: f64 = 0.3;
 /// Largest turn of nodes in all later corrections together, as a share of the first, as in a load step of the statics. The
 /// tangent predicts a smooth path, but not a snap to another branch.
 const LATER_TURNS: f64 = 0.5;
-/// Turn, rad, that is negligible in this comparison.
+/// Negligible turn in this comparison, rad.
 const TURN_NOISE: f64 = 1e-4;
 /// Largest last step, as a share of each unknown's scale. The derivatives lag, so the step is wrong by about a hundredth.
 const SETTLED_STEP: f64 = 1e-8;

@@ -13,7 +13,7 @@ use crate::sensing::{Contact, ContactQuestion, Direction, Lean, Normal, SensingE
 use crate::statics::StaticsError;
 use nalgebra::Point2;
 
-/// Standard deviation of a closed contact off the plate and along it, mm: far below the accuracy of outlines, and no smaller than that of a mesh.
+/// Standard deviation of a closed contact off the plate and along it, mm: far more accurate than outlines, but not more than a mesh.
 const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
 /// Step of differences, as a share of each unknown's scale. The differenced quantities are linear in the step except for turns.
 const STEP: f64 = 1e-5;
@@ -108,7 +108,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(NonlinearEstimator::new(self.mesh, questions)?.with_pad(self.pad).with_object(object))
     }
 
-    /// Refuses directions of an object if there is none.
+    /// Refuses directions that refer to an object if no object is given.
     ///
     /// # Errors
     /// [`SensingError::NoObject`] for the first such contact.
@@ -178,7 +178,7 @@ impl<'m> NonlinearEstimator<'m> {
     /// Iterates a state to the equilibrium under loads that follow its shape.
     ///
     /// # Errors
-    /// [`SensingError::Statics`] if there is none.
+    /// [`SensingError::Statics`] if the finger has no such equilibrium.
     pub(super) fn settle(&mut self, state: &mut State) -> Result<(), SensingError> {
         for _ in 0..SETTLINGS {
             let loads = state.loads.clone();
@@ -239,7 +239,7 @@ impl<'m> NonlinearEstimator<'m> {
         self.resumed(found.state, measurement, noise_mm)
     }
 
-    /// Refuses an object that is farther from the plate, or deeper in it, than its uncertainty allows.
+    /// Refuses an object farther from the plate, or deeper in it, than its uncertainty allows.
     fn require_touch(&self, state: &State, measurement: &Measurement, noise_mm: f64) -> Result<(), SensingError> {
         let Some(touching) = &self.object else { return Ok(()) };
         let length_mm = self.finger().plate_length_mm(Plate::Front);
