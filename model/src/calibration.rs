@@ -116,7 +116,7 @@ pub enum CalibrationError {
         /// Reason for which the view is refused.
         error: ViewError,
     },
-    /// Measured forces differ by a large common factor from those under which the scene's finger bends as the views show.
+    /// Measured forces differ by a large common factor from the forces that bend the scene's finger as the views show.
     #[error(
         "measured forces are {times:.3} times (median) those under which the finger of the scene bends as the images show: check their unit (N), sign \
          and frame; if these are right, begin from a scene whose moduli are nearer to the finger's"

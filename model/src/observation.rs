@@ -73,7 +73,7 @@ pub enum ObservationError {
     Marker {
         /// Index of the marker in the observation, from 0.
         index: usize,
-        /// Reason for which it does not fit.
+        /// Reason for which the marker does not fit.
         reason: MarkerError,
     },
     /// The standard deviations of the base's pose are negative.
@@ -101,7 +101,7 @@ pub enum MarkerError {
     Deviation {
         /// The standard deviation, mm.
         sd_mm: f64,
-        /// Whether it is the standard deviation without the error of the base.
+        /// Whether `sd_mm` excludes the error of the base.
         is_own: bool,
     },
     /// A marker on a clamped node moved farther than noise explains.

@@ -38,7 +38,7 @@ pub struct SampleRecipe {
     pub largest_force_n: f64,
     /// Largest sum of the forces, N. Larger sums are scaled to a value drawn uniformly from zero to it.
     pub largest_sum_n: f64,
-    /// Standard deviation of each force's direction about the contact's, degrees.
+    /// Standard deviation of each force's direction about the contact's direction, degrees.
     pub direction_spread_deg: f64,
     /// Standard deviation of the logarithm of the finger's modulus about the scene's, dimensionless: 0.05 is 5 %.
     pub modulus_spread: f64,

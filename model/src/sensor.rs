@@ -179,7 +179,7 @@ impl<'s> Sensor<'s> {
     /// Combines a scene with contacts and options.
     ///
     /// # Errors
-    /// [`Refusal`] if the estimator can sense these contacts from no observation.
+    /// [`Refusal`] if the estimator does not support the contacts, whose forces it would refuse for every observation.
     pub fn new(scene: &'s Scene, contacts: SensorContacts, options: SensorOptions<'s>) -> Result<Sensor<'s>, Refusal> {
         match &contacts {
             SensorContacts::Asked(questions) => options.estimator.admits(&scene.finger, questions, options.networks)?,

@@ -85,7 +85,7 @@ pub fn corotational_modulus(
         }
     });
     let (estimate, weighed) = found.unwrap_or(Err(CalibrationError::NoMinimum))?;
-    // Halving the elements changes the factor by more than the mesh error of all elements.
+    // The change of the factor with half as many elements is an upper bound of the mesh error.
     let coarse = FactorModel { elements: elements.div_ceil(2), ..model };
     let mesh_error = factors(&estimate.finger, &weighed, &[Unknown::Modulus], &coarse)?.factors[0] - 1.0;
     let coordinates: usize = cases.iter().map(|case| case.measurement.coordinate_count()).sum();

@@ -1,7 +1,7 @@
 //! All force estimators. Each is one row of [`EstimatorId`], so that all studies and tables treat estimators equally.
 //!
-//! Threads share an [`Estimator`]; each thread prepares its own [`PreparedEstimator`] for the contacts and markers of a question. An estimate does not
-//! depend on earlier measurements.
+//! Threads share an [`Estimator`]; each thread prepares a [`PreparedEstimator`] for the contacts and markers of a question. An estimate does not depend on
+//! earlier measurements.
 
 mod beam;
 mod linear;
@@ -60,32 +60,33 @@ impl EstimatorId {
         self.row().is_linear
     }
 
-    /// Whether it solves iteratively for the shape of the co-rotational finger. A measurement that no shape fits then costs about 100 times as much.
+    /// Whether the estimator solves iteratively for the shape of the co-rotational finger. A measurement that no shape fits then costs about 100 times as
+    /// much.
     pub fn searches(self) -> bool {
         self.row().searches
     }
 
-    /// Whether it answers only at contact nodes and along the normal, as the shipped networks do.
+    /// Whether the estimator answers only at contact nodes and along the normal, as the shipped networks do.
     pub fn at_nodes(self) -> bool {
         self.row().at_nodes
     }
 
-    /// Information that it needs beside the displacements, as a phrase.
+    /// Phrase for help texts: the information that the estimator needs beside the displacements.
     pub fn needs(self) -> &'static str {
         self.row().needs
     }
 
-    /// Questions and measurements that it refuses, as a phrase.
+    /// Phrase for help texts: the questions and measurements that the estimator refuses.
     pub fn refuses(self) -> &'static str {
         self.row().refuses
     }
 
-    /// Contacts that it senses without training on them, as a phrase.
+    /// Phrase for help texts: the contacts that the estimator senses without training for them.
     pub fn unseen_contacts(self) -> &'static str {
         self.row().unseen_contacts
     }
 
-    /// The mesh of a finger on which it works.
+    /// The mesh on which the estimator works for a finger.
     pub fn mesh(self, finger: &Finger) -> Mesh {
         (self.row().mesh)(finger)
     }
@@ -95,10 +96,10 @@ impl EstimatorId {
         (self.row().on)(mesh, networks)
     }
 
-    /// Refuses contacts that it can sense from no measurement.
+    /// Refuses contacts that the estimator does not support for any measurement.
     ///
     /// # Errors
-    /// [`EstimatorError`] if a contact is wrong, or the estimator does not support it.
+    /// [`EstimatorError`] if a contact is wrong or unsupported.
     pub fn admits(
         self,
         finger: &Finger,
@@ -179,7 +180,7 @@ pub trait Estimator: Sync {
 
 /// An estimator prepared for contacts and markers.
 pub trait PreparedEstimator {
-    /// Estimates the forces from the displacements of its markers. `noise_mm` is the standard deviation of a coordinate, mm; `None` if unknown.
+    /// Estimates the forces from the displacements of the prepared markers. `noise_mm` is the standard deviation of a coordinate, mm; `None` if unknown.
     ///
     /// # Errors
     /// [`EstimatorError`] if the estimator refuses to answer.

@@ -50,7 +50,7 @@ pub enum NoNetwork {
         "no network ships for this finger: train one with `finray train SCENE --contact ... --out FILE` and give it with --network FILE"
     )]
     Finger,
-    /// No network is trained for these contacts, which the field lists.
+    /// No network is trained for these contacts. The field lists the contacts.
     #[error(
         "no network ships for these contacts ({0}): train one with `finray train SCENE --contact ... --out FILE` and give it with \
          --network FILE"
@@ -104,7 +104,7 @@ pub struct NetworkSensing<'n> {
     pub networks: &'n Networks,
     /// The finger whose forces are estimated.
     pub finger: &'n Finger,
-    /// Whether it refuses shapes unlike those of the training.
+    /// Whether the estimator refuses shapes unlike the training shapes.
     pub refuses: bool,
 }
 
@@ -132,7 +132,7 @@ impl PreparedEstimator for NetworkEstimator {
     }
 }
 
-/// Forces for any shape, as from the paper's network: it refuses nothing and states no standard deviations.
+/// A network estimator that, like the paper's network, accepts any shape and states no standard deviations.
 struct Unjudged(NetworkEstimator);
 
 impl PreparedEstimator for Unjudged {

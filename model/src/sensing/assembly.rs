@@ -23,7 +23,7 @@ pub struct AssemblyErrors {
     pub preload_nmm: f64,
     /// Standard deviation of the preload, N mm.
     pub preload_sd_nmm: f64,
-    /// Standard deviation of the markers' height before the camera, mm.
+    /// Standard deviation of the height of the markers, mm.
     pub height_sd_mm: f64,
     /// Further errors that a calibration leaves, independent of each other and of the errors above.
     pub further: Vec<UnloadedError>,

@@ -12,8 +12,8 @@ use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
-/// A measurement shows a linear finger if that explains it better than the co-rotational finger by this difference of misfits. It is in squared standard
-/// deviations of the noise: three standard deviations.
+/// A measurement shows a linear finger if the linear finger explains it better than the co-rotational one by this difference of misfits. The difference is in
+/// squared standard deviations of the noise: three standard deviations.
 const FAVOURED: f64 = 9.0;
 
 /// Largest residual, as a share of the displacements, that the linear finger explains if no noise is stated. At deflections beyond the co-rotational

@@ -68,7 +68,7 @@ pub(super) struct LinearisationError {
 struct Point {
     key: Vec<i64>,
     step_n: f64,
-    /// `None` if the linear estimator would return these forces for no forces on the co-rotational finger.
+    /// `None` if no forces on the co-rotational finger would lead the linear estimator to this answer.
     solution: Option<Solution>,
 }
 
@@ -102,14 +102,14 @@ impl<'m> Linearisation<'m> {
     /// Error of estimated forces, N.
     ///
     /// # Errors
-    /// [`SensingError::NotLinearised`] if the linear estimator would return these forces for no forces on the co-rotational finger.
+    /// [`SensingError::NotLinearised`] if no forces on the co-rotational finger would lead the linear estimator to this answer.
     pub(super) fn error(
         &mut self,
         model: LinearModel,
         measurement: &Measurement,
         sensed_n: &[f64],
     ) -> Result<LinearisationError, SensingError> {
-        // Points for another gain are invalid: other markers, or a prior under other noise.
+        // Points for another gain (other markers, or a prior under other noise) are invalid.
         if self.gain != *model.gain {
             self.points.clear();
             self.gain.clone_from(model.gain);
@@ -155,7 +155,8 @@ impl<'m> Linearisation<'m> {
         Ok(self.points[index].solution.as_ref().map(|solution| (grid_n, solution)))
     }
 
-    /// Forces for which the linear estimator returns `target_n`, by Newton's method. `None` if the finger carries no such forces.
+    /// Forces on the co-rotational finger for which the linear estimator returns `target_n`, N, by Newton's method. `None` if the finger carries no such
+    /// forces.
     fn solve(
         &mut self,
         LinearModel { gain, compliance }: LinearModel,

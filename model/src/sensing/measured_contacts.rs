@@ -54,7 +54,7 @@ pub struct MeasuredContactForces {
     pub across_n: Vec<f64>,
     /// The contacts, as measured.
     pub contacts: Vec<Contact>,
-    /// Covariance of the forces along all contacts, followed by those across them, N^2.
+    /// Covariance, N^2, of all forces along the contacts, followed by all forces across the contacts.
     pub covariance_n2: DMatrix<f64>,
 }
 
@@ -188,8 +188,8 @@ impl Problem<'_> {
         columns / self.knowledge.noise_mm
     }
 
-    /// Forces along and across with their covariance. The effect of a tangent on the markers is proportional to the force. The force counts with its mean
-    /// square, estimate squared plus variance, which matters for small forces.
+    /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. The force counts with
+    /// its mean square (estimate squared plus variance), which matters for small forces.
     fn solution(&mut self, fit: &Fit<DVector<f64>>) -> Result<MeasuredContactForces, SensingError> {
         let count = self.contacts.len();
         let (forces_n, tangents) = (&fit.point.as_slice()[..count], &fit.point.as_slice()[count..2 * count]);
@@ -232,7 +232,7 @@ impl Problem<'_> {
     }
 }
 
-/// Covariance of all unknowns, or [`SensingError::IllConditioned`] if it does not exist.
+/// Covariance of all unknowns, or [`SensingError::IllConditioned`] if the unknowns are not identifiable.
 fn inverse(jacobian: &DMatrix<f64>) -> Result<DMatrix<f64>, SensingError> {
     covariance(jacobian).ok_or(SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 })
 }

@@ -85,7 +85,7 @@ impl<'m> RespondingFinger<'m> {
         RespondingFinger { mesh, statics: Statics::ladder(mesh, Kinematics::Corotational), last: at_rest }
     }
 
-    /// The finger.
+    /// The finger that is bent.
     pub(super) fn finger(&self) -> &'m Finger {
         self.mesh.finger()
     }

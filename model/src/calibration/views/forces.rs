@@ -1,4 +1,4 @@
-//! Compares measured forces with those that the images of a fit show.
+//! Compares measured forces with the forces that the images of a fit show.
 
 use super::View;
 use super::problem::{BASE_ROWS, OWN, Point, Problem};
@@ -44,7 +44,7 @@ impl Problem<'_> {
         Some((by_shared, covariance, alone))
     }
 
-    /// Scatter of measured forces about those that the images show, linearised at a fit. `None` if the images do not determine all unknowns.
+    /// Scatter of measured forces about the forces that the images show, linearised at a fit. `None` if the images do not determine all unknowns.
     pub(super) fn scatter_of(&self, fitted: &Fit<Point>) -> Option<Scatter> {
         let (mut by, mut residual) = (fitted.jacobian.clone(), fitted.residual.clone());
         let shared = self.sought.len();

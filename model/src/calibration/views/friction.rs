@@ -77,7 +77,8 @@ impl Fit {
         Fit { build_up_n, sliding, within_deg: variance.sqrt() }
     }
 
-    /// Mean over objects, degrees, its variance, degrees^2, and the logarithm of the restricted likelihood, for a standard deviation between objects.
+    /// Mean over objects, degrees, its variance, degrees^2, and the logarithm of the restricted likelihood, if objects differ by the standard deviation
+    /// `between_deg`.
     fn mean(&self, between_deg: f64) -> [f64; 3] {
         let variances = || self.sliding.iter().map(|(_, variance)| variance + between_deg * between_deg);
         let variance = 1.0 / variances().map(|variance| 1.0 / variance).sum::<f64>();

@@ -109,9 +109,9 @@ pub struct ViewEstimate {
     pub finger: Finger,
     /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
-    /// Transformation from the finger frame to the frame that a view has of its base, mm and rad. It is the same for all views.
+    /// Part of the transformation from the finger frame to the frame of a view that all views share, mm and rad.
     pub base: Isometry2<f64>,
-    /// The quantities that were sought.
+    /// Estimates of the sought quantities.
     pub quantities: Vec<FoundQuantity>,
     /// Correlation matrix of the quantities.
     pub correlation: DMatrix<f64>,
@@ -141,7 +141,7 @@ pub struct ForceError {
 
 /// Standard deviation of the model error, mm, with which the fit starts. Later rounds use the estimate of the last fit.
 const FIRST_MODEL_ERROR_MM: f64 = 0.05;
-/// Relative scatter of forces with which the fit starts, kept if the data do not show it; and the smallest scatter that matters.
+/// Relative scatter of forces with which the fit starts, kept if the data do not show it. `LEAST_SCATTER` is the smallest scatter that matters.
 const FIRST_SCATTER: f64 = 0.01;
 const LEAST_SCATTER: f64 = 1e-5;
 /// Unknowns are then within a thousandth of their standard deviations. Derivatives by differences do not allow much more.

@@ -208,7 +208,7 @@ fn found_from(
     Some((found, sought, fitted.point.shared))
 }
 
-/// Difference between the lean of an earlier force and its mean, degrees. Zero unless the lean refers to the undeformed normal.
+/// Difference between the lean of an earlier estimate and the mean lean, degrees. Zero unless the lean refers to the undeformed normal.
 fn further_lean_deg(lean: &Lean, before: &SensedBefore) -> f64 {
     match lean.from {
         Normal::Undeformed => before.angle_deg - lean.mean_deg(before.force_n),

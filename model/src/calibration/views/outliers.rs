@@ -9,7 +9,7 @@ use crate::optimise::Fit;
 use nalgebra::DMatrix;
 use std::fmt;
 
-/// Smallest factor between a measured force and the others at which it may be an outlier: no sensor errs by as much.
+/// Smallest ratio of a measured force to its expected value at which the force may be an outlier. Sensors err by less.
 const EXPECTED_TIMES: f64 = 1.1;
 /// An outlier also deviates by more than this many standard deviations, which follow from the median deviation.
 const MOST_SIGMAS: f64 = 6.0;

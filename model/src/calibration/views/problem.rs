@@ -37,11 +37,11 @@ pub(super) struct Point {
 pub(super) struct ViewUnknowns {
     /// Position of the force along the front plate, mm.
     pub s_mm: f64,
-    /// Motion of the base from the frame of the view, mm and rad.
+    /// Deviation of this view's base from the shared pose, mm and rad.
     pub base: Isometry2<f64>,
     /// Magnitude of the force, N.
     pub force_n: f64,
-    /// Difference between the lean of the force and its mean, degrees.
+    /// Difference between the lean of the force and the mean lean, degrees.
     pub further_lean_deg: f64,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Candidate {
     pub mesh: Mesh,
     /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
-    /// Transformation from the finger frame to the frame that a view has of its base, mm and rad.
+    /// Part of the transformation from the finger frame to the frame of a view that all views share, mm and rad.
     pub base: Isometry2<f64>,
     /// Moment at the tip without load, N mm.
     pub preload_nmm: f64,

@@ -22,11 +22,11 @@ pub enum Quantity {
     RibPosition(Plate, usize),
     /// Height of the markers above the plane of the beams, mm.
     MarkerHeight,
-    /// x of the finger frame's origin in the frame that a view has of its base, mm.
+    /// x of the finger frame's origin in the frame of each view, mm.
     BaseX,
-    /// y of this origin, mm.
+    /// y of the finger frame's origin in the frame of each view, mm.
     BaseY,
-    /// Turn of the finger frame in the frame that a view has of its base, degrees.
+    /// Turn of the finger frame in the frame of each view, degrees.
     BaseTurn,
     /// Moment at the tip that the plates exert on each other without load, N mm.
     Preload,
@@ -57,8 +57,8 @@ impl fmt::Display for Quantity {
 }
 
 impl Quantity {
-    /// Whether it is a factor on a modulus. Its unknown is then a logarithm, and only measured forces determine it. The unknown of any other quantity is its
-    /// change.
+    /// Whether the quantity is a factor on a modulus. The unknown of a factor is its logarithm, which only measured forces determine. The unknown of any other
+    /// quantity is its change.
     pub fn is_modulus(&self) -> bool {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
     }
@@ -72,7 +72,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it belongs to markers or base, not to the finger.
+    /// Whether the quantity describes markers or base, not the finger.
     pub fn is_of_rig(&self) -> bool {
         matches!(self, Quantity::MarkerHeight | Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn)
     }

@@ -1,4 +1,4 @@
-//! Relative scatter of measured forces about those that images show, and the error that it adds to a sensed force.
+//! Relative scatter of measured forces about the forces that images show, and the resulting error of a sensed force.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::function::erf::erfc;
@@ -11,7 +11,7 @@ const STEPS: usize = 400;
 const HALVINGS: usize = 50;
 /// Half the width of a 95 % interval, in standard deviations.
 pub(super) const TWO_SIDED_95: f64 = 1.959_964;
-/// Probability outside this interval.
+/// Probability outside a 95 % interval.
 const OUTSIDE: f64 = 0.05;
 /// Largest standard deviation of a new force in the search, as a multiple of [`LARGEST`].
 const FARTHEST: f64 = 10.0;
@@ -25,11 +25,11 @@ struct Combination {
     precision: f64,
     /// Observed value times the precision.
     seen: f64,
-    /// Squares of the changes that it causes in the force of each new image.
+    /// Square of the change that the combination causes in the relative force of each new image.
     carried: Vec<f64>,
 }
 
-/// Relative force of one image by that image alone, as if it were new.
+/// Relative force estimated from one image alone, as if the image were new.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NewImage {
     /// Derivative of the relative force with respect to each unknown that all images share.
@@ -43,7 +43,7 @@ pub(super) struct NewImage {
 /// Error that a calibrated finger adds to a force sensed in a new image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AddedForceError {
-    /// Relative standard deviation of the force, of which 1.96 are half of a 95 % interval.
+    /// Relative standard deviation of the force, dimensionless. 1.96 times it is half of a 95 % interval.
     pub share: f64,
     /// Added variance as a share of the variance due to the image's markers.
     pub of_markers: f64,

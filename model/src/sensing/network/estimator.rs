@@ -60,7 +60,7 @@ impl NetworkEstimator {
     /// As [`NetworkEstimator::new`], with given instructions.
     ///
     /// # Errors
-    /// As [`NetworkEstimator::new`].
+    /// [`NetworkError`] as from [`NetworkEstimator::new`].
     pub fn with_instructions(
         network: &Network,
         finger: &Finger,
@@ -235,7 +235,7 @@ impl NetworkEstimator {
 
 /// Part of a measurement outside the principal directions, which no training sample has.
 struct Residual {
-    /// Standard deviation of one coordinate on which those of forces rest, mm.
+    /// Standard deviation of a coordinate for computing those of forces, mm.
     noise_mm: f64,
     /// Root mean square of the residual, mm.
     rms_mm: f64,
@@ -248,10 +248,10 @@ fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(
 }
 
 impl Network {
-    /// Checks that it was trained for a finger and for contacts: all in any order, or any of them for [`ContactSet::AnyOf`].
+    /// Checks that the network was trained for a finger and for contacts: all in any order, or any of them for [`ContactSet::AnyOf`].
     ///
     /// # Errors
-    /// [`NetworkError::AnotherFinger`] or [`NetworkError::OtherContacts`] if it was not.
+    /// [`NetworkError::AnotherFinger`] or [`NetworkError::OtherContacts`] if the network was trained for others.
     pub fn check_made_for(&self, finger: &Finger, contacts: &[Contact]) -> Result<(), NetworkError> {
         selection(self, finger, contacts).map(|_| ())
     }

@@ -161,7 +161,7 @@ fn matrix_shape(name: &str, tensor: &TensorView) -> Result<[usize; 2], NetworkEr
     shape.try_into().map_err(|_| NetworkError::of_part(name, "a matrix", format!("the shape {shape:?}")))
 }
 
-/// Removes a tensor from those that were read.
+/// Removes a tensor from the tensors of a file, and checks its type.
 fn take<'d>(
     tensors: &mut BTreeMap<&str, TensorView<'d>>,
     name: &str,

@@ -16,7 +16,7 @@ pub enum Instructions {
 /// A prepared network in the order in which the kernels read it, with buffers between its layers.
 #[derive(Debug, Clone)]
 pub(super) struct Forward {
-    /// `None` for portable instructions.
+    /// Detected instructions of the machine. `None`: portable instructions.
     arch: Option<Arch>,
     plan: Plan,
     one: Between,
@@ -33,7 +33,7 @@ struct Plan {
     skip: Option<Weights<f32>>,
 }
 
-/// Buffers between the layers for one frame or for a tile of frames: one row of frames per number.
+/// Buffers between the layers for one frame, or for a tile of frames with one row per number and one column per frame.
 #[derive(Debug, Clone)]
 struct Between {
     /// Displacements of a tile, mm. Empty for one frame, which is read in place.
@@ -52,7 +52,7 @@ impl Forward {
         dispatch(arch, Arrange { prepared, arch })
     }
 
-    /// Number of coordinates of a frame.
+    /// Number of displacement coordinates of a frame.
     pub(super) fn coordinates(&self) -> usize {
         self.plan.coordinates
     }

@@ -74,7 +74,7 @@ impl NonlinearEstimate {
     /// Whether other forces, N, whose misfit is larger by `excess`, mm^2, are the same answer.
     ///
     /// # Errors
-    /// [`SensingError::Ambiguous`] if they are another answer that explains the data equally well.
+    /// [`SensingError::Ambiguous`] if the other forces are another answer that explains the data equally well.
     fn is_confirmed_by(&self, other_n: &[f64], excess: f64) -> Result<bool, SensingError> {
         match self.other_answer(other_n) {
             Some(i) if excess <= AS_GOOD * self.forces.noise_mm.powi(2) => {
@@ -97,7 +97,7 @@ impl NonlinearEstimate {
     /// one start leads. `minima` holds misfit, mm^2, and forces, N, of each minimum.
     ///
     /// # Errors
-    /// [`SensingError::Ambiguous`] and [`SensingError::Unconfirmed`].
+    /// [`SensingError::Ambiguous`] for another minimum, [`SensingError::Unconfirmed`] for an estimate that nothing confirms.
     pub(super) fn check_rivals(
         &self,
         misfit: f64,
@@ -169,7 +169,7 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Computes the standard deviations of an estimate, and refuses it if necessary.
+    /// Computes the standard deviations of an estimate, and refuses estimates without identifiable unknowns.
     ///
     /// # Errors
     /// [`SensingError`] if an unknown is not identifiable, or the shape does not explain the measurement.

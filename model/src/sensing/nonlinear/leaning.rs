@@ -69,7 +69,7 @@ impl NonlinearEstimator<'_> {
     /// Forces, N, that explain a measurement best if one of them leans by `more_deg` further.
     ///
     /// # Errors
-    /// [`SensingError`] if there are none.
+    /// [`SensingError`] if the search finds no such forces.
     fn leaning_at(
         &self,
         state: &State,

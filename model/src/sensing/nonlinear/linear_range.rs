@@ -1,4 +1,4 @@
-//! Checks the range in which standard deviations hold: they are those of the finger linearised at the estimate.
+//! Checks whether the finger linearised at the estimate gives valid standard deviations.
 
 use super::linearised::Posed;
 use super::minima::MANY_COORDINATES;
@@ -90,7 +90,7 @@ impl NonlinearEstimator<'_> {
     /// moves nothing until the plate buckles.
     ///
     /// # Errors
-    /// [`SensingError::Undetermined`] for the first such force.
+    /// [`SensingError::Undetermined`] for the first force that is so uncertain.
     pub(super) fn require_linear_range(
         &mut self,
         state: &State,

@@ -35,7 +35,7 @@ pub(super) struct Minima {
     pub scanned: Vec<Vec<ScannedPoint>>,
 }
 
-/// A search for all minima.
+/// State of the search for all minima.
 struct Search<'s> {
     measurement: &'s Measurement,
     noise_mm: Option<f64>,
@@ -165,8 +165,8 @@ impl NonlinearEstimator<'_> {
         self.resumed(state, measurement, noise_mm).ok()
     }
 
-    /// Minimum nearest to a start, by the trust-region search if it is not near. `None` if the search meets a path of `history`. Adds the start's forces
-    /// and shape to `starts`.
+    /// Minimum nearest to a start, found by the trust-region search unless the start is near. `None` if the search meets a path of `history`. Adds the start's
+    /// forces and shape to `starts`.
     pub(super) fn searched(
         &mut self,
         measurement: &Measurement,
@@ -183,7 +183,7 @@ impl NonlinearEstimator<'_> {
         self.minimum_near(start, measurement, noise_mm, history)
     }
 
-    /// Minimum nearest to a state, by the trust-region search if it is not near. `None` if the search meets a path of `history`.
+    /// Minimum nearest to a state, found by the trust-region search unless the state is near. `None` if the search meets a path of `history`.
     pub(super) fn minimum_near(
         &mut self,
         start: State,

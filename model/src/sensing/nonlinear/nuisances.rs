@@ -16,7 +16,7 @@ use nalgebra::Isometry2;
 pub(super) struct Nuisances {
     /// Motion of the base from its expected pose, in the finger frame of the measurement, mm and rad.
     pub base: Isometry2<f64>,
-    /// Difference between the lean of each force and its mean, degrees.
+    /// Difference between the lean of each force and the mean lean, degrees.
     pub further_leans_deg: Vec<f64>,
     /// Deviation of the object from its stated pose: x, mm, y, mm, and turn, rad.
     pub object: [f64; 3],
@@ -100,7 +100,7 @@ impl Prior {
 /// A prior as a row of the least-squares problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PriorRow {
-    /// Index of its unknown.
+    /// Index of the unknown with this prior.
     pub index: usize,
     /// Derivative with respect to the unknown, mm per its unit.
     pub by_unknown: f64,

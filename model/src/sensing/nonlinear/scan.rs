@@ -17,9 +17,9 @@ use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
 /// Multiple of the largest change from which a step is repeated shorter.
 const TOO_LONG: f64 = 1.5;
-/// Displacements, as a share of the front plate, and rotations, rad, beyond those of a grasping finger. A curve ends there.
+/// A curve ends at these displacements, as a share of the front plate, and rotations, rad, which exceed those of a grasping finger.
 const ENDS: [f64; 2] = [0.5, 1.5];
-/// Share of its length with which a step without equilibrium is repeated. [`Statics::tried`](crate::statics::Statics) has tried longer ones.
+/// A step without equilibrium is repeated with this share of its length. [`Statics::tried`](crate::statics::Statics) has tried longer ones.
 const SHORTER: f64 = 0.125;
 /// Number of such failed steps in a row at which a curve ends.
 const MOST_FAILED: usize = 2;

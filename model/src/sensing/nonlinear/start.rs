@@ -17,11 +17,11 @@ use std::borrow::Cow;
 /// A start of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Start {
-    /// The linear forces times a factor.
+    /// The forces of the linear finger times a factor.
     Times(f64),
-    /// The linear forces with all unknown directions at this angle, degrees from the undeformed inward normal.
+    /// The forces of the linear finger with all unknown directions at this angle, degrees from the undeformed inward normal.
     Towards(f64),
-    /// The linear forces after the rigid motion of the base that alone explains the measurement best.
+    /// The forces of the linear finger after the rigid motion of the base that alone explains the measurement best.
     FromMovedBase,
     /// The minimum for directions that do not follow the plate but keep their angle from the undeformed normal.
     Held,

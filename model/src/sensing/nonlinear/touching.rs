@@ -17,24 +17,24 @@ use nalgebra::Point2;
 const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
 /// Step of differences, as a share of each unknown's scale. The differenced quantities are linear in the step except for turns.
 const STEP: f64 = 1e-5;
-/// Number of updates of loads with the shape that they bend: direction and lever of a load depend on it.
+/// Number of times that loads are updated for the bent shape, which determines their directions and levers.
 const FOLLOWED: usize = 3;
 /// Largest number of updates until a state has settled. Each removes most of the remaining change.
 const SETTLINGS: usize = 12;
 /// Number of standard deviations from which a gap is no contact.
 const LARGEST_GAP_SIGMAS: f64 = 6.0;
-/// Uncertainty of the plate's shape between markers, as a multiple of their noise.
+/// Uncertainty of the plate's shape between markers, as a multiple of the markers' noise.
 const OPEN_BETWEEN_MARKERS: f64 = 2.0;
-/// Number of points of the plate at which its distance from the outline is first evaluated.
+/// Number of points of the plate whose distance from the outline is evaluated.
 const PLACES: usize = 400;
 
-/// An object that contacts touch.
+/// An object and the contacts that touch it.
 #[derive(Debug, Clone)]
 pub(super) struct Touching {
     pub object: TouchedObject,
     /// Thickness of the pad, mm.
     pad_mm: f64,
-    /// Indices of the contacts that touch it, from 0.
+    /// Indices of the contacts that touch the object, from 0.
     contacts: Vec<usize>,
 }
 
@@ -102,7 +102,7 @@ impl<'m> NonlinearEstimator<'m> {
         self
     }
 
-    /// An estimator with the same pad and object for other questions.
+    /// An estimator with the same mesh, pad and object for other questions.
     pub(super) fn asking(&self, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
         let object = self.object.as_ref().map(|touching| &touching.object);
         Ok(NonlinearEstimator::new(self.mesh, questions)?.with_pad(self.pad).with_object(object))
