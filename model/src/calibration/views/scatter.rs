@@ -178,8 +178,8 @@ impl Scatter {
     /// Error of a force that the calibrated finger senses in a new image, beyond the image's own noise and base. It combines the uncertainty of the finger
     /// with the scatter of measured forces, which is `assumed` if nothing shows it.
     ///
-    /// The uncertainty of a modulus is a constant share of every force. Uncertain geometry moves markers as noise does. Its share is larger for a small force,
-    /// or for one whose position is hardly visible. Images with different effects of noise separate the two parts; without such images each part gets half.
+    /// An uncertain modulus changes every force by the same share. Uncertain geometry moves markers as noise does. Its share is larger for a small force, or
+    /// for one whose position is hardly visible. Images with different effects of noise separate the two parts; without such images each part gets half.
     pub fn of_new(&self, assumed: f64) -> AddedForceError {
         let scatter = self.of_new_force().unwrap_or(assumed);
         let of_finger: Vec<f64> = (0..self.of_markers.len()).map(|image| self.of_finger(image, scatter)).collect();

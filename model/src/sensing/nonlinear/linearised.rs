@@ -142,7 +142,7 @@ impl Linearised {
         self.rates[unknown * self.weights.len() + key_node]
     }
 
-    /// Weights the markers by their distances: 1, or the square root of Cauchy's weight beyond a limit.
+    /// Weights the markers by their distances: 1, or limit / distance beyond a limit (square root of Cauchy's weight for large distances).
     pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {
         let markers = measurement.markers();
         self.distances.clear();

@@ -218,8 +218,8 @@ impl<'m> NonlinearEstimator<'m> {
         self.held.clone_from(&self.last);
     }
 
-    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from it. For bounds at known forces. Holds
-    /// nothing if positions or directions are unknown, or the finger does not carry the forces.
+    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from it. Serves error bounds at known forces.
+    /// Holds nothing if positions or directions are unknown, or the finger does not carry the forces.
     pub fn hold_at(&mut self, forces_n: &[f64]) {
         let before = self.held.take();
         self.forget();
