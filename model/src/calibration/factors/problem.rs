@@ -35,7 +35,8 @@ impl FactorProblem<'_> {
         Ok(loads.collect::<Result<_, _>>().map_err(StaticsError::from)?)
     }
 
-    /// Weighted residuals, mm, at the equilibria of all cases. Keeps the equilibria for `jacobian_at`.
+    /// Weighted residuals, mm, at the equilibria of all cases. Keeps the equilibria for `jacobian_at`. [`CalibrationError`] if the finger is impossible or has
+    /// no equilibrium.
     pub fn residual_at(&mut self, logs: &DVector<f64>) -> Result<DVector<f64>, CalibrationError> {
         let mesh = self.mesh(logs)?;
         let found = equilibria(&mesh, self.model.kinematics, &self.loads(&mesh)?);
@@ -51,7 +52,8 @@ impl FactorProblem<'_> {
         Ok(DVector::from_vec(rows))
     }
 
-    /// Derivatives of the residuals with respect to the logarithms, mm, at the equilibria of the last `residual_at`.
+    /// Derivatives of the residuals with respect to the logarithms, mm, at the equilibria of the last `residual_at`. [`CalibrationError`] if an equilibrium is
+    /// unstable or the finger impossible.
     pub fn jacobian_at(&self, logs: &DVector<f64>) -> Result<DMatrix<f64>, CalibrationError> {
         let mesh = self.mesh(logs)?;
         let shares: Vec<_> = self.unknowns.iter().map(|unknown| shares(&mesh, unknown)).collect();

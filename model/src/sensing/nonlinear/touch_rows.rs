@@ -10,6 +10,7 @@ pub(super) struct TouchRows {
 }
 
 impl TouchRows {
+    /// Number of conditions.
     pub fn count(&self) -> usize {
         self.misses_mm.len()
     }
@@ -26,6 +27,7 @@ impl TouchRows {
         &self.by_unknown[unknown * self.count()..][..self.count()]
     }
 
+    /// Derivatives with respect to an unknown, to be set.
     pub fn by_unknown_mut(&mut self, unknown: usize) -> impl Iterator<Item = &mut f64> {
         let count = self.count();
         self.by_unknown[unknown * count..][..count].iter_mut()
