@@ -58,7 +58,7 @@ pub struct FactorEstimate {
     pub relative_sigmas: Vec<f64>,
     /// Correlation matrix of the factors' logarithms, one row and column for each unknown.
     pub correlation: DMatrix<f64>,
-    /// Standard deviation of one coordinate, mm, on which `relative_sigmas` rest.
+    /// Standard deviation of one coordinate, mm, from which `relative_sigmas` follow.
     pub noise_mm: f64,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,

@@ -57,7 +57,7 @@ pub struct Estimate {
     pub sigmas_n: Vec<f64>,
     /// Error of the model in each standard deviation (linearisation, mesh, training), N. Signed if the sign is known.
     pub model_error_n: Vec<f64>,
-    /// Standard deviation of one measured coordinate on which `sigmas_n` rest, mm: the stated noise, or the residual's. Without a stated noise it is
+    /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the residual's. Without a stated noise it is
     /// widened for few degrees of freedom.
     pub noise_mm: f64,
     /// Reason for which the estimate is less accurate than noise alone implies, if any.

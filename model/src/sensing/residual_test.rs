@@ -60,7 +60,8 @@ impl ResidualTest {
         squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 
-    /// Standard deviation of a coordinate for computing those of forces, mm: the stated noise, or the residual's if the residual contradicts the noise.
+    /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual's if the residual
+    /// contradicts the noise.
     pub fn trusted_noise_mm(&self) -> f64 {
         if self.contradicts() { self.residual_sd_mm } else { self.noise_mm }
     }
@@ -88,8 +89,8 @@ pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usi
     Some(residual_sd_mm * student.inverse_cdf(UPPER) / normal.inverse_cdf(UPPER))
 }
 
-/// Standard deviation of a coordinate for computing those of forces, mm. It is the stated noise, or the residual's if the residual contradicts the noise.
-/// Without a stated noise it is [estimated from the residual](unstated_noise_mm), and infinite without a residual.
+/// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual's if the residual
+/// contradicts the noise. Without a stated noise it is [estimated from the residual](unstated_noise_mm), and infinite without a residual.
 pub(crate) fn noise_of(
     test: Option<ResidualTest>,
     stated_mm: Option<f64>,

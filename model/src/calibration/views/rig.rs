@@ -169,7 +169,7 @@ impl RigEstimate {
             put(BASE.sigma_mm.path(), SceneValue::Number(UNSTATED_BASE.sd_mm));
             put(BASE.sigma_deg.path(), SceneValue::Number(UNSTATED_BASE.sd_rad.to_degrees()));
         }
-        // A base that counts as exact does not turn under force.
+        // An exactly known base does not turn under force.
         let is_sought = self.is_base_unstated || scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
         if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = self.compliance.filter(|_| is_sought) {
             put(BASE.turn_deg_per_n.path(), SceneValue::Number(deg_per_n));

@@ -235,7 +235,7 @@ impl NetworkEstimator {
 
 /// Part of a measurement outside the principal directions, which no training sample has.
 struct Residual {
-    /// Standard deviation of a coordinate for computing those of forces, mm.
+    /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow.
     noise_mm: f64,
     /// Root mean square of the residual, mm.
     rms_mm: f64,
