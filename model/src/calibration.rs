@@ -1,5 +1,5 @@
-//! Moduli from measured shapes under known loads: eq. (11) of Xu et al. (2021), the same of the [co-rotational finger](corotational_modulus), and
-//! [several at once](factors).
+//! Calibrates moduli from measured shapes under known loads, by eq. (11) of Xu et al. (2021). There is a version for the [co-rotational
+//! finger](corotational_modulus) and one for [several moduli at once](factors). [`calibrate_rig`] calibrates finger, camera and friction from images.
 
 mod factors;
 mod modulus;
@@ -20,7 +20,7 @@ use crate::measurement::Measurement;
 use crate::mesh::{Load, Mesh};
 use crate::statics::{self, StaticsError};
 
-/// A finger under a known load, and what was measured of it.
+/// A finger under a known load, and its measured displacements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationCase {
     /// The load.
@@ -29,12 +29,12 @@ pub struct CalibrationCase {
     pub measurement: Measurement,
 }
 
-/// Modulus of the finger as a factor on what its description says.
+/// Modulus of the finger as a factor on the described modulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModulusEstimate {
-    /// Factor on all moduli of the finger.
+    /// Factor on all moduli of the finger, dimensionless.
     pub factor: f64,
-    /// Its standard deviation, from the scatter of the residuals.
+    /// Standard deviation of the factor, dimensionless, from the scatter of the residuals.
     pub sigma: f64,
     /// Mean distance between measured and computed nodes, mm.
     pub mean_distance_mm: f64,
@@ -42,68 +42,68 @@ pub struct ModulusEstimate {
     pub node_count: usize,
 }
 
-/// Why a modulus is not identifiable.
+/// Reason for which a calibration fails.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
-    /// The finger under a load could not be solved.
+    /// The statics of the finger under a load cannot be solved.
     #[error(transparent)]
     Statics(#[from] StaticsError),
     /// No load moves any measured node.
     #[error("not identifiable: no load of the measurements moves a measured node")]
     NothingMoves,
-    /// The nodes move against the loads.
+    /// The measured nodes move against the loads.
     #[error(
         "the measured nodes do not move with the loads (best compliance factor {compliance_factor:.3e}): are signs and units right?"
     )]
     WrongWay {
-        /// Measured over computed displacement.
+        /// Ratio of measured to computed displacement, dimensionless.
         compliance_factor: f64,
     },
-    /// Fewer measured numbers than are needed.
+    /// There are fewer measured coordinates than needed.
     #[error("not identifiable: {coordinates} measured coordinates are too few for {unknowns} unknown factors")]
     TooFewMarkers {
-        /// Unknown factors.
+        /// Number of unknown factors.
         unknowns: usize,
-        /// Measured coordinates.
+        /// Number of measured coordinates.
         coordinates: usize,
     },
-    /// Fewer views with a measured force than are needed.
+    /// There are fewer views with a measured force than needed.
     #[error("not identifiable: {views} images with a measured force are too few for {unknowns} unknowns")]
     TooFewViews {
-        /// Views.
+        /// Number of views.
         views: usize,
-        /// Unknowns.
+        /// Number of unknowns.
         unknowns: usize,
     },
-    /// The data say nothing of some factors.
+    /// The data do not determine some parameters.
     #[error("not identifiable: the measurements do not determine {parameters}")]
     NotIdentifiable {
-        /// Their names.
+        /// Names of the parameters, separated by commas.
         parameters: String,
     },
-    /// The data determine a combination of some factors alone.
+    /// The data determine only a combination of some parameters.
     #[error(
         "not identifiable: the measurements do not separate {parameters}: leave one of them as the scene has it, or load \
          other nodes"
     )]
     NotSeparable {
-        /// Their names.
+        /// Names of the parameters, separated by commas.
         parameters: String,
     },
-    /// Measured forces do not lean as friction would have it, or not far enough to show it in full.
+    /// Measured forces imply a friction angle of 90 degrees or more, or friction that builds up beyond the largest measured force.
     #[error(
         "friction is not identifiable: it would build up over {build_up_n:.3} N to a lean of {angle_deg:.1} degrees from the normal; expected less than 90 \
          degrees, and no more than the largest force that was measured, {largest_n:.3} N: measure larger forces, check signs, or seek one coefficient (friction)"
     )]
     FrictionLimit {
-        /// The lean of a force that slides, degrees.
+        /// Lean of a sliding force from the normal, degrees.
         angle_deg: f64,
-        /// The force over which friction builds up, N.
+        /// Force over which friction builds up, N.
         build_up_n: f64,
-        /// The largest measured force, N.
+        /// Largest measured force, N.
         largest_n: f64,
     },
-    /// The search for factors does not settle.
+    /// The search finds no minimum.
     #[error(
         "no factors were found for which measured and computed nodes are closest: do loads and units fit the finger?"
     )]
@@ -111,21 +111,21 @@ pub enum CalibrationError {
     /// A view cannot be used, or contradicts the others.
     #[error("{name}: {error}")]
     View {
-        /// Its name.
+        /// Name of the view.
         name: String,
-        /// What is wrong with it.
+        /// Reason for which the view is refused.
         error: ViewError,
     },
-    /// Measured forces are of another size than those under which the scene's finger bends as the views show.
+    /// Measured forces differ by a large common factor from the forces that bend the scene's finger as the views show.
     #[error(
         "measured forces are {times:.3} times (median) those under which the finger of the scene bends as the images show: check their unit (N), sign \
          and frame; if these are right, begin from a scene whose moduli are nearer to the finger's"
     )]
     ForceScale {
-        /// Measured forces over those that are shown.
+        /// Median ratio of measured forces to forces estimated from markers, dimensionless.
         times: f64,
     },
-    /// Measured forces lean to the other side than the views show.
+    /// Measured forces and forces that the views show lean to opposite sides of the normal.
     #[error(
         "measured forces scatter by {:.1} % about those that the images show, and by {:.1} % if each leans as much to the other side of the plate's normal: \
          check the sign of fx_n and fy_n and their frame, that of the camera's pose",
@@ -133,12 +133,12 @@ pub enum CalibrationError {
         100.0 * mirrored
     )]
     MirroredForces {
-        /// Relative standard deviation of the forces as measured.
+        /// Relative standard deviation of the measured forces about the estimated ones, dimensionless.
         scatter: f64,
-        /// Of the mirrored ones.
+        /// Relative standard deviation of the measured forces after mirroring about the plate's normal, dimensionless.
         mirrored: f64,
     },
-    /// A factor is beyond what a finger may have.
+    /// A parameter is outside the range that a finger allows.
     #[error(transparent)]
     Finger(#[from] crate::finger::ImpossibleFinger),
 }
@@ -150,18 +150,18 @@ fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     Some(0.5 * (sorted[last / 2] + sorted[last.div_ceil(2)]))
 }
 
-/// Halvings of the bracket: enough to exhaust double precision, from the largest number down.
+/// Number of bisections of the bracket: enough to exhaust double precision from the largest number down.
 const BISECTIONS: usize = 1200;
 
-/// Young's modulus of the linear finger by eq. (11): the factor on all moduli for which the sum of the distances
-/// between measured and computed nodes, over all nodes and cases, is smallest.
+/// Young's modulus of the linear finger by eq. (11) of Xu et al. (2021). Finds the factor on all moduli that minimises the sum of the distances
+/// between measured and computed nodes, over all nodes and cases.
 ///
-/// Computed displacements v are proportional to c = 1 / factor, so the sum of |m - c v| is convex in c alone, and its derivative, which grows with c,
-/// is bisected. Sums of distances (not of their squares) forgive single bad markers. The standard deviation is the sandwich estimate of an
-/// M-estimator, sqrt(sum g^2) / sum h with g and h the first and second derivative of each node's distance (Huber 1967).
+/// Computed displacements v are proportional to c = 1 / factor, so the sum of |m - c v| is convex in c. Bisection finds the zero of its derivative. A sum
+/// of distances (not of squares) is robust to single bad markers. The standard deviation is the sandwich estimate of an M-estimator (Huber 1967):
+/// sqrt(sum g^2) / sum h, with the first and second derivative g and h of each node's distance.
 ///
 /// # Errors
-/// [`CalibrationError`] when no factor follows from the measurements.
+/// [`CalibrationError`] if the statics fail, no load moves a measured node, or the nodes move against the loads.
 pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<ModulusEstimate, CalibrationError> {
     let mesh = Mesh::key_nodes(finger);
     let mut nodes = Vec::new();
@@ -172,7 +172,7 @@ pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<Modu
             nodes.push((marker.displacement, computed, marker.weight));
         }
     }
-    // Each node alone would choose its own c; the best for all lies between the extremes.
+    // The minimum of the sum lies between the smallest and the largest c that fit single nodes.
     let alone = nodes.iter().filter(|(_, v, _)| v.norm_squared() > 0.0).map(|(m, v, _)| m.dot(v) / v.norm_squared());
     let (mut low, mut high) = alone.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
     if !(low.is_finite() && high.is_finite()) {
@@ -201,7 +201,7 @@ pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<Modu
         let away = v * c - m;
         let distance = away.norm();
         distances += distance;
-        // Below rounding of the displacements a residual has no direction: such data fit perfectly.
+        // A residual below rounding has no direction and counts as zero.
         if distance > 1e-14 * m.norm() {
             let gradient = weight * v.dot(&away) / distance;
             scatter += gradient * gradient;
@@ -209,7 +209,7 @@ pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<Modu
         }
     }
     let sigma_c = match nodes.len() {
-        // One node leaves no scatter to judge by.
+        // A single node has no scatter.
         1 => f64::INFINITY,
         count if curvature > 0.0 => (scatter * count as f64 / (count as f64 - 1.0)).sqrt() / curvature,
         _ => 0.0,

@@ -1,4 +1,4 @@
-//! What a camera sees of a deformed finger: displacements of the key nodes' markers, without rotations.
+//! Measurements of a deformed finger: displacements of the markers on its key nodes, without rotations.
 
 use crate::Vector;
 use crate::finger::{Finger, NodeId};
@@ -8,44 +8,44 @@ pub mod noise;
 
 pub use noise::DisplacementNoise;
 
-/// One measured node.
+/// Measured displacement of one node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Marker {
     /// The node.
     pub node: NodeId,
     /// Measured displacement, mm, finger frame.
     pub displacement: Vector,
-    /// How much the marker counts: its coordinates have the standard deviation noise / weight. 1 for all alike.
+    /// Relative accuracy, dimensionless: coordinates have the standard deviation noise / weight. 1 for all markers of equal accuracy.
     pub weight: f64,
 }
 
-/// How well the base is known from which displacements count: standard deviations of an error that all markers share, and how it gives way.
+/// Uncertainty of the base from which displacements count: an error that all markers share, and the turn of the base under force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BaseUncertainty {
-    /// Of each coordinate of the origin, mm.
+    /// Standard deviation of each coordinate of the base's origin, mm.
     pub sd_mm: f64,
-    /// Of the turn about it, rad.
+    /// Standard deviation of the turn of the base about its origin, rad.
     pub sd_rad: f64,
-    /// The turn that is expected, from x to y, rad a newton of all forces together: zero of a base that is measured under them.
+    /// Expected turn from x to y, rad per newton of the sum of all forces. Zero if the base is measured under load.
     pub turn_rad_per_n: f64,
-    /// Standard deviation of that turn, rad a newton: it counts the more the larger the forces are.
+    /// Standard deviation of `turn_rad_per_n`, rad per newton.
     pub turn_sd_rad_per_n: f64,
 }
 
 impl BaseUncertainty {
-    /// That of the difference of two images.
+    /// Uncertainty of the difference between two images.
     pub(crate) fn of_two_images(self) -> BaseUncertainty {
         let both = std::f64::consts::SQRT_2;
         BaseUncertainty { sd_mm: both * self.sd_mm, sd_rad: both * self.sd_rad, ..self }
     }
 
-    /// Standard deviation of the turn under forces of a sum, rad.
+    /// Standard deviation of the turn, rad, under forces whose sum is `force_n`, N.
     pub fn sd_rad_under(&self, force_n: f64) -> f64 {
         self.sd_rad.hypot(self.turn_sd_rad_per_n * force_n)
     }
 }
 
-/// Measured displacements of some of a finger's free key nodes, each at most once; of nodes at one point, that of their junction.
+/// Measured displacements of free key nodes, each node at most once. Nodes at one point of a plate share the displacement of their junction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
     markers: Vec<Marker>,
@@ -53,30 +53,30 @@ pub struct Measurement {
     shared_errors: Vec<SharedError>,
 }
 
-/// An error that all markers share: by how much one standard deviation of it displaces each key node's marker, mm.
+/// An error that all markers share: displacement of each key node's marker, mm, for one standard deviation of it.
 pub type SharedError = Vec<Vector>;
 
-/// A measurement that does not belong to the finger.
+/// Reason for which a measurement does not fit the finger.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum MeasurementError {
-    /// No such node.
+    /// The finger has no such node.
     #[error("node {node} does not exist: the finger has the key nodes 1 to {key_nodes}")]
     UnknownNode {
-        /// The node named.
+        /// The node that does not exist.
         node: NodeId,
         /// Number of key nodes.
         key_nodes: usize,
     },
-    /// A node stands there twice.
+    /// A node is listed twice.
     #[error("node {node} is listed twice")]
     Repeated {
-        /// The node named.
+        /// The repeated node.
         node: NodeId,
     },
-    /// A coordinate or weight is not a finite number.
+    /// A coordinate or weight is not finite, or a weight is not positive.
     #[error("node {node}: expected finite numbers")]
     NotFinite {
-        /// The node named.
+        /// The node of the marker.
         node: NodeId,
     },
     /// Nodes at one point of a plate have different displacements.
@@ -84,45 +84,46 @@ pub enum MeasurementError {
         "node {node} is at the same point of the plate as another node listed, which has moved differently: list one of them"
     )]
     SharedMoves {
-        /// The node named.
+        /// The second of the two nodes.
         node: NodeId,
     },
-    /// A clamped node moved.
+    /// A clamped node has a displacement.
     #[error("node {node} is clamped, so its displacement must be zero: are the rows numbered in another way?")]
     ClampedMoves {
-        /// The node named.
+        /// The clamped node.
         node: NodeId,
     },
 }
 
-/// Errors of a finger's markers beside what is stated of each.
+/// Errors of a finger's markers relative to their stated standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MarkerErrors {
-    /// Their own, against what is stated: below one where part of that is the same in all images, and so is in what was calibrated.
+    /// Ratio of actual to stated marker noise, dimensionless. Below 1 where part of the stated noise is common to all images and absorbed by calibration.
     pub noise_factor: f64,
-    /// By how much the finger that is described misses them, mm: standard deviation of one coordinate.
+    /// Error of the finger model, mm: standard deviation of one coordinate.
     pub model_mm: f64,
 }
 
 impl Default for MarkerErrors {
-    /// As stated.
+    /// Errors as stated: a factor of 1 and no error of the model.
     fn default() -> MarkerErrors {
         MarkerErrors { noise_factor: 1.0, model_mm: 0.0 }
     }
 }
 
 impl MarkerErrors {
-    /// Standard deviation of a coordinate of which one is stated, mm.
+    /// Total standard deviation of a coordinate, mm, for the stated one, mm.
     pub fn sd_mm(&self, stated_mm: f64) -> f64 {
         (self.noise_factor * stated_mm).hypot(self.model_mm)
     }
 }
 
 impl Measurement {
-    /// Checks markers against a finger. Clamped nodes at zero are left out.
+    /// Checks markers against a finger. Omits clamped nodes with zero displacement.
     ///
     /// # Errors
-    /// [`MeasurementError`] for the first marker that is unknown, repeated, not finite, or clamped and yet moving.
+    /// [`MeasurementError`] for the first marker with an unknown or repeated node, values that are not finite, or a weight of zero or less. Also for a clamped
+    /// marker that moves, and for different displacements at one point.
     pub fn new(finger: &Finger, markers: impl IntoIterator<Item = Marker>) -> Result<Measurement, MeasurementError> {
         let mut measurement = Measurement::empty();
         for marker in markers {
@@ -131,15 +132,15 @@ impl Measurement {
         Ok(measurement)
     }
 
-    /// A measurement in which no node is seen yet.
+    /// A measurement without markers.
     pub fn empty() -> Measurement {
         Measurement { markers: Vec::new(), base: None, shared_errors: Vec::new() }
     }
 
-    /// Adds one marker; see [`Measurement::new`]. Nodes at one point have one marker: rows of both count once.
+    /// Adds one marker, with the checks of [`Measurement::new`]. Nodes at one point of a plate share one marker.
     ///
     /// # Errors
-    /// [`MeasurementError`], with the measurement unchanged.
+    /// [`MeasurementError`] as for [`Measurement::new`]. The measurement is then unchanged.
     pub fn add(&mut self, finger: &Finger, marker: Marker) -> Result<(), MeasurementError> {
         let node = marker.node;
         let key_nodes = finger.key_node_count();
@@ -170,47 +171,47 @@ impl Measurement {
         }
     }
 
-    /// All markers of a computed shape, as a camera without noise would see them.
+    /// All markers of a computed shape, without noise.
     pub fn of_shape(finger: &Finger, shape: &FingerShape) -> Measurement {
         let marker = |node| Marker { node, displacement: shape.motion(node).marker_displacement(finger), weight: 1.0 };
         Measurement { markers: finger.marked_nodes().map(marker).collect(), ..Measurement::empty() }
     }
 
-    /// All markers of a finger that nothing bends.
+    /// All markers of an unloaded finger, with zero displacement.
     pub fn at_rest(finger: &Finger) -> Measurement {
         let marker = |node| Marker { node, displacement: Vector::zeros(), weight: 1.0 };
         Measurement { markers: finger.marked_nodes().map(marker).collect(), ..Measurement::empty() }
     }
 
-    /// The same measurement from a base not known exactly, which the nonlinear estimator seeks with the forces; others do not.
+    /// This measurement with an uncertain base. The nonlinear estimator estimates its error with the forces; other estimators ignore it.
     pub fn with_uncertain_base(self, base: BaseUncertainty) -> Measurement {
         self.with_base(Some(base))
     }
 
-    /// The same measurement from another base: `None` if it is known exactly.
+    /// This measurement with another base. `None`: known exactly.
     pub(crate) fn with_base(mut self, base: Option<BaseUncertainty>) -> Measurement {
         self.base = base;
         self
     }
 
-    /// How well the base is known; `None` if exactly.
+    /// Uncertainty of the base. `None` if it is known exactly.
     pub fn base(&self) -> Option<BaseUncertainty> {
         self.base
     }
 
-    /// The same measurement with further errors that markers share, independent of each other, which the nonlinear estimator seeks with the forces;
-    /// others do not.
+    /// This measurement with further errors that all markers share, independent of each other. The nonlinear estimator estimates them with the
+    /// forces; other estimators ignore them.
     pub fn with_shared_errors(mut self, errors: Vec<SharedError>) -> Measurement {
         self.shared_errors = errors;
         self
     }
 
-    /// Errors that markers share, beside that of the base.
+    /// Errors that all markers share, beside that of the base.
     pub fn shared_errors(&self) -> &[SharedError] {
         &self.shared_errors
     }
 
-    /// The same measurement with other displacements.
+    /// This measurement with other displacements, mm.
     pub(crate) fn displaced(mut self, displacement: impl Fn(&Marker) -> Vector) -> Measurement {
         for marker in &mut self.markers {
             marker.displacement = displacement(marker);
@@ -218,7 +219,7 @@ impl Measurement {
         self
     }
 
-    /// The same measurement with every weight times a share.
+    /// This measurement with each weight multiplied by a share.
     pub(crate) fn reweighted(&self, mut share: impl FnMut(&Marker) -> f64) -> Measurement {
         let mut measurement = self.clone();
         for marker in &mut measurement.markers {
@@ -227,7 +228,7 @@ impl Measurement {
         measurement
     }
 
-    /// The same measurement with every marker as good as the others.
+    /// This measurement with weight 1 for all markers.
     pub fn of_equal_weight(mut self) -> Measurement {
         for marker in &mut self.markers {
             marker.weight = 1.0;
@@ -235,13 +236,13 @@ impl Measurement {
         self
     }
 
-    /// The same measurement without the markers of hidden nodes.
+    /// This measurement without the markers of hidden nodes.
     pub fn without(mut self, hidden: &[NodeId]) -> Measurement {
         self.markers.retain(|marker| !hidden.contains(&marker.node));
         self
     }
 
-    /// Adds noise to every coordinate: `standard_normal` is called for each and scaled with `noise_mm` / weight.
+    /// Adds noise, mm, to every coordinate. `noise_mm` / weight scales the number that `standard_normal` returns for each.
     pub fn add_noise(&mut self, noise_mm: f64, mut standard_normal: impl FnMut() -> f64) {
         for marker in &mut self.markers {
             marker.displacement += Vector::new(standard_normal(), standard_normal()) * (noise_mm / marker.weight);
@@ -253,7 +254,7 @@ impl Measurement {
         &self.markers
     }
 
-    /// Number of measured coordinates, two a marker.
+    /// Number of measured coordinates: two per marker.
     pub fn coordinate_count(&self) -> usize {
         2 * self.markers.len()
     }

@@ -1,7 +1,7 @@
-//! What one image, a table or a simulation shows of a finger, and the measurement that it is for a scene.
+//! Observations of a finger in an image, a table or a simulation, and their conversion to measurements.
 //!
-//! An [`Observation`] knows nothing of the finger that it is held against: it has positions or displacements of markers, their standard deviations,
-//! and where the base is. [`Observation::for_sensing`] and [`Observation::for_calibration`] turn it into a [`Measurement`] of a scene's finger.
+//! An [`Observation`] is independent of the scene: it has positions or displacements of markers, their standard deviations, and the pose of the base.
+//! [`Observation::for_sensing`] and [`Observation::for_calibration`] convert it to a [`Measurement`] of a scene's finger.
 
 mod clamped;
 
@@ -15,115 +15,115 @@ use crate::mesh::FingerShape;
 use crate::scene::{Base, Scene};
 use nalgebra::{Isometry2, Point2};
 
-/// What one image shows of a finger.
+/// Observed markers and base of a finger in one image.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Observation {
-    /// Name of the image; empty where there is none.
+    /// Name of the image. Empty if there is none.
     pub image: String,
-    /// The markers that were seen. Those of hidden nodes are left out.
+    /// The observed markers, without those of hidden nodes.
     pub markers: Vec<ObservedMarker>,
-    /// Where the base is; `None` where it stands as the camera's pose has it, exactly.
+    /// Pose of the base. `None` if it coincides exactly with the frame of the camera's pose.
     pub base: Option<ObservedBase>,
 }
 
-/// One marker as it was seen, in the finger frame of its image, which moves with the base.
+/// One observed marker, in the finger frame of its image, which moves with the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservedMarker {
-    /// Its node.
+    /// Node of the marker.
     pub node: NodeId,
-    /// Its centre in the image, if there is one.
+    /// Centre of the marker in the image, px, if known.
     pub pixel: Option<Pixel>,
-    /// Its position, mm, if known.
+    /// Position of the marker, mm, if known.
     pub position: Option<Vector>,
-    /// Its displacement, mm, from where it is without load, by an image of the unloaded finger or by the scene; if known.
+    /// Displacement from the unloaded position, mm, if known. The unloaded position comes from an image of the unloaded finger or from the scene.
     pub displacement: Option<Vector>,
-    /// Standard deviation of one coordinate, mm, all errors included; `None` if unknown.
+    /// Standard deviation of one coordinate, mm, including all errors. `None` if unknown.
     pub sd_mm: Option<f64>,
-    /// The same without the error of the base's pose, which all markers of an image share; `None` where it is not known apart.
+    /// The same without the error of the base's pose, which all markers of an image share, mm. `None` if not known separately.
     pub own_sd_mm: Option<f64>,
 }
 
-/// Where an image has the base of the finger.
+/// Pose of the finger's base in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservedBase {
-    /// From the finger frame to the frame of the camera's pose.
+    /// Transformation from the finger frame to the frame of the camera's pose, mm and rad.
     pub pose: Isometry2<f64>,
-    /// Standard deviations of that pose at the origin of the finger frame; `None` if they are not known.
+    /// Standard deviations of the pose at the origin of the finger frame. `None` if unknown.
     pub uncertainty: Option<BaseUncertainty>,
-    /// Whether references or the camera's pose show it. Otherwise it is only about where the markers have it.
+    /// Whether references or the camera's pose determine the pose. Otherwise the markers determine it approximately.
     pub is_known: bool,
 }
 
-/// An observation as a measurement of a scene's finger.
+/// An observation converted to a measurement of a scene's finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedMeasurement {
-    /// The displacements; weights follow from the markers' standard deviations.
+    /// The displacements. Weights follow from the markers' standard deviations.
     pub measurement: Measurement,
     /// Standard deviation of a coordinate of weight 1, mm, if the observation states it.
     pub noise_mm: Option<f64>,
-    /// From the frame of the displacements to that of the camera's pose.
+    /// Transformation from the frame of the displacements to that of the camera's pose, mm and rad.
     pub frame: Isometry2<f64>,
 }
 
-/// An observation that is none of the scene's finger.
+/// Reason for which an observation does not fit the scene's finger.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ObservationError {
-    /// A marker is wrong.
+    /// A marker does not fit the finger.
     #[error("{reason}")]
     Marker {
-        /// Its index among the observation's markers.
+        /// Index of the marker in the observation, from 0.
         index: usize,
-        /// What is wrong with it.
+        /// Reason for which the marker does not fit.
         reason: MarkerError,
     },
-    /// The deviations of the base's pose.
+    /// The standard deviations of the base's pose are negative.
     #[error("standard deviations of the base: expected zero or more")]
     Base,
-    /// Neither the markers nor the scene say how large errors are.
+    /// Neither the markers nor the scene state a standard deviation.
     #[error("no standard deviation of the markers is known")]
     NoNoise,
 }
 
-/// Why a marker is none of the finger's.
+/// Reason for which a marker does not fit the finger.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MarkerError {
-    /// Its node or its displacement.
+    /// The node or the displacement is wrong.
     #[error(transparent)]
     Measurement(#[from] MeasurementError),
-    /// It has no coordinates of the kind that is needed.
+    /// The marker has neither position nor displacement.
     #[error("node {node}: expected a position or a displacement")]
     NoCoordinates {
-        /// The node.
+        /// Node of the marker.
         node: NodeId,
     },
-    /// Its standard deviation.
+    /// The standard deviation is not a positive number.
     #[error("expected a length in mm above zero, found {sd_mm}")]
     Deviation {
         /// The standard deviation, mm.
         sd_mm: f64,
-        /// Whether it is the marker's own, without the error of the base.
+        /// Whether `sd_mm` excludes the error of the base.
         is_own: bool,
     },
-    /// A marker on a clamped node moved.
+    /// A marker on a clamped node moved farther than noise explains.
     #[error(
         "node {node} is clamped, so its displacement must be zero but for noise: found {moved_mm:.3} mm, more than {largest_mm:.3} mm; are the \
          nodes numbered as in the scene, from the back base over the tip to the front base?"
     )]
     ClampedMoves {
-        /// The node.
+        /// The clamped node.
         node: NodeId,
-        /// By how much, mm.
+        /// Displacement of the marker, mm.
         moved_mm: f64,
-        /// The most that noise explains, mm.
+        /// Largest displacement that noise explains, mm.
         largest_mm: f64,
     },
 }
 
-/// Standard deviations of a base, mm and rad, that counts as known exactly: far below what an image shows.
+/// Standard deviations of a base that counts as exact, mm and rad: far below the accuracy of an image.
 const EXACT: (f64, f64) = (1e-4, 1e-6);
 
 impl ObservedMarker {
-    /// A marker whose displacement alone is known.
+    /// A marker of which only the displacement, mm, is known.
     pub fn displaced(node: NodeId, displacement: Vector) -> ObservedMarker {
         ObservedMarker {
             node,
@@ -137,23 +137,23 @@ impl ObservedMarker {
 }
 
 impl Observation {
-    /// All markers of a computed shape, as a camera without noise would see them; no standard deviation is stated.
+    /// All markers of a computed shape, without noise and without stated standard deviations.
     pub fn of_shape(finger: &Finger, shape: &FingerShape) -> Observation {
         Observation::of_displacements(&Measurement::of_shape(finger, shape))
     }
 
-    /// Markers of which displacements alone are known; no standard deviation is stated.
+    /// Markers with displacements only, without stated standard deviations.
     pub fn of_displacements(measurement: &Measurement) -> Observation {
         let markers = measurement.markers().iter();
         let markers = markers.map(|marker| ObservedMarker::displaced(marker.node, marker.displacement)).collect();
         Observation { markers, ..Observation::default() }
     }
 
-    /// As a measurement to sense forces from. `noise_mm`, one for all markers, bounds what clamped ones may seem to move by where the observation
-    /// states no standard deviations. Where the base is sought with the forces, its uncertainty stands apart from the markers' own.
+    /// Converts the observation to a measurement for sensing forces. `noise_mm` limits the motion of clamped markers if the observation states no standard
+    /// deviations. If the base is estimated with the forces, its uncertainty is separate from that of the markers.
     ///
     /// # Errors
-    /// [`ObservationError`] naming the first marker that is none of this finger.
+    /// [`ObservationError`] for the first marker that does not fit the finger, or for a base with negative standard deviations.
     pub fn for_sensing(
         &self,
         scene: &Scene,
@@ -163,11 +163,11 @@ impl Observation {
         Reading { errors: scene.marker_errors, base_is_sought, by_position: false, noise_mm }.of(self, scene)
     }
 
-    /// As a measurement to calibrate the scene with: from the markers' positions, which do not depend on the scene that they were located with, and
-    /// with the deviations as stated. The base is sought, about where the image has it, with the uncertainty that stands beside.
+    /// Converts the observation to a measurement for calibrating the scene. Uses the markers' positions, which do not depend on the scene with which they were
+    /// located, and the standard deviations as stated. Also returns the uncertainty of the base about its pose in the image.
     ///
     /// # Errors
-    /// [`ObservationError`] naming the first marker that is none of this finger, or where no standard deviation is known.
+    /// [`ObservationError`] for the first marker that does not fit the finger, or if no standard deviation is known.
     pub fn for_calibration(&self, scene: &Scene) -> Result<(ObservedMeasurement, BaseUncertainty), ObservationError> {
         let (errors, noise_mm) = (MarkerErrors::default(), scene.noise_mm);
         let found = Reading { errors, base_is_sought: true, by_position: true, noise_mm }.of(self, scene)?;
@@ -177,7 +177,7 @@ impl Observation {
         Ok((ObservedMeasurement { noise_mm: Some(noise_mm), ..found }, base))
     }
 
-    /// Whether displacements count from elsewhere than where a finger's description has its unloaded markers: from an image of the unloaded finger.
+    /// Whether displacements refer to an image of the unloaded finger, because their reference positions differ from those of the finger.
     pub(crate) fn counts_from_rest(&self, finger: &Finger) -> bool {
         let from = |marker: &ObservedMarker| Some(marker.position? - marker.displacement?);
         let is_elsewhere = |marker: &ObservedMarker| {
@@ -187,8 +187,8 @@ impl Observation {
         self.markers.iter().any(is_elsewhere)
     }
 
-    /// From the frame in which forces are sensed to that of the camera's pose: the base as the observation shows it. A base without references is about
-    /// where the camera's pose has it.
+    /// Transformation from the frame in which forces are sensed to that of the camera's pose, mm and rad: the observed pose of the base. It is the
+    /// identity for a base without references, which is approximately at the camera's pose.
     pub fn frame(&self, scene: &Scene) -> Isometry2<f64> {
         match scene.base.as_ref().is_some_and(Base::is_of_pose) {
             true => Isometry2::identity(),
@@ -196,28 +196,28 @@ impl Observation {
         }
     }
 
-    /// From the finger frame to that of the camera's pose.
+    /// Transformation from the finger frame to that of the camera's pose.
     fn base_pose(&self) -> Isometry2<f64> {
         self.base.map_or_else(Isometry2::identity, |base| base.pose)
     }
 }
 
-/// How an observation is read.
+/// Options for the conversion of an observation.
 struct Reading {
-    /// Errors of markers beside those that are stated.
+    /// Errors of markers relative to the stated ones.
     errors: MarkerErrors,
-    /// Whether the base is sought: its error, which all markers share, is then not part of theirs.
+    /// Whether the base is estimated. Its error, which all markers share, is then not part of theirs.
     base_is_sought: bool,
-    /// Whether positions count before displacements.
+    /// Whether positions have priority over displacements.
     by_position: bool,
-    /// Standard deviation of one coordinate, mm, where it is stated elsewhere.
+    /// Standard deviation of one coordinate, mm, if it is stated elsewhere.
     noise_mm: Option<f64>,
 }
 
 impl Reading {
     fn of(&self, seen: &Observation, scene: &Scene) -> Result<ObservedMeasurement, ObservationError> {
         let finger = &scene.finger;
-        // Displacements then count from the camera's pose.
+        // Displacements then refer to the frame of the camera's pose.
         let is_of_pose = scene.base.as_ref().is_some_and(Base::is_of_pose);
         let pose = seen.base_pose();
         let frame = seen.frame(scene);
@@ -248,9 +248,9 @@ impl Reading {
         Ok(ObservedMeasurement { measurement, noise_mm, frame })
     }
 
-    /// By how much a marker moved, mm.
+    /// Displacement of a marker, mm.
     fn displacement(&self, finger: &Finger, marker: &ObservedMarker) -> Result<Vector, MarkerError> {
-        // A node that does not exist is the measurement's to refuse.
+        // The measurement refuses a node that does not exist.
         let from_scene = |position: Vector| match exists(finger, marker.node) {
             true => position - finger.marker_position(marker.node),
             false => position,
@@ -263,7 +263,7 @@ impl Reading {
         displacement.ok_or(MarkerError::NoCoordinates { node: marker.node })
     }
 
-    /// Standard deviation of a marker's coordinate, mm, if it is stated.
+    /// Total standard deviation of a marker's coordinate, mm. `None` if none is stated.
     fn sd_mm(&self, marker: &ObservedMarker, is_own: bool) -> Result<Option<f64>, MarkerError> {
         let stated = if is_own { marker.own_sd_mm } else { marker.sd_mm };
         match stated {
@@ -272,7 +272,7 @@ impl Reading {
         }
     }
 
-    /// Leaves out clamped markers, which carry noise alone.
+    /// Removes clamped markers, which show only noise.
     fn without_clamped(
         &self,
         finger: &Finger,
@@ -287,7 +287,7 @@ impl Reading {
         Ok(())
     }
 
-    /// How well the base is known, from what the observation states and from the scene, if it is to be sought.
+    /// Uncertainty of the base from the observation and the scene. `None` if the base is not estimated or is exact.
     fn base(
         &self,
         stated: Option<BaseUncertainty>,
@@ -298,7 +298,7 @@ impl Reading {
         }
         let of_scene = scene.base.as_ref().and_then(|base| base.uncertainty);
         let base = match (stated.filter(|base| base.sd_mm > 0.0 || base.sd_rad > 0.0), of_scene) {
-            // References show by how much the base gave way.
+            // The references show the turn of the base under force.
             (Some(one), Some(other)) => Some(BaseUncertainty {
                 sd_mm: one.sd_mm.hypot(other.sd_mm),
                 sd_rad: one.sd_rad.hypot(other.sd_rad),
@@ -314,7 +314,7 @@ fn exists(finger: &Finger, node: NodeId) -> bool {
     (1..=finger.key_node_count()).contains(&node.0)
 }
 
-/// A displacement from the base that an image has, as one from the base that the camera's pose has.
+/// Converts a displacement relative to the observed base to one relative to the frame of the camera's pose, mm.
 fn placed(finger: &Finger, base: &Isometry2<f64>, node: NodeId, displacement: Vector) -> Vector {
     if !exists(finger, node) {
         return displacement;

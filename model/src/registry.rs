@@ -1,21 +1,21 @@
-//! Lists of named things: an enum whose every variant is one row.
+//! Registries: enums in which every variant is one row of properties.
 
-/// An enum of named things.
+/// An enum of named items.
 pub trait Listed: Copy + Send + Sync + 'static {
-    /// All of them, in the order of lists and figures.
+    /// All items, in the order of lists and figures.
     const ALL: &'static [Self];
 
     /// Name on the command line and in files.
     fn name(self) -> &'static str;
 
-    /// What it is, in a sentence.
+    /// Description in one phrase.
     fn help(self) -> &'static str;
 }
 
-/// Declares the enum `$id` with a variant for each row, in the order of every list, help text and figure.
+/// Declares the enum `$id` with one variant per row, in the order of lists, help texts and figures.
 ///
-/// A row is a constant of type `$row` with the fields `name` (command line, files), `label` (page) and `help` (command line). The enum is
-/// [`Listed`], and reads and writes as its name. Adding a row takes its own file and a line here.
+/// A row is a constant of type `$row` with the fields `name` (command line, files), `label` (report) and `help` (command line). The enum implements
+/// [`Listed`], and is serialised as its name. A new row needs its own file and one line in the macro call.
 #[macro_export]
 macro_rules! registry {
     ($(#[$doc:meta])* $id:ident: $row:ty { $($(#[$about:meta])* $variant:ident => $value:expr),+ $(,)? }) => {
@@ -24,7 +24,7 @@ macro_rules! registry {
         pub enum $id { $($(#[$about])* $variant),+ }
 
         impl $id {
-            /// All of them, in the order of lists and figures.
+            /// All items, in the order of lists and figures.
             pub const ALL: &[$id] = &[$($id::$variant),+];
 
             fn row(self) -> &'static $row {
@@ -36,12 +36,12 @@ macro_rules! registry {
                 self.row().name
             }
 
-            /// Name on the page.
+            /// Name in the report.
             pub fn label(self) -> &'static str {
                 self.row().label
             }
 
-            /// What it is, in a sentence.
+            /// Description in one phrase.
             pub fn help(self) -> &'static str {
                 self.row().help
             }

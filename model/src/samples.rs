@@ -1,6 +1,6 @@
-//! Random load cases of a finger with the shapes that they bend it into: what sensing networks learn from.
+//! Random load cases of a finger and the resulting shapes, for training sensing networks.
 //!
-//! Case i is drawn from stream i of the seed, so that samples are the same for any number of threads.
+//! Case i is drawn from stream i of the seed, so that samples do not depend on the number of threads.
 
 use crate::Kinematics;
 use crate::finger::{Finger, NodeId};
@@ -15,45 +15,45 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
-/// A finger that carries none of this many draws in a row carries no force of the range.
+/// Largest number of draws for one case. If the finger carries no draw, it is too weak for the range of forces.
 const MOST_DRAWS: usize = 100;
-/// Cases that one thread draws at a time, so that their shapes are computed several at once.
+/// Number of cases that one thread draws together, so that their equilibria are computed in groups.
 const CASES_A_PIECE: usize = 256;
 
-/// How load cases are drawn.
+/// Distribution of load cases.
 ///
 /// # Reference
-/// Sec. IV-A of Xu et al. (2021): 20 000 cases, 0 to 5 N a node, 0 to 10 N in all, on the linear finger.
+/// Sec. IV-A of Xu et al. (2021): 20 000 cases, 0 to 5 N per node, 0 to 10 N in total, on the linear finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleRecipe {
     /// Contacts whose forces are drawn, with their directions.
     pub contacts: Vec<Contact>,
-    /// Whether each case loads a subset of the contacts only: from one to all of them, every number alike.
+    /// Whether each case loads only a random subset of the contacts. All sizes of the subset, from one to all, are equally likely.
     pub any_of: bool,
-    /// How displacements become deformations.
+    /// Linear or co-rotational kinematics.
     pub kinematics: Kinematics,
-    /// Elements a member.
+    /// Beam elements per member.
     pub elements: usize,
-    /// Largest force of a contact, N; drawn evenly from zero.
+    /// Largest force of a contact, N. Forces are drawn uniformly from zero to it.
     pub largest_force_n: f64,
-    /// Largest sum of the forces, N. Forces that exceed it are scaled to a sum drawn evenly from zero to it.
+    /// Largest sum of the forces, N. Larger sums are scaled to a value drawn uniformly from zero to it.
     pub largest_sum_n: f64,
-    /// Standard deviation of each force's direction about the contact's, degrees.
+    /// Standard deviation of each force's direction about the contact's direction, degrees.
     pub direction_spread_deg: f64,
-    /// Standard deviation of the logarithm of the finger's modulus about the scene's: 0.05 is 5 %.
+    /// Standard deviation of the logarithm of the finger's modulus about the scene's, dimensionless: 0.05 is 5 %.
     pub modulus_spread: f64,
-    /// Free key nodes that are not seen.
+    /// Free key nodes whose markers are hidden.
     pub hidden: Vec<NodeId>,
 }
 
 impl SampleRecipe {
-    /// The paper's ranges of force for some contacts.
+    /// The paper's ranges of force, for given contacts.
     pub fn paper(contacts: Vec<Contact>, kinematics: Kinematics) -> SampleRecipe {
         SampleRecipe {
             contacts,
             any_of: false,
             kinematics,
-            // The linear finger is exact on its key nodes; co-rotational beams on four elements a member leave 0.04 %.
+            // The linear finger is exact on its key nodes; four co-rotational elements per member have an error of 0.04 %.
             elements: if kinematics == Kinematics::Linear { 1 } else { 4 },
             largest_force_n: 5.0,
             largest_sum_n: 10.0,
@@ -63,15 +63,15 @@ impl SampleRecipe {
         }
     }
 
-    /// The markers that are seen: all free key nodes but the hidden ones, in order.
+    /// Nodes of the visible markers, in order: all marked nodes except the hidden ones.
     pub fn markers(&self, finger: &Finger) -> Vec<NodeId> {
         finger.marked_nodes().filter(|node| !self.hidden.contains(node)).collect()
     }
 
-    /// Checks every number by itself.
+    /// Checks each number of the recipe.
     ///
     /// # Errors
-    /// [`SamplesError::Recipe`] naming the first that is impossible.
+    /// [`SamplesError::Recipe`] for the first impossible number.
     pub fn check(&self) -> Result<(), SamplesError> {
         let require = |holds: bool, key: &'static str, expected: &'static str, found: &dyn std::fmt::Debug| match holds
         {
@@ -88,10 +88,10 @@ impl SampleRecipe {
         require(self.elements > 0, "elements", "at least one element a member", &self.elements)
     }
 
-    /// Draws cases from a stream of the seed.
+    /// Draws `count` cases from a stream of the seed.
     ///
     /// # Errors
-    /// [`SamplesError`] for impossible numbers, contacts off the free front plate, or a finger that carries no such forces.
+    /// [`SamplesError`] if a number is impossible, a contact is not on the free front plate, or the finger does not carry such forces.
     pub fn draw(&self, finger: &Finger, count: usize, seed: u64, stream: Stream) -> Result<Samples, SamplesError> {
         self.check()?;
         check_contacts(finger, &self.contacts)?;
@@ -123,7 +123,7 @@ impl SampleRecipe {
         })
     }
 
-    /// A case from each generator, drawn until the finger carries it; `None` if one is never carried.
+    /// Draws one case from each generator until the finger carries it. `None` if a case is never carried.
     fn carried(&self, mesh: &Mesh, rngs: Vec<ChaCha8Rng>) -> Option<Vec<Case>> {
         let mut cases: Vec<Option<Case>> = rngs.iter().map(|_| None).collect();
         let mut waiting: Vec<(usize, ChaCha8Rng)> = rngs.into_iter().enumerate().collect();
@@ -153,14 +153,14 @@ impl SampleRecipe {
     }
 }
 
-/// Which of a seed's random numbers are used: no two purposes share any.
+/// Purpose of random numbers. Different purposes use different streams of a seed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stream {
     /// Load cases for training.
     Training,
-    /// Load cases for the choice of when to stop.
+    /// Load cases that decide when training stops.
     Validation,
-    /// Load cases for the errors that are stated.
+    /// Load cases for the stated errors.
     Test,
     /// Camera noise in training.
     TrainingNoise,
@@ -168,12 +168,12 @@ pub enum Stream {
     ValidationNoise,
     /// Camera noise in the test.
     TestNoise,
-    /// First weights of a network, and the order in which it sees the cases.
+    /// Initial weights of a network, and the order of the training cases.
     Weights,
 }
 
 impl Stream {
-    /// Generator of the `index`-th part, below 2^60.
+    /// Random number generator for part `index` (below 2^60) of a purpose.
     pub fn rng(self, seed: u64, index: u64) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(((self as u64) << 60) + index);
@@ -181,42 +181,42 @@ impl Stream {
     }
 }
 
-/// Why no samples were drawn.
+/// Reason for which no samples are drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SamplesError {
     /// A number of the recipe is impossible.
     #[error("{key}: expected {expected}, found {found}")]
     Recipe {
-        /// The field of the recipe.
+        /// Field of the recipe.
         key: &'static str,
-        /// What is expected.
+        /// Expected value.
         expected: &'static str,
-        /// What was found.
+        /// Found value.
         found: String,
     },
     /// A contact is wrong.
     #[error(transparent)]
     Contacts(#[from] SensingError),
-    /// The finger carries too little.
+    /// The finger carries no force of this range.
     #[error("the finger carries none of {draws} random load cases: are the forces too large for it?")]
     NoneCarried {
-        /// Cases drawn in a row.
+        /// Number of draws in a row.
         draws: usize,
     },
 }
 
-/// Load cases and the shapes that belong to them, a column a case.
+/// Load cases and the resulting shapes, one column per case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
-    /// Displacements without noise, mm: two rows (x, y) a marker.
+    /// Displacements without noise, mm: two rows (x, y) per marker.
     pub displacements: DMatrix<f64>,
-    /// Force of each contact along its direction, N: a row a contact, zero where it does not touch.
+    /// Force of each contact along its direction, N: one row per contact, zero if the contact does not touch.
     pub forces: DMatrix<f64>,
-    /// Which contacts touch, by case.
+    /// For each case, whether each contact touches.
     pub touching: Vec<Vec<bool>>,
-    /// The markers, in the order of the rows.
+    /// Nodes of the markers, in the order of the rows.
     pub markers: Vec<NodeId>,
-    /// Draws that were repeated because the finger does not carry them.
+    /// Number of repeated draws because the finger did not carry them.
     pub not_carried: usize,
 }
 
@@ -227,16 +227,16 @@ impl Samples {
     }
 }
 
-/// A case that the finger carries.
+/// A load case that the finger carries.
 struct Case {
     drawn: Drawn,
-    /// Without noise, x and y of each marker that is seen.
+    /// Displacements without noise, mm: x and y of each visible marker.
     displacements_mm: Vec<f64>,
-    /// Draws before it.
+    /// Number of draws before this one.
     not_carried: usize,
 }
 
-/// One random case.
+/// One random load case.
 struct Drawn {
     touching: Vec<bool>,
     forces_n: Vec<f64>,
@@ -267,7 +267,7 @@ impl Drawn {
         Drawn { touching, forces_n, angles_deg, modulus_factor }
     }
 
-    /// A finger of another modulus takes the shape that forces divided by the modulus' factor give this one.
+    /// Loads divided by the modulus factor bend this finger as the loads bend a finger of that modulus.
     fn loads(&self, recipe: &SampleRecipe, mesh: &Mesh) -> Result<Vec<FrameLoad>, crate::mesh::LoadError> {
         let touching = (0..self.forces_n.len()).filter(|&i| self.touching[i]);
         let load = |i: usize| {

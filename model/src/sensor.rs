@@ -1,7 +1,7 @@
-//! From what was seen of a finger to the forces on it: observations in, forces with intervals out.
+//! Estimates contact forces and their intervals from observations of a finger.
 //!
-//! A [`Sensor`] is a scene with a question: which contacts, which estimator, which noise. Every [`Observation`] that it is given, from an image, a
-//! table or a simulation, becomes forces with standard deviations and warnings, or is refused with the reason.
+//! A [`Sensor`] combines a scene with a question: the contacts, the estimator and the noise. It turns each [`Observation`] into forces with standard
+//! deviations and warnings, or refuses it with a reason. An observation comes from an image, a table or a simulation.
 
 mod unloaded;
 
@@ -20,41 +20,41 @@ use crate::sensing::{
 use crate::statics::StaticsError;
 use crate::validity::{Doubt, Validity};
 
-/// Standard deviations on each side of a force that 95 % of all normally distributed errors stay within.
+/// Half the width of a two-sided 95 % interval of a normal distribution, in standard deviations.
 pub const TWO_SIDED_95: f64 = 1.96;
-/// Elements a member of the finger that senses measured contacts: objects bend it farther than single forces of the same size, and with four,
-/// 0.1 % of the force would be left of the mesh.
+/// Beam elements per member for measured contacts. Objects bend the finger more than single forces of the same size: four elements would leave a mesh
+/// error of 0.1 % of the force.
 const ELEMENTS_UNDER_OBJECTS: usize = 8;
 
-/// The contacts whose forces are sought.
+/// Contacts whose forces are estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SensorContacts {
-    /// Positions and directions that are known exactly, or sought with the forces.
+    /// Positions and directions that are known exactly, or estimated with the forces.
     Asked(Vec<ContactQuestion>),
-    /// Positions and directions that were measured. Sensed by least squares with errors in all variables.
+    /// Positions and directions with standard deviations. The forces follow by least squares with errors in all variables.
     Measured {
-        /// The contacts.
+        /// The measured contacts.
         contacts: Vec<MeasuredContact>,
-        /// Largest coefficient of friction: a force may lie anywhere in its cone.
+        /// Largest coefficient of friction, dimensionless. A force may lie anywhere in the friction cone.
         friction: f64,
     },
 }
 
-/// How forces are sensed.
+/// Estimator, noise and mesh of a [`Sensor`].
 #[derive(Debug, Clone, Copy)]
 pub struct SensorOptions<'n> {
     /// The estimator.
     pub estimator: EstimatorId,
-    /// Networks to choose from, for [`EstimatorId::Network`].
+    /// Candidate networks for [`EstimatorId::Network`].
     pub networks: &'n Networks,
-    /// Standard deviation of one coordinate, mm, in place of the scene's and of those that observations state.
+    /// Standard deviation of one displacement coordinate, mm. Overrides the noise of the scene and of the observations.
     pub noise_mm: Option<f64>,
-    /// Nodes of the mesh, where the estimator lets one choose; `None`: as many as are needed.
+    /// Number of mesh nodes, for estimators whose mesh can be chosen. `None`: the estimator chooses.
     pub mesh_nodes: Option<usize>,
 }
 
 impl Default for SensorOptions<'_> {
-    /// The nonlinear estimator, with the noise of scene or observation.
+    /// The nonlinear estimator with the noise of the scene or the observation.
     fn default() -> Self {
         SensorOptions {
             estimator: EstimatorId::Nonlinear,
@@ -65,7 +65,7 @@ impl Default for SensorOptions<'_> {
     }
 }
 
-/// Senses forces on the finger of a scene.
+/// Estimates contact forces on the finger of a scene.
 ///
 /// ```
 /// use finray_model::observation::Observation;
@@ -74,13 +74,13 @@ impl Default for SensorOptions<'_> {
 /// use finray_model::{Kinematics, Mesh, NodeId, Scene, statics};
 ///
 /// let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE)?;
-/// // What a camera sees of the finger under 2 N at node 19, here without noise.
+/// // A simulated observation, without noise, of the finger under 2 N at node 19.
 /// let contact = Contact::at_node(NodeId(19));
 /// let mesh = Mesh::with_elements_per_member(&scene.finger, 16);
 /// let bent = statics::solve(&mesh, &[contact.load(&scene.finger, 2.0)], Kinematics::Corotational)?;
 /// let seen = Observation::of_shape(&scene.finger, &bent);
 ///
-/// // Its position is sought with the force, along the normal of the undeformed plate.
+/// // The position is unknown; the force acts along the normal of the undeformed plate.
 /// let question = ContactQuestion { position: None, direction: Direction::Angle(0.0) };
 /// let options = SensorOptions { noise_mm: Some(0.01), ..SensorOptions::default() };
 /// let sensor = Sensor::new(&scene, SensorContacts::Asked(vec![question]), options)?;
@@ -96,32 +96,32 @@ pub struct Sensor<'s> {
     options: SensorOptions<'s>,
 }
 
-/// Sensed forces, in the order of the contacts.
+/// Estimated forces, in the order of the contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensedForces {
-    /// Position and direction of each contact, as given or found.
+    /// Position and direction of each contact, given or estimated.
     pub contacts: Vec<Contact>,
     /// Force of each contact along its direction, N.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N: of the noise, and of the model's error as far as it is known.
+    /// Standard deviation of each force, N. Includes the noise and the known error of the model.
     pub sigmas_n: Vec<f64>,
-    /// Reasons to trust the forces less than their standard deviations say, or to state more.
+    /// Reasons to trust the forces less than their standard deviations suggest, or to state the noise.
     pub warnings: Vec<SensorWarning>,
-    /// The same forces with the components across, where the contacts were measured.
+    /// Forces along and across each direction, where the contacts were measured.
     measured: Option<MeasuredContactForces>,
 }
 
-/// A reason to trust forces less, or to state more.
+/// A reason to trust forces less, or to state the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorWarning {
-    /// The measurement contradicts the model, or the model errs by more than noise does.
+    /// The measurement contradicts the model, or the error of the model exceeds the noise.
     Model {
-        /// The contradiction.
+        /// The contradiction or the error of the model.
         warning: Warning,
         /// Whether the estimator is linear.
         is_linear: bool,
     },
-    /// The standard deviation is infinite: nothing is left to estimate the noise from.
+    /// The standard deviations are infinite: no residual remains to estimate the noise from.
     NoResidual,
 }
 
@@ -147,13 +147,13 @@ impl std::fmt::Display for SensorWarning {
     }
 }
 
-/// Why no forces are sensed.
+/// Reason for which no forces are estimated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Refusal {
-    /// The observation is none of the finger.
+    /// The observation does not fit the finger of the scene.
     #[error(transparent)]
     Observation(#[from] ObservationError),
-    /// The estimator does not answer.
+    /// The estimator gives no answer.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
     /// A force is infinite or not a number.
@@ -161,10 +161,10 @@ pub enum Refusal {
         "not identifiable: a force at contact {contact} hardly moves the measured nodes, or the displacements are not those of a finger in mm"
     )]
     NotFinite {
-        /// Position of the contact in the list, from 1.
+        /// Position of the contact in the list, counted from 1.
         contact: usize,
     },
-    /// Measured contacts are sensed on a known base, without a pad, by the nonlinear estimator.
+    /// A condition of measured contacts is not met: a known base, contacts without a pad, the nonlinear estimator.
     #[error("contacts with standard deviations: expected {0}")]
     MeasuredContacts(&'static str),
 }
@@ -176,10 +176,10 @@ impl From<SensingError> for Refusal {
 }
 
 impl<'s> Sensor<'s> {
-    /// Checks contacts and options against a scene.
+    /// Combines a scene with contacts and options.
     ///
     /// # Errors
-    /// [`Refusal`] of contacts that the estimator cannot sense, whatever is observed.
+    /// [`Refusal`] if the estimator does not support the contacts, whose forces it would refuse for every observation.
     pub fn new(scene: &'s Scene, contacts: SensorContacts, options: SensorOptions<'s>) -> Result<Sensor<'s>, Refusal> {
         match &contacts {
             SensorContacts::Asked(questions) => options.estimator.admits(&scene.finger, questions, options.networks)?,
@@ -197,15 +197,15 @@ impl<'s> Sensor<'s> {
         Ok(Sensor { scene, contacts, options })
     }
 
-    /// Forces of one observation. Every observation counts by itself: the order in which they come does not matter.
+    /// Estimates the forces of one observation. The result does not depend on earlier observations.
     ///
     /// # Errors
-    /// [`Refusal`] with the reason.
+    /// [`Refusal`] if the observation does not fit the finger, the estimator gives no answer, or a force is not finite.
     pub fn sense(&self, seen: &Observation) -> Result<SensedForces, Refusal> {
         let (scene, SensorOptions { estimator, noise_mm, .. }) = (self.scene, self.options);
         let noise_mm = noise_mm.or(scene.noise_mm);
         let found = seen.for_sensing(scene, estimator.searches(), noise_mm)?;
-        // A stated noise holds for all nodes alike, and networks are trained on nodes that are measured alike.
+        // A stated noise holds for all nodes, and networks are trained on equally accurate nodes.
         let stated_mm = noise_mm.map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
         let is_uniform = stated_mm.is_some() || estimator == EstimatorId::Network;
         let ObservedMeasurement { measurement, noise_mm, frame } = found;
@@ -286,10 +286,10 @@ impl<'s> Sensor<'s> {
         })
     }
 
-    /// Where the beam model does not hold under sensed forces: strains that are not small, thick members.
+    /// Assumptions of the beam model that fail under the sensed forces: small strains, thin members.
     ///
     /// # Errors
-    /// [`StaticsError`] where the finger has no equilibrium under them.
+    /// [`StaticsError`] if the finger has no equilibrium under the forces.
     pub fn doubts(&self, sensed: &SensedForces) -> Result<Vec<Doubt>, StaticsError> {
         let finger = &self.scene.finger;
         let forces = sensed.contacts.iter().zip(&sensed.forces_n);
@@ -299,14 +299,14 @@ impl<'s> Sensor<'s> {
 }
 
 impl SensedForces {
-    /// Interval of a contact's force, N, that holds the true one in 95 % of all cases.
+    /// Lower and upper limit of the 95 % interval of a contact's force, N. `contact` counts from 0.
     pub fn interval_n(&self, contact: usize) -> [f64; 2] {
         let reach_n = TWO_SIDED_95 * self.sigmas_n[contact];
         [self.forces_n[contact] - reach_n, self.forces_n[contact] + reach_n]
     }
 
-    /// Sum of all forces along a unit vector of the finger frame, and its standard deviation, N. Where the contacts were not measured, the deviation is the
-    /// most that those of the contacts can add up to.
+    /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N. Unless the contacts were measured, the
+    /// deviation is an upper bound that holds for any correlation of the forces.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
         if let Some(measured) = &self.measured {
             return measured.sum_along(finger, along);
@@ -320,38 +320,39 @@ impl SensedForces {
     }
 }
 
-/// Direction of a force as a user asks for it.
+/// Direction of a force as a user specifies it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AskedDirection {
-    /// A direction, whatever the scene has.
+    /// An explicit direction, independent of the scene.
     Itself(Direction),
     /// Leaning from the plate's normal by the friction of the scene's table `contact`.
     Friction,
-    /// The same from the normal of the scene's table `contact.object`.
+    /// Leaning by the same friction from the normal of the object in the scene's table `contact.object`.
     Object,
-    /// As the force of the image was measured.
+    /// Direction of the image's measured force.
     Measured,
 }
 
-/// A direction needs what the scene does not have, or a measured force.
+/// A direction needs a value that the scene or the image lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum MissingInScene {
-    /// The friction.
+    /// The scene states no friction.
     #[error("a direction is `friction`: expected friction or friction_range in the scene's table contact")]
     Friction,
-    /// The object.
+    /// The scene states no object.
     #[error("a direction is `object`: expected a table contact.object in the scene")]
     Object,
-    /// The measured force.
+    /// The image has no measured force.
     #[error("a direction is `measured`: expected the measured force of the image (--forces)")]
     Measured,
 }
 
 impl AskedDirection {
-    /// The direction with what a scene knows of friction and object; `measured_deg` is that of the measured force, degrees.
+    /// Resolves the direction with the friction and the object of a scene. `measured_deg` is the direction of the measured force, degrees from the
+    /// undeformed normal.
     ///
     /// # Errors
-    /// [`MissingInScene`].
+    /// [`MissingInScene`] if the direction needs a friction, an object or a measured force, and it is missing.
     pub fn of_scene(self, scene: &Scene, measured_deg: Option<f64>) -> Result<Direction, MissingInScene> {
         let friction = scene.contact.lean;
         match self {
@@ -360,7 +361,7 @@ impl AskedDirection {
             AskedDirection::Friction => friction.map(Direction::Leaning).ok_or(MissingInScene::Friction),
             AskedDirection::Object => {
                 let object = scene.touched.as_ref().ok_or(MissingInScene::Object)?;
-                // Without a known place of the object, only tangency of plate and outline is known.
+                // Without a pose of the object, only tangency of plate and outline is known.
                 let from = match object.place {
                     Some(_) => Normal::Object,
                     None => Normal::Deformed { over_mm: 0.0 },

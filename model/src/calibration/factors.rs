@@ -1,4 +1,4 @@
-//! Several moduli at once: the general one and those of zones, with their covariance and identifiability tests.
+//! Estimates several moduli at once, of the whole finger and of zones, with their covariance and identifiability tests.
 
 mod problem;
 
@@ -15,13 +15,13 @@ use std::fmt;
 pub enum Unknown {
     /// One factor on all moduli of the finger.
     Modulus,
-    /// One factor on the modulus factors of some zones, counted from 0 in the order of the finger's description. The
-    /// compliance of a clamp is that of a zone at the base: a clamp of rotational stiffness k (N mm/rad) gives way as a
-    /// first member of length l whose factor is f does beyond its own bending, l (1/f - 1) / (E I) = 1 / k.
+    /// One factor on the modulus factors of some zones, counted from 0 in the order of the finger's description. A zone at the base can represent a
+    /// compliant clamp. Its rotational stiffness k (N mm/rad) corresponds to a first member of length l and factor f with
+    /// l (1/f - 1) / (E I) = 1 / k.
     Zones(Vec<usize>),
 }
 
-/// As parameters are called in results: `modulus_factor`, `zone_3_modulus_factor`, `zone_1+2_modulus_factor`.
+/// Names of parameters in results: `modulus_factor`, `zone_3_modulus_factor`, `zone_1+2_modulus_factor`.
 impl fmt::Display for Unknown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -34,48 +34,48 @@ impl fmt::Display for Unknown {
     }
 }
 
-/// How the finger of a calibration is computed.
+/// Model of the finger in a calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FactorModel {
-    /// Linear or co-rotational.
+    /// Linear or co-rotational kinematics.
     pub kinematics: Kinematics,
-    /// Elements a member; the linear finger is exact with one.
+    /// Beam elements per member; one is exact for the linear finger.
     pub elements: usize,
-    /// Standard deviation of one measured coordinate, mm; estimated from the residual if unknown.
+    /// Standard deviation of one measured coordinate, mm. `None`: estimated from the residual.
     pub noise_mm: Option<f64>,
 }
 
-/// Factors that were found, in the order of the unknowns.
+/// Estimated factors, in the order of the unknowns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FactorEstimate {
     /// The finger with the factors applied.
     pub finger: Finger,
     /// The unknowns.
     pub unknowns: Vec<Unknown>,
-    /// Factor of each on what the description said.
+    /// Factor of each unknown on the described modulus, dimensionless.
     pub factors: Vec<f64>,
-    /// Standard deviation of each factor over the factor, that is of its logarithm.
+    /// Relative standard deviation of each factor, dimensionless: the standard deviation of its logarithm.
     pub relative_sigmas: Vec<f64>,
-    /// Correlation of the factors, symmetric with ones on the diagonal.
+    /// Correlation matrix of the factors' logarithms, one row and column for each unknown.
     pub correlation: DMatrix<f64>,
-    /// Standard deviation of one coordinate that the sigmas rest on, mm.
+    /// Standard deviation of one coordinate, mm, from which `relative_sigmas` follow.
     pub noise_mm: f64,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,
-    /// Distance between measured and computed node of each marker, by case, mm.
+    /// Distance between measured and computed position of each marker, mm, case after case.
     pub distances_mm: Vec<f64>,
-    /// Gauss-Newton steps taken.
+    /// Number of iterations of the optimiser.
     pub iterations: usize,
 }
 
 impl FactorEstimate {
-    /// Whether a factor of another estimate of the same unknowns is more than a standard deviation of this one away.
+    /// Whether a factor of `other` differs from this estimate's by more than one standard deviation. Both have the same unknowns.
     pub fn differs_from(&self, other: &FactorEstimate) -> bool {
         let pairs = self.factors.iter().zip(&other.factors).zip(&self.relative_sigmas);
         pairs.into_iter().any(|((own, other), sigma)| (other / own).ln().abs() > *sigma)
     }
 
-    /// Pairs of unknowns (by index) that the data hardly distinguish, with their correlation: one may rise while the other falls or rises with it.
+    /// Pairs of unknowns (indices) that the data barely separate, with their correlation.
     pub fn entangled(&self) -> Vec<(usize, usize, f64)> {
         let pairs = (0..self.factors.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
         let correlated = pairs.map(|(i, j)| (i, j, self.correlation[(i, j)]));
@@ -83,32 +83,31 @@ impl FactorEstimate {
     }
 }
 
-/// From here on correlated factors are named: what one gains from knowing the other is a factor of three in sigma.
+/// Absolute correlation from which a pair is reported: knowing one factor would reduce the sigma of the other to a third.
 const ENTANGLED: f64 = 0.95;
-/// Singular values of the scaled sensitivities that span more leave no unique answer: sensitivities are good to nine
-/// digits, so what lies further below is rounding. Independent zones of the paper's finger span less than 1e4.
+/// Largest ratio of the singular values of the scaled Jacobian for which the answer is unique. Sensitivities have nine correct digits; smaller singular
+/// values are rounding. Independent zones of the paper's finger span less than 1e4.
 const LARGEST_SPAN: f64 = 1e7;
-/// A factor whose logarithm has this standard deviation or more is not identifiable: 1 is a factor of e either way.
+/// Standard deviation of a logarithm from which a factor is not identifiable: 1 is a factor of e in either direction.
 const LARGEST_RELATIVE_SIGMA: f64 = 1.0;
-/// Unknowns that change by more than this share of the one that changes most, where the data see no change, are named.
+/// Share of the largest change in an inseparable combination above which an unknown is named.
 const NAMED_SHARE: f64 = 0.2;
-/// The search ends when a step would change no factor by more than this share; the next would change it by the square of that.
+/// The search ends when a step changes no factor by more than this share. Convergence is quadratic: the next step would change it by the square.
 const SMALLEST_STEP: f64 = 1e-10;
 
-/// Factors on moduli for which the sum of squared distances between measured and computed nodes is smallest.
+/// Estimates factors on moduli that minimise the sum of squared distances between measured and computed nodes.
 ///
-/// Each `unknown` is a factor on what the finger's description says, which is also where the search starts. Logarithms are
-/// sought, so that factors stay positive. One group that holds all of the finger and [`Unknown::Modulus`] are the same:
-/// that is refused, and so is all else that is not identifiable.
+/// Each unknown is a factor on the described modulus, where the search starts. The search uses logarithms, so factors stay positive. Factors that are not
+/// identifiable are refused, for example [`Unknown::Modulus`] together with a group of zones that covers the whole finger.
 ///
 /// # Reference
-/// Eq. (11) of Xu et al. (2021) for several unknowns, with squares in place of distances, by [`LevenbergMarquardt`]. In
-/// equilibrium r(u, p) = 0, so du/dp = -K^-1 dr/dp with the tangent stiffness K; the forces of a member are proportional to
-/// its modulus, so dr/dp is their sum, each by the share of its compliance that the zone has
-/// ([`Mesh::zone_shares`](crate::Mesh::zone_shares)). Covariance of the logarithms: s^2 (J^T W^2 J)^-1.
+/// Eq. (11) of Xu et al. (2021) for several unknowns, with squares in place of distances, by [`LevenbergMarquardt`]. Equilibrium is
+/// r(u, p) = 0, so du/dp = -K^-1 dr/dp with the tangent stiffness K. The forces of a member are proportional to its modulus. dr/dp is their sum, each
+/// weighted by the share of the member's compliance that the zone has ([`Mesh::zone_shares`](crate::Mesh::zone_shares)). Covariance of the logarithms:
+/// s^2 (J^T W^2 J)^-1.
 ///
 /// # Errors
-/// [`CalibrationError`] when the finger cannot be solved at the start, or the factors are not identifiable.
+/// [`CalibrationError`] if the statics fail, the search does not converge, or the factors are not identifiable.
 pub fn factors(
     finger: &Finger,
     cases: &[CalibrationCase],
@@ -133,13 +132,13 @@ pub fn factors(
     require_separable(&fit.jacobian, unknowns)?;
     let degrees_of_freedom = (coordinates - count) as f64;
     let noise_mm = model.noise_mm.unwrap_or((fit.squares / degrees_of_freedom).sqrt());
-    // The singular values made sure that there is an inverse.
+    // The test of the singular values has ensured that an inverse exists.
     let per_noise =
         fit.covariance().ok_or_else(|| CalibrationError::NotIdentifiable { parameters: names(unknowns) })?;
     let sigmas: Vec<f64> = (0..count).map(|k| per_noise[(k, k)].sqrt()).collect();
     let correlation = DMatrix::from_fn(count, count, |i, j| per_noise[(i, j)] / (sigmas[i] * sigmas[j]));
     let relative_sigmas: Vec<f64> = sigmas.iter().map(|sigma| sigma * noise_mm).collect();
-    // What is not a number is not identifiable either.
+    // NaN counts as not identifiable.
     let identifiable = |k: usize| relative_sigmas[k] < LARGEST_RELATIVE_SIGMA;
     let unidentifiable: Vec<_> = (0..count).filter(|&k| !identifiable(k)).collect();
     if !unidentifiable.is_empty() {
@@ -159,10 +158,10 @@ pub fn factors(
     })
 }
 
-/// Distance between measured and computed node of each marker of a finger as it is, by case, mm.
+/// Distance between measured and computed position of each marker for an unchanged finger, mm, case after case.
 ///
 /// # Errors
-/// [`CalibrationError`] when the finger cannot be solved.
+/// [`CalibrationError`] if the statics of the finger cannot be solved.
 pub(super) fn distances_mm(
     finger: &Finger,
     cases: &[CalibrationCase],
@@ -177,11 +176,11 @@ fn distances_of(cases: &[CalibrationCase], residual: &DVector<f64>) -> Vec<f64> 
     markers.zip(residual.as_slice().chunks(2)).map(|(marker, at)| at[0].hypot(at[1]) / marker.weight).collect()
 }
 
-/// Refuses what is not identifiable: an unknown that moves no marker, or several of which only a combination shows.
+/// Refuses an unknown that moves no marker, and unknowns that move markers only in combination.
 fn require_separable(jacobian: &DMatrix<f64>, unknowns: &[Unknown]) -> Result<(), CalibrationError> {
     let scales: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
     let largest = scales.iter().copied().fold(0.0, f64::max);
-    // A part at which no load pulls shows rounding at most.
+    // An unknown of an unloaded part moves markers by rounding at most.
     let moves = |k: usize| scales[k] > largest / LARGEST_SPAN;
     let unmoved: Vec<_> = (0..unknowns.len()).filter(|&k| !moves(k)).collect();
     if !unmoved.is_empty() {

@@ -1,4 +1,4 @@
-//! One modulus of the co-rotational finger, from shapes of which single markers may be another node's.
+//! Estimates one modulus of the co-rotational finger, robust to markers that belong to another node.
 
 use super::factors::distances_mm;
 use super::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors, median, youngs_modulus};
@@ -8,58 +8,59 @@ use crate::measurement::Marker;
 use crate::sensing::{ResidualTest, noise_of};
 use crate::statics::StaticsError;
 
-/// A marker farther from the finger than this many standard deviations of a coordinate counts as if it were so far. Of normal noise one in ninety is:
-/// sigma grows by less than a hundredth.
+/// Distance in standard deviations of a coordinate beyond which a marker is down-weighted (Huber). Normal noise exceeds it for one marker in ninety, which
+/// raises sigma by less than 1 %.
 const FORGIVEN: f64 = 3.0;
-/// From this many on, and from this share of the root mean square displacement, a marker is named: noise leaves one in 270 000 so far off.
+/// A marker is reported as outlier beyond this many standard deviations and this share of the root mean square displacement. Normal noise exceeds
+/// five standard deviations for one marker in 270 000.
 const OUTLYING: f64 = 5.0;
 const OUTLYING_SHARE: f64 = 0.1;
 /// Median distance of normal noise in a plane, in standard deviations of a coordinate: sqrt(2 ln 2).
 const MEDIAN_DISTANCE: f64 = 1.177_410_022_515_474_7;
-/// Markers are weighed anew until the factor changes by less than this share of its standard deviation: two or three times.
+/// Reweighting ends when the factor changes by less than this share of its standard deviation, usually after two or three rounds.
 const SETTLED: f64 = 1e-2;
 const MOST_ROUNDS: usize = 20;
-/// A finger that the linear one says is this many times too soft to carry the loads is not sought.
+/// Largest number of doublings of the first factor, for loads that the finger does not carry with the linear finger's factor.
 const MOST_DOUBLINGS: i32 = 6;
 
-/// Modulus of the co-rotational finger as a factor on what its description says.
+/// Modulus of the co-rotational finger as a factor on the described modulus.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CorotationalModulus {
-    /// Factor on all moduli of the finger.
+    /// Factor on all moduli of the finger, dimensionless.
     pub factor: f64,
-    /// Its standard deviation, with the error of the mesh.
+    /// Standard deviation of the factor, dimensionless. Includes the error of the mesh.
     pub sigma: f64,
     /// Mean distance between measured and computed nodes, mm.
     pub mean_distance_mm: f64,
-    /// The test of the stated noise, where the measurement contradicts it: `sigma` then rests on the residual.
+    /// Test of the stated noise, if the measurement contradicts it. `sigma` then rests on the residual.
     pub contradiction: Option<ResidualTest>,
-    /// Markers far from where the finger has them, which count little.
+    /// Down-weighted markers far from their computed positions.
     pub outliers: Vec<OutlyingMarker>,
 }
 
-/// A marker that is far from where the finger has it.
+/// A marker far from its computed position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutlyingMarker {
-    /// Its case, from 0.
+    /// Index of its case, from 0.
     pub case: usize,
-    /// Its node.
+    /// Node of the marker.
     pub node: NodeId,
-    /// How far, mm.
+    /// Distance between measured and computed position, mm.
     pub distance_mm: f64,
 }
 
-/// Young's modulus of the co-rotational finger: the factor on all moduli for which the sum of the squared distances between measured and computed
-/// nodes is smallest, where markers that are far off count less the farther they are.
+/// Young's modulus of the co-rotational finger. Finds the factor on all moduli that minimises the sum of squared distances between measured and
+/// computed nodes, with distant markers down-weighted.
 ///
-/// `elements` a member; `noise_mm` is the standard deviation of one measured coordinate, estimated from the residual if unknown or contradicted.
+/// `elements` is the number of beam elements per member. `noise_mm` is the standard deviation of one measured coordinate, mm. The residual replaces an
+/// unknown or contradicted noise.
 ///
 /// # Reference
-/// Eq. (11) of Xu et al. (2021), see [`youngs_modulus`], with equilibria in place of the linear finger, and least squares with weights in place of the
-/// sum of distances: by [`factors`] from the linear finger's answer, reweighted until it settles (Huber and Ronchetti, Robust Statistics, 2nd ed.,
-/// sec. 7.8).
+/// Eq. (11) of Xu et al. (2021) as in [`youngs_modulus`], with co-rotational equilibria and weighted squares of distances. [`factors`] starts from the
+/// linear finger's factor; weights are updated until it settles (Huber and Ronchetti, Robust Statistics, 2nd ed., sec. 7.8).
 ///
 /// # Errors
-/// [`CalibrationError`] when no factor follows from the measurements.
+/// [`CalibrationError`] if the statics fail at every tried modulus, or the factor is not identifiable.
 pub fn corotational_modulus(
     finger: &Finger,
     cases: &[CalibrationCase],
@@ -71,7 +72,7 @@ pub fn corotational_modulus(
         return Err(CalibrationError::NotIdentifiable { parameters: Unknown::Modulus.to_string() });
     }
     let model = FactorModel { kinematics: Kinematics::Corotational, elements, noise_mm: None };
-    // The linear finger bends more than the co-rotational one, which may not carry the loads with its modulus.
+    // The co-rotational finger may not carry the loads with the linear finger's modulus.
     let mut start = linear.factor;
     let found = (0..=MOST_DOUBLINGS).find_map(|_| {
         let found = finger.with_modulus_factor(start).map_err(CalibrationError::from);
@@ -84,14 +85,14 @@ pub fn corotational_modulus(
         }
     });
     let (estimate, weighed) = found.unwrap_or(Err(CalibrationError::NoMinimum))?;
-    // What half the elements change is more than what all of them still miss.
+    // The change of the factor with half as many elements is an upper bound of the mesh error.
     let coarse = FactorModel { elements: elements.div_ceil(2), ..model };
     let mesh_error = factors(&estimate.finger, &weighed, &[Unknown::Modulus], &coarse)?.factors[0] - 1.0;
     let coordinates: usize = cases.iter().map(|case| case.measurement.coordinate_count()).sum();
     let squares_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
     let test = ResidualTest::new(noise_mm, squares_mm2, coordinates - 1);
     let trusted_mm = noise_of(test, noise_mm, squares_mm2, coordinates - 1);
-    // A perfect fit leaves neither noise nor deviation.
+    // A perfect fit has neither noise nor standard deviation.
     let wider = if estimate.noise_mm > 0.0 { trusted_mm / estimate.noise_mm } else { 1.0 };
     let factor = start * estimate.factors[0];
     Ok(CorotationalModulus {
@@ -103,8 +104,8 @@ pub fn corotational_modulus(
     })
 }
 
-/// The factor by least squares, with the markers weighed by their distances until it settles: at first by those from the finger as it is. With the
-/// weights of the last fit.
+/// Least-squares factor with markers weighted by their distances until it settles, and the cases with the last weights. The first weights follow from the
+/// distances of the unchanged finger.
 fn forgiving(
     finger: &Finger,
     cases: &[CalibrationCase],
@@ -132,7 +133,7 @@ fn forgiving(
     Ok((estimate, weighed))
 }
 
-/// Standard deviation of a coordinate that most markers keep to, mm.
+/// Robust standard deviation of a coordinate, mm, from the median distance.
 fn scatter_mm(distances_mm: &[f64]) -> f64 {
     median(distances_mm.iter().copied()).unwrap_or_default() / MEDIAN_DISTANCE
 }

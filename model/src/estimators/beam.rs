@@ -1,4 +1,4 @@
-//! Estimators that rest on the beam model itself.
+//! Estimators based on the beam model.
 
 use super::{Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 use crate::Mesh;
@@ -9,27 +9,27 @@ use crate::sensing::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Elements a member of the co-rotational finger that shows the error of linearisation: its own is small beside it.
+/// Beam elements per member of the co-rotational finger that determines the error of linearisation. The error of this mesh is small in comparison.
 const LINEARISATION_ELEMENTS: usize = 2;
 
 /// An estimator on a mesh of the beam model.
 #[derive(Debug, Clone)]
 pub struct BeamEstimator<'m> {
     id: EstimatorId,
-    /// Prior of a linear estimator; `None` for the nonlinear one.
+    /// Prior of a linear estimator. `None` for the nonlinear one.
     prior: Option<Prior>,
     mesh: &'m Mesh,
-    /// Reference of the model error: the co-rotational finger, for the nonlinear estimator on a finer mesh.
+    /// Mesh for the error of the model: of the co-rotational finger, and finer than `mesh` for the nonlinear estimator.
     reference: Option<Mesh>,
 }
 
 impl<'m> BeamEstimator<'m> {
-    /// Linear least squares, exact on any mesh at the key nodes. Its standard deviations hold the error of linearisation.
+    /// Linear least squares, exact at the key nodes on any mesh. Its standard deviations include the error of linearisation.
     pub fn least_squares(mesh: &'m Mesh) -> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::LeastSquares, Prior::None, mesh)
     }
 
-    /// The same with the paper's range of forces as a prior.
+    /// Linear least squares with the paper's range of forces as a prior. Its standard deviations include the error of linearisation.
     pub fn ridge(mesh: &'m Mesh) -> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::Ridge, Prior::PAPER, mesh)
     }
@@ -39,13 +39,13 @@ impl<'m> BeamEstimator<'m> {
         BeamEstimator { id, prior: Some(prior), mesh, reference: Some(reference) }
     }
 
-    /// Gauss-Newton on a mesh of the co-rotational finger. Its standard deviations hold the error of the mesh.
+    /// Gauss-Newton on a mesh of the co-rotational finger. Its standard deviations include the error of the mesh.
     pub fn nonlinear(mesh: &'m Mesh) -> BeamEstimator<'m> {
         let reference = Some(Discretisation::finer(mesh));
         BeamEstimator { id: EstimatorId::Nonlinear, prior: None, mesh, reference }
     }
 
-    /// The same with standard deviations of the noise alone, as the Cramer-Rao bound has them.
+    /// The same estimator with standard deviations from noise alone, as the Cramer-Rao bound has them.
     pub fn of_noise_alone(self) -> BeamEstimator<'m> {
         BeamEstimator { reference: None, ..self }
     }
@@ -83,7 +83,7 @@ impl Estimator for BeamEstimator<'_> {
     }
 }
 
-/// A linear estimator on a finger that is solved once for all contacts.
+/// A linear estimator on a finger solved once for all contacts.
 struct SolvedLinear<'m> {
     id: EstimatorId,
     solved: NodalCompliance,
@@ -102,7 +102,7 @@ impl Estimator for SolvedLinear<'_> {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
         let estimator = LinearEstimator::on(&self.solved, contacts, markers).or_else(|error| match error {
-            // Rounding may spoil a moment where it leaves the force alone.
+            // Rounding may fail the solution for a unit moment where that for the force succeeds.
             SensingError::Statics(_) => LinearEstimator::new(self.solved.finger(), contacts, markers),
             error => Err(error),
         })?;
@@ -110,7 +110,7 @@ impl Estimator for SolvedLinear<'_> {
     }
 }
 
-/// A linear estimator that is ready to sense.
+/// A linear estimator prepared for contacts and markers.
 struct Linear<'m> {
     estimator: LinearEstimator,
     prior: Prior,
@@ -142,18 +142,18 @@ impl PreparedEstimator for Linear<'_> {
     }
 }
 
-/// Standard deviation of the sum of linearly sensed forces: sqrt(1^T P 1) with the covariance of the forces
-/// P = s^2 (C^T W^2 C + (s / p)^2)^-1, s the noise and p the prior's standard deviation (infinite for least squares).
+/// Standard deviation of the sum of linearly estimated forces, sqrt(1^T P 1), with their covariance
+/// P = s^2 (C^T W^2 C + (s / p)^2)^-1. s is the noise, p the prior's standard deviation (infinite for least squares).
 struct SumSigma {
-    /// C^T W^2 C, mm^2/N^2, beside a prior; `None` where rounding leaves nothing of it.
+    /// C^T W^2 C, mm^2/N^2, for an estimator with a prior. `None` if it is singular to rounding.
     information: Option<DMatrix<f64>>,
-    /// That of least squares, a noise of 1 mm.
+    /// Standard deviation of the sum by least squares for a noise of 1 mm, N/mm.
     per_noise: f64,
 }
 
 impl SumSigma {
     fn of(estimator: &LinearEstimator, prior: Prior) -> SumSigma {
-        // G of full rank with G C = 1: G G^T = (C^T W^2 C)^-1.
+        // G has full rank and G C = 1, so G G^T = (C^T W^2 C)^-1.
         let gain = &estimator.inverse().gain;
         let covariance = gain * gain.transpose();
         let per_noise = covariance.sum().sqrt();
@@ -177,7 +177,7 @@ impl SumSigma {
     }
 }
 
-/// A nonlinear estimator that is ready to sense.
+/// A nonlinear estimator prepared for contacts and markers.
 struct Nonlinear<'m> {
     estimator: NonlinearEstimator<'m>,
     discretisation: Option<Discretisation<'m>>,
@@ -185,7 +185,7 @@ struct Nonlinear<'m> {
 
 impl PreparedEstimator for Nonlinear<'_> {
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
-        // A stream's start from the last frame would be too easy: answers must not depend on the order of measurements.
+        // A start from the last measurement would make the answer depend on the order of measurements.
         self.estimator.reset();
         let mut estimate = self.estimator.estimate(measurement, noise_mm)?;
         if let Some(discretisation) = &mut self.discretisation {
@@ -201,11 +201,11 @@ impl PreparedEstimator for Nonlinear<'_> {
 
     fn expect_samples_of(&mut self, noise_free: &Measurement, noise_mm: f64, samples: usize) {
         self.estimator.forget();
-        // One sample alone has nothing to share.
+        // A single sample does not repay the search.
         if samples < 2 {
             return;
         }
-        // Where the model contradicts the measurement there may be several minima, and a start decides between them.
+        // If the model contradicts the measurement, there may be several minima, and a shared start would select one.
         if self.estimator.estimate(noise_free, Some(noise_mm)).is_ok_and(|found| found.forces.warning.is_none()) {
             self.estimator.hold();
         }

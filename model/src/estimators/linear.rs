@@ -1,4 +1,4 @@
-//! Linear least squares, without a prior and with the paper's range of forces as one.
+//! Linear least squares, without a prior and with the paper's range of forces as a prior.
 
 use super::{Answer, BeamEstimator, ELEMENTS, EstimatorError, EstimatorRow, Question, known_contacts};
 use crate::sensing::{LinearEstimator, Linearisation, Prior};

@@ -1,7 +1,7 @@
-//! Every way to sense forces, one file and one row of [`EstimatorId`] each: maps, scatter and tables put them all to the same test.
+//! All force estimators. Each is one row of [`EstimatorId`], so that all studies and tables treat estimators equally.
 //!
-//! An [`Estimator`] is shared by threads; each thread prepares its own [`PreparedEstimator`] for the contacts and markers of
-//! a question. Every estimate starts afresh: what was sensed before does not count.
+//! Threads share an [`Estimator`]; each thread prepares a [`PreparedEstimator`] for the contacts and markers of a question. An estimate does not depend on
+//! earlier measurements.
 
 mod beam;
 mod linear;
@@ -20,11 +20,11 @@ use crate::sensing::{
 use crate::{Finger, Mesh};
 use network::{Networks, NoNetwork};
 
-/// Elements a member on which the nonlinear estimator works: the error of this mesh is small beside the noise.
+/// Beam elements per member for the nonlinear estimator: the error of this mesh is small compared with the noise.
 pub const ELEMENTS: usize = 4;
 
 registry! {
-    /// A way to sense forces.
+    /// A force estimator.
     EstimatorId: EstimatorRow {
         /// Linear least squares.
         LeastSquares => linear::LEAST_SQUARES,
@@ -37,7 +37,7 @@ registry! {
     }
 }
 
-/// Properties of a kind of estimator: see the methods of [`EstimatorId`].
+/// Properties of an estimator; the methods of [`EstimatorId`] describe them.
 struct EstimatorRow {
     name: &'static str,
     label: &'static str,
@@ -55,50 +55,51 @@ struct EstimatorRow {
 }
 
 impl EstimatorId {
-    /// Whether the forces are a linear function of the displacements, so that it answers whatever it is shown.
+    /// Whether forces are a linear function of the displacements. A linear estimator answers any measurement.
     pub fn is_linear(self) -> bool {
         self.row().is_linear
     }
 
-    /// Whether it searches for the shape of the co-rotational finger that fits: one that does not costs it a hundred times as much.
+    /// Whether the estimator solves iteratively for the shape of the co-rotational finger. A measurement that no shape fits then costs about 100 times as
+    /// much.
     pub fn searches(self) -> bool {
         self.row().searches
     }
 
-    /// Whether it answers at the contact nodes and along the normal alone, as networks that ship do.
+    /// Whether the estimator answers only at contact nodes and along the normal, as the shipped networks do.
     pub fn at_nodes(self) -> bool {
         self.row().at_nodes
     }
 
-    /// What it must be given, beside the displacements.
+    /// Phrase for help texts: the information that the estimator needs beside the displacements.
     pub fn needs(self) -> &'static str {
         self.row().needs
     }
 
-    /// What it does not answer.
+    /// Phrase for help texts: the questions and measurements that the estimator refuses.
     pub fn refuses(self) -> &'static str {
         self.row().refuses
     }
 
-    /// Which contacts it senses without having seen them before.
+    /// Phrase for help texts: the contacts that the estimator senses without training for them.
     pub fn unseen_contacts(self) -> &'static str {
         self.row().unseen_contacts
     }
 
-    /// The mesh of a finger that it works on.
+    /// The mesh on which the estimator works for a finger.
     pub fn mesh(self, finger: &Finger) -> Mesh {
         (self.row().mesh)(finger)
     }
 
-    /// The estimator on its [mesh](EstimatorId::mesh), with networks to choose from.
+    /// The estimator on its [mesh](EstimatorId::mesh). `networks` are the candidates for [`EstimatorId::Network`].
     pub fn on<'m>(self, mesh: &'m Mesh, networks: &'m Networks) -> Box<dyn Estimator + 'm> {
         (self.row().on)(mesh, networks)
     }
 
-    /// Refuses contacts that it cannot sense, whatever is measured.
+    /// Refuses contacts that the estimator does not support for any measurement.
     ///
     /// # Errors
-    /// [`EstimatorError`] for wrong contacts, or such as the estimator is not made for.
+    /// [`EstimatorError`] if a contact is wrong or unsupported.
     pub fn admits(
         self,
         finger: &Finger,
@@ -108,10 +109,10 @@ impl EstimatorId {
         (self.row().admits)(finger, contacts, networks)
     }
 
-    /// One answer with all that the estimator states, as `finray sense` gives it.
+    /// Answers one question with all that the estimator states, as `finray sense` does.
     ///
     /// # Errors
-    /// [`EstimatorError`] for wrong contacts, or if the estimator refuses to answer.
+    /// [`EstimatorError`] if a contact is wrong, or the estimator refuses to answer.
     pub fn answer(self, finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
         if !question.pad.is_none() && !self.searches() {
             return Err(EstimatorError::NoPad);
@@ -123,31 +124,31 @@ impl EstimatorId {
     }
 }
 
-/// Request to an estimator, prepared once.
+/// A question to an estimator.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'q> {
-    /// The contacts.
+    /// Contacts whose forces are estimated.
     pub contacts: &'q [ContactQuestion],
-    /// What lies between objects and the plate; estimators that do not search refuse a pad.
+    /// Pad between objects and the plate. Estimators that do not search refuse a pad.
     pub pad: Pad,
-    /// The object that contacts touch, where its shape and pose are known.
+    /// Object that the contacts touch, if its shape and pose are known.
     pub object: Option<&'q TouchedObject>,
     /// The measurement.
     pub measurement: &'q Measurement,
-    /// Standard deviation of one coordinate, mm; `None` if unknown.
+    /// Standard deviation of one displacement coordinate, mm. `None` if unknown.
     pub noise_mm: Option<f64>,
-    /// Nodes of the mesh, where the estimator lets one choose; `None`: as many as are needed.
+    /// Number of mesh nodes, for estimators whose mesh can be chosen. `None`: refined as needed.
     pub mesh_nodes: Option<usize>,
-    /// Networks to choose from.
+    /// Candidate networks for [`EstimatorId::Network`].
     pub networks: &'q Networks,
-    /// How the unloaded finger may differ from the scene's; estimators that do not search refuse it.
+    /// Possible differences of the unloaded finger from the scene's. Estimators that do not search refuse them.
     pub unloaded: Option<&'q UnloadedFinger>,
 }
 
-/// Contacts whose position and direction are now known, and their forces.
+/// Contacts with their given or estimated position and direction, and their forces.
 pub type Answer = (Vec<Contact>, Estimate);
 
-/// Contacts of known position and direction: all that most estimators can sense.
+/// Contacts of known position and direction. Most estimators support no others.
 fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<Contact>, EstimatorError> {
     let known: Option<Vec<Contact>> = contacts.iter().map(|question| question.known()).collect();
     let contacts = known.ok_or(EstimatorError::NotKnown)?;
@@ -155,78 +156,78 @@ fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<C
     Ok(contacts)
 }
 
-/// A way to sense forces of known position and direction.
+/// An estimator of forces of known position and direction.
 pub trait Estimator: Sync {
-    /// Which estimator it is.
+    /// Identifier of the estimator.
     fn id(&self) -> EstimatorId;
 
-    /// Prepares for contacts, and for the markers of a measurement; their displacements are not used yet.
+    /// Prepares for contacts and for the markers of a measurement. Does not use the displacements yet.
     ///
     /// # Errors
-    /// [`EstimatorError`] when a contact is wrong, the problem has no unique answer or the estimator is not made for it.
+    /// [`EstimatorError`] if a contact is wrong, the forces are not identifiable, or the estimator does not support the contacts.
     fn prepare<'a>(
         &'a self,
         contacts: &[Contact],
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
 
-    /// The same estimator, to rounding, with what all contacts have in common worked out once; `None` where that gains
-    /// nothing. If the true finger is linear, a linear estimator seeks no error of linearisation.
+    /// An equivalent estimator, up to rounding, that solves the part common to all contacts once. `None` if this saves nothing. For a linear true finger, a
+    /// linear estimator omits the error of linearisation.
     fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
         None
     }
 }
 
-/// An estimator that is ready to sense, measurement by measurement.
+/// An estimator prepared for contacts and markers.
 pub trait PreparedEstimator {
-    /// Senses the forces from its markers' displacements. `noise_mm`: standard deviation of a coordinate, if known.
+    /// Estimates the forces from the displacements of the prepared markers. `noise_mm` is the standard deviation of a coordinate, mm; `None` if unknown.
     ///
     /// # Errors
-    /// [`EstimatorError`] when the estimator refuses to answer.
+    /// [`EstimatorError`] if the estimator refuses to answer.
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError>;
 
-    /// Announces that the next `samples` measurements are `noise_free` plus noise: a search may start from there.
+    /// Announces that the next `samples` measurements are `noise_free` plus noise of `noise_mm`, so the search may start there.
     fn expect_samples_of(&mut self, _noise_free: &Measurement, _noise_mm: f64, _samples: usize) {}
 
-    /// Says near which forces (N) the next measurement's are, for a search to start. For bounds, at the true forces, alone.
+    /// Gives forces, N, close to those of the next measurement, from which a search may start. Only for error bounds at the true forces.
     fn expect_forces(&mut self, _forces_n: &[f64]) {}
 }
 
-/// Sensed forces, with as much as the estimator states of their errors.
+/// Estimated forces with the errors that the estimator states.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensed {
     /// Force of each contact along its direction, N, in the order of the contacts.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N.
+    /// Standard deviation of each force, N. `None` if the estimator states none.
     pub sigmas_n: Option<Vec<f64>>,
-    /// Standard deviation of the sum of the forces, N.
+    /// Standard deviation of the sum of the forces, N. `None` if the estimator states none.
     pub sum_sigma_n: Option<f64>,
-    /// Whether the estimator warns: the measurement contradicts its model, or the model errs by more than noise does.
+    /// Whether the measurement contradicts the model, or the error of the model exceeds the noise.
     pub warned: bool,
 }
 
-/// Why an estimator does not answer.
+/// Reason for which an estimator gives no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EstimatorError {
-    /// The forces are not identifiable, or the contacts are wrong.
+    /// The forces are not identifiable, or a contact is wrong.
     #[error(transparent)]
     Sensing(#[from] SensingError),
-    /// A network refuses.
+    /// A network refuses to answer.
     #[error(transparent)]
     Network(#[from] NetworkError),
-    /// No network is made for the contacts.
+    /// No network is trained for the contacts.
     #[error(transparent)]
     NoNetwork(#[from] NoNetwork),
-    /// The mesh that was asked for cannot be made.
+    /// No mesh has the requested number of nodes.
     #[error("--mesh-nodes: {0}")]
     Mesh(#[from] MeshSizeError),
-    /// Positions and directions that are sought with the forces.
+    /// The estimator does not support unknown positions or directions.
     #[error("a position or direction that is `normal`, `friction`, `object` or `auto` needs --estimator {name}", name = EstimatorId::Nonlinear)]
     NotKnown,
-    /// A pad between object and plate.
+    /// The estimator does not support a pad between object and plate.
     #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs --estimator {name}", name = EstimatorId::Nonlinear)]
     NoPad,
-    /// A finger that may have been assembled otherwise.
+    /// The estimator does not support an unloaded finger that differs from the scene's.
     #[error("a scene with the table assembly needs --estimator {name}", name = EstimatorId::Nonlinear)]
     NoAssembly,
 }

@@ -1,4 +1,4 @@
-//! Sensing networks as estimators.
+//! Trained networks as estimators.
 
 use super::{
     Answer, Estimator, EstimatorError, EstimatorId, EstimatorRow, PreparedEstimator, Question, Sensed, known_contacts,
@@ -35,22 +35,22 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     Ok((contacts, estimate))
 }
 
-/// Networks to choose from by finger and contacts.
+/// Networks from which one is chosen by finger and contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Networks(Vec<Network>);
 
-/// No network is trained for the request.
+/// No network is trained for the finger and contacts.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoNetwork {
-    /// There is a single one, and this is why not.
+    /// The only network was trained for others.
     #[error(transparent)]
     Made(#[from] NetworkError),
-    /// Not for this finger.
+    /// No network is trained for this finger.
     #[error(
         "no network ships for this finger: train one with `finray train SCENE --contact ... --out FILE` and give it with --network FILE"
     )]
     Finger,
-    /// Not for these contacts.
+    /// No network is trained for these contacts. The field lists the contacts.
     #[error(
         "no network ships for these contacts ({0}): train one with `finray train SCENE --contact ... --out FILE` and give it with \
          --network FILE"
@@ -59,29 +59,29 @@ pub enum NoNetwork {
 }
 
 impl Networks {
-    /// Networks from the bytes of their files.
+    /// Reads networks from the bytes of their files.
     ///
     /// # Errors
-    /// [`NetworkError`] for the first one that does not read.
+    /// [`NetworkError`] for the first file that cannot be read.
     pub fn read(files: &[&[u8]]) -> Result<Networks, NetworkError> {
         files.iter().map(|bytes| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks)
     }
 
-    /// No networks.
+    /// An empty list of networks.
     pub fn none() -> &'static Networks {
         static NONE: Networks = Networks(Vec::new());
         &NONE
     }
 
-    /// Some networks.
+    /// A list of the given networks.
     pub fn of(networks: Vec<Network>) -> Networks {
         Networks(networks)
     }
 
-    /// The network for contacts of a finger, in any order: one for exactly these before one for any of many.
+    /// The network for contacts of a finger, in any order. One for exactly these contacts has priority over one for any of its contacts.
     ///
     /// # Errors
-    /// [`NoNetwork`].
+    /// [`NoNetwork`] if no network is trained for the finger and the contacts.
     pub fn choose(&self, finger: &Finger, contacts: &[Contact]) -> Result<&Network, NoNetwork> {
         let mut why = NoNetwork::Finger;
         let by_set = |set: ContactSet| self.0.iter().filter(move |network| network.card.contact_set == set);
@@ -97,14 +97,14 @@ impl Networks {
     }
 }
 
-/// Networks as an estimator for one finger; which of them answers depends on the contacts.
+/// Networks as an estimator for one finger. The contacts determine the network that answers.
 #[derive(Debug, Clone, Copy)]
 pub struct NetworkSensing<'n> {
-    /// The networks.
+    /// Networks to choose from.
     pub networks: &'n Networks,
-    /// The finger.
+    /// The finger whose forces are estimated.
     pub finger: &'n Finger,
-    /// Whether shapes unlike those of the training are refused.
+    /// Whether the estimator refuses shapes unlike the training shapes.
     pub refuses: bool,
 }
 
@@ -132,7 +132,7 @@ impl PreparedEstimator for NetworkEstimator {
     }
 }
 
-/// Forces for any shape, as the paper's network gives them: nothing is refused, and no deviation is stated.
+/// A network estimator that, like the paper's network, accepts any shape and states no standard deviations.
 struct Unjudged(NetworkEstimator);
 
 impl PreparedEstimator for Unjudged {

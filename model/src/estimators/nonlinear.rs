@@ -18,17 +18,17 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     unseen_contacts: "any",
     mesh: |finger| Mesh::with_elements_per_member(finger, ELEMENTS),
     on: |mesh, _| Box::new(BeamEstimator::nonlinear(mesh)),
-    // A search for positions and directions checks them by what is measured.
+    // The search itself checks contacts, because positions and directions may be estimated.
     admits: |_, _, _| Ok(()),
     answer,
 };
 
-/// The ways in which an unloaded finger differs move markers as they do under the forces that are found: settled once these change by no more than
-/// this share of their standard deviations.
+/// The effect of assembly errors on the markers depends on the forces. It has settled when forces change by no more than this share of their standard
+/// deviations.
 const SETTLED_SIGMAS: f64 = 0.05;
 const ROUNDS: usize = 8;
 
-/// In rounds, each with the ways found at the forces and errors of the one before, where the unloaded finger may differ.
+/// If the unloaded finger may differ, repeats the estimate; each round linearises the assembly errors at the last forces and errors.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let Some(unloaded) = question.unloaded else {
         let sensed = sensed(finger, question)?;
@@ -61,7 +61,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     Err(SensingError::NotConverged { iterations: ROUNDS, change_n }.into())
 }
 
-/// On a mesh of this many nodes, or refining until doubling the mesh changes little.
+/// Estimates on a mesh of `mesh_nodes` nodes, or refines the mesh until doubling it changes little.
 fn sensed(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, EstimatorError> {
     let &Question { contacts, pad, object, measurement, noise_mm, .. } = question;
     match question.mesh_nodes {

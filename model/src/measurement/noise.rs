@@ -1,7 +1,7 @@
-//! Noise of measured displacements, by where the undeformed positions come from.
+//! Noise of measured displacements, by the source of the undeformed positions.
 //!
-//! A displacement is a position in an image less the undeformed position. That one is measured too, in an image of the finger at
-//! rest, or computed from the motor angle; either way its error is part of the displacement, and all frames that use it share it.
+//! A displacement is a position in an image minus the undeformed position. The undeformed position is measured in an image of the unloaded finger, or
+//! computed from the motor angle. Its error is part of the displacement and shared by all frames that use it.
 
 use super::Measurement;
 use crate::Vector;
@@ -11,17 +11,17 @@ use nalgebra::{Cholesky, DMatrix, DefaultAllocator, Dim, Dyn, OMatrix};
 /// Noise of the displacements of one measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DisplacementNoise {
-    /// Each coordinate has an error of its own, in every frame anew: the undeformed positions are exact.
+    /// Each coordinate has an independent error in every frame. The undeformed positions are exact.
     Independent {
         /// Standard deviation of one displacement coordinate, mm.
         sd_mm: f64,
     },
-    /// The undeformed positions come from an image of the finger at rest.
+    /// The undeformed positions come from an image of the unloaded finger.
     TwoImages {
         /// Standard deviation of one coordinate in one image, mm.
         image_sd_mm: f64,
     },
-    /// The undeformed positions come from the motor angle, eqs (6)-(10) of Xu et al. (2021): with the error of the base's pose.
+    /// The undeformed positions come from the motor angle, eqs (6)-(10) of Xu et al. (2021), and share the error of the base's pose.
     Kinematic {
         /// Standard deviation of one coordinate in one image, mm.
         image_sd_mm: f64,
@@ -32,13 +32,13 @@ pub enum DisplacementNoise {
     },
 }
 
-/// A covariance that has no inverse.
+/// The covariance of the displacements has no inverse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the noise of the displacements must be positive")]
 pub struct NoNoise;
 
 impl DisplacementNoise {
-    /// Standard deviation of the error that one coordinate has in every frame anew, mm.
+    /// Standard deviation of the error that one coordinate has independently in every frame, mm.
     pub fn frame_sd_mm(&self) -> f64 {
         match *self {
             DisplacementNoise::Independent { sd_mm } => sd_mm,
@@ -48,10 +48,10 @@ impl DisplacementNoise {
         }
     }
 
-    /// Covariance of the mean of `frames` frames, mm^2: rows and columns are x and y of the node at each position.
+    /// Covariance of the mean of `frames` frames, mm^2. Rows and columns are x and y of each node of `positions_mm`.
     ///
-    /// `positions_mm` are those of the nodes in the image (deformed), finger frame: the base's rotation moves every node across
-    /// its radius. The undeformed positions' error does not average out.
+    /// `positions_mm` are the deformed positions of the nodes, finger frame: a rotation of the base moves every node perpendicular to its radius. The error
+    /// of the undeformed positions does not average out.
     pub fn covariance_mm2(&self, positions_mm: &[Vector], frames: usize) -> DMatrix<f64> {
         let coordinates = 2 * positions_mm.len();
         let own = self.frame_sd_mm().powi(2) / frames as f64;
@@ -74,7 +74,7 @@ impl DisplacementNoise {
         covariance
     }
 
-    /// Errors that all frames share which use the same undeformed positions, mm, from standard normal numbers.
+    /// Random errors of the undeformed positions, mm, which all frames share. `standard_normal` returns the random numbers.
     pub fn shared_errors_mm(&self, positions_mm: &[Vector], mut standard_normal: impl FnMut() -> f64) -> Vec<Vector> {
         match *self {
             DisplacementNoise::Independent { .. } => vec![Vector::zeros(); positions_mm.len()],
@@ -90,7 +90,7 @@ impl DisplacementNoise {
         }
     }
 
-    /// Adds the shared errors and a frame's own to a measurement whose markers are those at the positions of `shared_mm`.
+    /// Adds shared errors and the independent errors of one frame to a measurement. `shared_mm` has one entry per marker, in the same order.
     pub fn add_to(
         &self,
         measurement: &mut Measurement,
@@ -103,24 +103,24 @@ impl DisplacementNoise {
         }
     }
 
-    /// The covariance of the mean of several frames, factored: what turns errors into independent ones of standard deviation 1.
+    /// Factors the covariance of the mean of several frames, to transform errors into independent ones of standard deviation 1.
     ///
     /// # Errors
-    /// [`NoNoise`] if it is not positive definite.
+    /// [`NoNoise`] if the covariance is not positive definite.
     pub fn whitening(&self, positions_mm: &[Vector], frames: usize) -> Result<Whitening, NoNoise> {
         let factor = Cholesky::new(self.covariance_mm2(positions_mm, frames)).ok_or(NoNoise)?;
         Ok(Whitening { factor })
     }
 }
 
-/// The covariance of displacements, factored as L L^T.
+/// Covariance of displacements, factored as L L^T.
 #[derive(Debug, Clone)]
 pub struct Whitening {
     factor: Cholesky<f64, Dyn>,
 }
 
 impl Whitening {
-    /// L^-1 of a residual or of derivatives: a row a coordinate (mm), a column an unknown.
+    /// L^-1 times a residual or its derivatives: one row per coordinate (mm), one column per unknown.
     pub fn whitened<C: Dim>(&self, columns: &OMatrix<f64, Dyn, C>) -> OMatrix<f64, Dyn, C>
     where
         DefaultAllocator: Allocator<Dyn, C>,
@@ -131,7 +131,7 @@ impl Whitening {
     }
 }
 
-/// Motion of every coordinate per mm of the base along x, along y, and per rad about the origin: three columns.
+/// Motion of every coordinate per mm of the base along x, per mm along y, and per rad about the origin (mm): three columns.
 pub fn base_motions(positions_mm: &[Vector]) -> DMatrix<f64> {
     DMatrix::from_fn(2 * positions_mm.len(), 3, |row, column| match column {
         2 => across(&positions_mm[row / 2])[row % 2],
@@ -139,7 +139,7 @@ pub fn base_motions(positions_mm: &[Vector]) -> DMatrix<f64> {
     })
 }
 
-/// Displacement of a node per rad about the origin, mm.
+/// Displacement of a node per rad about the origin, mm/rad.
 fn across(position_mm: &Vector) -> Vector {
     Vector::new(-position_mm.y, position_mm.x)
 }

@@ -1,15 +1,15 @@
-//! Markers on clamped nodes: what a camera sees of them is noise, and a large displacement is another node's.
+//! Markers on clamped nodes: they show only noise, so a large displacement belongs to another node.
 
 use super::MarkerError;
 use crate::Vector;
 use crate::finger::Finger;
 use crate::measurement::Marker;
 
-/// A clamped marker may seem to move by this many standard deviations, and by this much, mm, before nodes must be mixed up.
+/// Largest apparent motion of a clamped marker: this many standard deviations, but at least `LEAST_MM`. A larger one means confused nodes.
 const SIGMAS: f64 = 6.0;
 const LEAST_MM: f64 = 0.05;
-/// The same where no noise is stated, as a share of the largest displacement: of a finger that moves by 10 mm three times the noise of the paper's
-/// camera. The paper's first free nodes move by more than that when a force at a node bends the finger.
+/// Largest apparent motion without a stated noise, as a share of the largest displacement. For a finger that moves by 10 mm it is three times the noise of
+/// the paper's camera. The paper's first free nodes move by more under any force at a node.
 const SHARE: f64 = 0.02;
 
 /// Largest motion of a clamped marker that noise explains, mm.
@@ -17,7 +17,7 @@ const SHARE: f64 = 0.02;
 pub struct LargestClampedMotion(f64);
 
 impl LargestClampedMotion {
-    /// By the standard deviation of a coordinate, mm, or where none is known by the displacements of all markers.
+    /// Limit from the standard deviation of a coordinate, mm, or else from the displacements of all markers, mm.
     pub fn of(sd_mm: Option<f64>, displacements: impl IntoIterator<Item = Vector>) -> LargestClampedMotion {
         LargestClampedMotion(match sd_mm {
             Some(sd_mm) => LEAST_MM.max(SIGMAS * sd_mm),
@@ -25,10 +25,10 @@ impl LargestClampedMotion {
         })
     }
 
-    /// Refuses a clamped marker that moved by more.
+    /// Refuses a clamped marker that moved farther than this limit.
     ///
     /// # Errors
-    /// [`MarkerError::ClampedMoves`].
+    /// [`MarkerError::ClampedMoves`] if the marker moved farther.
     pub fn check(self, finger: &Finger, marker: &Marker) -> Result<(), MarkerError> {
         let (node, moved_mm, largest_mm) = (marker.node, marker.displacement.norm(), self.0);
         match finger.is_clamped(node) && moved_mm > largest_mm {

@@ -1,9 +1,9 @@
-//! How the unloaded finger may differ from the scene's: it was assembled or mounted anew.
+//! Differences between the unloaded finger and the scene's after assembly or mounting.
 //!
-//! Each joint then sits elsewhere by some tenths of a millimetre, the plates carry a preload, and the finger stands at another height before the
-//! camera. To first order each of these moves the markers of a bent finger in a fixed way: [`UnloadedFinger`] finds these ways from equilibria of
-//! fingers that differ, and the nonlinear estimator seeks how far they went, with their priors. A calibration leaves such errors, too: they are correlated,
-//! and are stated as independent combinations.
+//! Each joint is off by some tenths of a millimetre, the plates carry a preload, and the finger is at another height before the camera. To first order,
+//! each of these errors displaces the markers of a bent finger in a fixed pattern. [`UnloadedFinger`] computes these patterns from equilibria of fingers
+//! with errors. The nonlinear estimator estimates the amplitudes with their priors. A calibration leaves such errors, too; they are correlated and stated as
+//! independent combinations.
 
 use super::{Contact, ContactQuestion, Direction, Pad, SensingError};
 use crate::finger::{Finger, Plate};
@@ -13,70 +13,70 @@ use crate::statics::Statics;
 use crate::{Kinematics, NodeId, Vector};
 use nalgebra::UnitComplex;
 
-/// What is known of the unloaded finger beside its drawing.
+/// Uncertainty of the unloaded finger.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AssemblyErrors {
-    /// Standard deviation of where each joint is, along its plate and off it, mm.
+    /// Standard deviation of each joint's position, along its plate and perpendicular to it, mm.
     pub joint_sd_mm: f64,
-    /// Moment at the tip that the plates exert on each other without load, N mm, from x to y. Plates that are evenly curved before they are joined
-    /// leave such a moment and nothing else: the end moments of neighbouring elements cancel.
+    /// Moment that the plates exert on each other at the tip without load, N mm, from x to y. Uniformly curved plates leave only this moment when they are
+    /// joined, because the end moments of neighbouring elements cancel.
     pub preload_nmm: f64,
-    /// Standard deviation of it, N mm.
+    /// Standard deviation of the preload, N mm.
     pub preload_sd_nmm: f64,
-    /// Standard deviation of the markers' height before the camera, mm.
+    /// Standard deviation of the height of the markers, mm.
     pub height_sd_mm: f64,
-    /// Further errors that a calibration leaves, independent of each other and of those above.
+    /// Further errors that a calibration leaves, independent of each other and of the errors above.
     pub further: Vec<UnloadedError>,
 }
 
-/// One error of the unloaded finger and its rig, of one standard deviation: all its parts together.
+/// One error of the unloaded finger and its rig, of one standard deviation. All its parts occur together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnloadedError {
-    /// How far the joints of each rib are off, mm: `[front, back]`, each along the plate from base to tip and into the finger.
+    /// Displacements of the joints of each rib, mm: `[front, back]`, each along the plate from base to tip and into the finger.
     pub joints_mm: Vec<[[f64; 2]; 2]>,
-    /// By how much the clips on the front and the back plate are longer, mm.
+    /// Additional length of the clips on the front and the back plate, mm.
     pub clip_mm: [f64; 2],
-    /// How much larger the preload is, N mm.
+    /// Additional preload, N mm.
     pub preload_nmm: f64,
-    /// How much higher the markers stand, mm.
+    /// Additional height of the markers, mm.
     pub height_mm: f64,
-    /// How far the base is from where it is taken to be, mm in the finger frame, and by how much it is turned, rad.
+    /// Displacement of the base from its assumed position, mm, finger frame.
     pub base: Vector,
-    /// See `base`.
+    /// Turn of the base from its assumed orientation, rad.
     pub base_turn_rad: f64,
 }
 
-/// An unloaded finger as one image may have it.
+/// Possible errors of the unloaded finger in one image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnloadedFinger {
-    /// What is known of it.
+    /// Uncertainty of the unloaded finger.
     pub assembly: AssemblyErrors,
-    /// The camera; `None` where the markers' height does not matter.
+    /// The camera. `None` if the height of the markers has no effect.
     pub camera: Option<CameraAbove>,
-    /// For displacements that count from an image of the unloaded finger: standard deviation, rad, of the turn of the frame that they are measured in.
-    /// Where the scene has the base does not matter otherwise.
+    /// Standard deviation of the turn of the measurement's frame, rad, if displacements refer to an image of the unloaded finger. The position of the base
+    /// then has no effect. `None` if displacements refer to the scene's finger.
     pub measured_in_frame_sd_rad: Option<f64>,
 }
 
 /// A camera above the plane of the markers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraAbove {
-    /// Point of the plane below it, in the finger frame, mm.
+    /// Point of the plane below the camera, in the finger frame, mm.
     pub eye: Vector,
-    /// Point of the finger that stays where it is seen when finger and base stand higher together, mm.
+    /// Point of the finger whose image stays fixed when finger and base rise together, mm.
     pub middle: Vector,
-    /// Distance from the plane, mm.
+    /// Distance of the camera from the plane, mm.
     pub distance_mm: f64,
 }
 
-/// Elements a member of the fingers that are compared.
+/// Beam elements per member of the compared fingers.
 const ELEMENTS: usize = 8;
-/// Numbers of a row of [`UnloadedError`]: of each rib, and of all else.
+/// Numbers in a row of [`UnloadedError`]: of each rib, and of all other parts.
 const OF_RIB: usize = 4;
 const OF_REST: usize = 7;
 
 impl UnloadedError {
-    /// No error of a finger with so many ribs.
+    /// No error, for a finger with `ribs` ribs.
     pub fn none(ribs: usize) -> UnloadedError {
         UnloadedError {
             joints_mm: vec![[[0.0; 2]; 2]; ribs],
@@ -88,8 +88,8 @@ impl UnloadedError {
         }
     }
 
-    /// From a row of numbers: of each rib, front along the plate, front into the finger, back along, back into; then clip front, clip back, preload, height,
-    /// base x, base y, turn in degrees. `None` for a row of another length.
+    /// Reads an error from a row of numbers, mm and N mm. First, of each rib: front along the plate, front into the finger, back along, back into. Then: clip
+    /// front, clip back, preload, height, base x, base y, turn in degrees. `None` for a row of another length.
     pub fn from_row(row: &[f64], ribs: usize) -> Option<UnloadedError> {
         let (joints, rest) = row.split_at_checked(OF_RIB * ribs)?;
         let &[front_clip, back_clip, preload_nmm, height_mm, x, y, turn_deg] = rest else { return None };
@@ -103,18 +103,18 @@ impl UnloadedError {
         })
     }
 
-    /// Length of a row for so many ribs.
+    /// Length of a row for a finger with `ribs` ribs.
     pub fn row_length(ribs: usize) -> usize {
         OF_RIB * ribs + OF_REST
     }
 
-    /// The row that leads to it.
+    /// The row of numbers from which [`UnloadedError::from_row`] reads this error, in its order and units.
     pub fn to_row(&self) -> Vec<f64> {
         let rest = [self.preload_nmm, self.height_mm, self.base.x, self.base.y, self.base_turn_rad.to_degrees()];
         self.joints_mm.iter().flatten().flatten().chain(&self.clip_mm).copied().chain(rest).collect()
     }
 
-    /// Itself and so many times another.
+    /// This error plus `times` another.
     pub(crate) fn and(&self, times: f64, other: &UnloadedError) -> UnloadedError {
         let mut sum = self.clone();
         let joints_mm = sum.joints_mm.iter_mut().flatten().flatten().zip(other.joints_mm.iter().flatten().flatten());
@@ -126,7 +126,7 @@ impl UnloadedError {
         sum
     }
 
-    /// A finger with this error, if there can be one.
+    /// A finger with this error. `None` if it is impossible.
     pub(crate) fn finger(&self, finger: &Finger) -> Option<Finger> {
         let mut description = finger.description().clone();
         for (rib, joints_mm) in self.joints_mm.iter().enumerate() {
@@ -145,7 +145,7 @@ impl UnloadedError {
         Finger::new(description).ok()
     }
 
-    /// Whether it changes how the finger bends.
+    /// Whether the error changes the bending of the finger.
     fn bends(&self) -> bool {
         self.joints_mm.iter().flatten().flatten().chain(&self.clip_mm).any(|mm| *mm != 0.0)
             || self.preload_nmm != 0.0
@@ -154,13 +154,13 @@ impl UnloadedError {
 }
 
 impl AssemblyErrors {
-    /// The load that a preload is.
+    /// Load of a preload at the tip, N mm.
     pub(crate) fn load(finger: &Finger, moment_nmm: f64) -> Load {
         Load::Node { node: finger.tip(), force: Vector::zeros(), moment_nmm }
     }
 }
 
-/// Forces at contacts, with the pad that is between.
+/// Forces at contacts, with the pad between object and plate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pushed<'f> {
     pub questions: &'f [ContactQuestion],
@@ -170,7 +170,7 @@ pub(crate) struct Pushed<'f> {
 }
 
 impl Pushed<'_> {
-    /// The contacts as a finger has them whose frame is turned: directions that are known are known outside it.
+    /// The contacts in a finger frame turned by `by_rad`. Known directions are fixed outside this frame.
     fn turned_back(&self, by_rad: f64) -> Vec<Contact> {
         let is_known = |question: &ContactQuestion| matches!(question.direction, Direction::Angle(_));
         let turned = |(contact, question): (&Contact, &ContactQuestion)| match is_known(question) {
@@ -182,17 +182,17 @@ impl Pushed<'_> {
 }
 
 impl UnloadedFinger {
-    /// Standard deviation of a coordinate, mm, that errors shared by markers leave as long as no forces are known: none of displacements from the
-    /// scene's unloaded finger, as most of these errors do not depend on forces.
+    /// Standard deviation of a coordinate, mm, due to shared errors before any force is known. Zero for displacements from the scene's finger, because most
+    /// errors then do not depend on forces.
     pub(crate) fn unknown_without_forces_mm(&self) -> f64 {
         if self.measured_in_frame_sd_rad.is_some() { self.assembly.joint_sd_mm } else { 0.0 }
     }
 
-    /// A measurement without what is expected of the preload, and with the errors that its markers share: linearised where they are, in standard
-    /// deviations, as a search before has found them, which may have found none.
+    /// Corrects a measurement for the expected preload, and adds the errors that its markers share. They are linearised at `found`, the errors of an earlier
+    /// search in standard deviations, or at zero if it is empty.
     ///
     /// # Errors
-    /// [`SensingError`] where a finger that differs has no equilibrium under the forces.
+    /// [`SensingError`] if a finger with an error is impossible or has no equilibrium under the forces.
     pub(crate) fn allowed_for(
         &self,
         finger: &Finger,
@@ -203,7 +203,7 @@ impl UnloadedFinger {
         let errors = self.independent_errors(finger.rib_count());
         let none = UnloadedError::none(finger.rib_count());
         let all = errors.iter().zip(found).fold(none.clone(), |all, (error, times)| all.and(*times, error));
-        // As the scene has it where the finger has no room for them.
+        // The errors are linearised at zero if the finger with the found errors is impossible.
         let (here, found) = if all.finger(finger).is_some() { (all, found) } else { (none, &[][..]) };
         let bent = self.bent(finger, &here, pushed)?;
         let seen = self.seen(&here, &bent);
@@ -214,7 +214,7 @@ impl UnloadedFinger {
                 let bent = if error.bends() { self.bent(finger, &there, pushed)? } else { bent.clone() };
                 Ok(self.seen(&there, &bent).iter().zip(&seen).map(|(there, here)| (there - here) * times).collect())
             };
-            // To the other side where the finger has no room.
+            // The opposite sign serves where a finger with the error is impossible.
             shared.push(moved(1.0).or_else(|_| moved(-1.0))?);
         }
         let mut offset = self.markers(finger, 0.0, pushed)?;
@@ -228,7 +228,7 @@ impl UnloadedFinger {
         Ok(measurement.clone().displaced(allowed_for).with_shared_errors(shared))
     }
 
-    /// All errors, each of one standard deviation.
+    /// All errors, of one standard deviation each.
     pub(crate) fn independent_errors(&self, ribs: usize) -> Vec<UnloadedError> {
         let AssemblyErrors { joint_sd_mm, preload_sd_nmm, height_sd_mm, further, .. } = &self.assembly;
         let mut errors = Vec::new();
@@ -260,17 +260,17 @@ impl UnloadedFinger {
         errors
     }
 
-    /// Where forces bring the markers of a finger with an error, mm in its own frame.
+    /// Marker positions of a finger with an error under the forces, mm, in its own frame.
     fn bent(&self, finger: &Finger, error: &UnloadedError, pushed: Pushed) -> Result<Vec<Vector>, SensingError> {
         let other = error.finger(finger).ok_or(SensingError::NoSuchFinger)?;
         let contacts = pushed.turned_back(error.base_turn_rad);
         self.markers(&other, self.assembly.preload_nmm + error.preload_nmm, Pushed { contacts: &contacts, ..pushed })
     }
 
-    /// Where markers of a finger with an error are seen, mm.
+    /// Marker positions of a finger with an error as the camera sees them, mm.
     fn seen(&self, error: &UnloadedError, bent: &[Vector]) -> Vec<Vector> {
         let turn = UnitComplex::new(error.base_turn_rad);
-        // What moves all markers alike is not in a displacement from an image at rest.
+        // A common translation of all markers is not in a displacement from an image of the unloaded finger.
         let (base, eye) = match self.measured_in_frame_sd_rad {
             Some(_) => (Vector::zeros(), Vector::zeros()),
             None => (error.base, self.camera.map_or(Vector::zeros(), |camera| camera.eye)),
@@ -283,7 +283,7 @@ impl UnloadedFinger {
         bent.iter().map(seen).collect()
     }
 
-    /// Where forces and a moment at the tip bring the markers of all key nodes, mm; from where the unloaded finger has them, if an image shows that.
+    /// Marker positions of all key nodes under forces and a moment at the tip, mm. Displacements instead, if an image shows the unloaded finger.
     fn markers(&self, finger: &Finger, moment_nmm: f64, pushed: Pushed) -> Result<Vec<Vector>, SensingError> {
         let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
         let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);

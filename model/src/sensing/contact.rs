@@ -1,4 +1,4 @@
-//! Contacts: where a force acts and in which direction, as far as that is known.
+//! Contacts: positions and directions of forces, known or unknown.
 
 use super::{Lean, SensingError};
 use crate::Vector;
@@ -6,10 +6,10 @@ use crate::finger::{Finger, NodeId, Plate};
 use crate::mesh::{Load, LoadError};
 use serde::{Deserialize, Serialize};
 
-/// Where a force acts on the front plate.
+/// Position of a force on the front plate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ContactPosition {
-    /// At a contact node: from the tip to the last node before the front base.
+    /// At a contact node, from the tip to the last node before the front base.
     #[serde(rename = "node")]
     Node(NodeId),
     /// At a distance from the front base along the plate, mm.
@@ -17,17 +17,17 @@ pub enum ContactPosition {
     At(f64),
 }
 
-/// A contact whose force is sought: its position and direction are known.
+/// A contact of known position and direction whose force is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Where it acts.
+    /// Position of the force.
     #[serde(flatten)]
     pub position: ContactPosition,
     /// Direction of the force, degrees from the undeformed inward normal, positive towards the tip.
     pub angle_deg: f64,
 }
 
-/// As on the command line: `19@0`, `80 mm@-20`.
+/// Format as on the command line: `19@0`, `80 mm@-20`.
 impl std::fmt::Display for Contact {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self.position {
@@ -38,17 +38,17 @@ impl std::fmt::Display for Contact {
 }
 
 impl Contact {
-    /// At a node, along the undeformed normal.
+    /// A contact at a node, along the undeformed normal.
     pub fn at_node(node: NodeId) -> Contact {
         Contact { position: ContactPosition::Node(node), angle_deg: 0.0 }
     }
 
-    /// The contact's force of 1 N as a load.
+    /// Load of 1 N at the contact, along its direction.
     pub fn unit_load(&self, finger: &Finger) -> Load {
         self.load(finger, 1.0)
     }
 
-    /// The contact's force as a load.
+    /// Load of `force_n`, N, at the contact, along its direction.
     pub fn load(&self, finger: &Finger, force_n: f64) -> Load {
         let force: Vector = finger.direction(self.angle_deg) * force_n;
         match self.position {
@@ -57,7 +57,7 @@ impl Contact {
         }
     }
 
-    /// Position along the front plate, mm from the base; `None` for a node that is not on it.
+    /// Position along the front plate, mm from the base. `None` for a node off the front plate.
     pub fn position_mm(&self, finger: &Finger) -> Option<f64> {
         match self.position {
             ContactPosition::Node(node) => finger.front_position_mm(node),
@@ -66,14 +66,14 @@ impl Contact {
     }
 }
 
-/// Direction of a force that is asked about.
+/// Direction of a force, known or unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Direction {
-    /// Known, degrees from the undeformed inward normal, positive towards the tip; from where the measurement has the base.
+    /// A known angle, degrees from the undeformed inward normal of the base as measured, positive towards the tip.
     Angle(f64),
-    /// The plate's inward normal, and what friction turns it by.
+    /// The plate's inward normal plus a lean due to friction.
     Leaning(Lean),
-    /// Unknown.
+    /// An unknown direction.
     Auto,
 }
 
@@ -82,17 +82,17 @@ impl Direction {
     pub const NORMAL: Direction = Direction::Leaning(Lean::NONE);
 }
 
-/// A contact whose force is sought, and perhaps its position and direction too.
+/// A contact whose force is estimated, and perhaps its position and direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactQuestion {
-    /// Where it acts; `None` if unknown.
+    /// Position of the force. `None` if unknown.
     pub position: Option<ContactPosition>,
-    /// In which direction.
+    /// Direction of the force.
     pub direction: Direction,
 }
 
 impl ContactQuestion {
-    /// The contact, if position and direction are known before measuring.
+    /// The contact, if both position and direction are known.
     pub fn known(&self) -> Option<Contact> {
         match (self.position, self.direction) {
             (Some(position), Direction::Angle(angle_deg)) => Some(Contact { position, angle_deg }),
@@ -110,7 +110,7 @@ impl From<Contact> for ContactQuestion {
 /// Checks that contacts lie on the free front plate, have finite angles and differ from each other.
 ///
 /// # Errors
-/// [`SensingError`] naming the first contact that is wrong.
+/// [`SensingError`] for the first wrong contact.
 pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), SensingError> {
     if contacts.is_empty() {
         return Err(SensingError::NoContact);

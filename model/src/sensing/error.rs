@@ -1,20 +1,20 @@
-//! Why forces cannot be sensed.
+//! Reasons for which forces cannot be estimated.
 
 use crate::finger::NodeId;
 use crate::mesh::LoadError;
 
-/// Why forces cannot be sensed from a measurement.
+/// Reason for which forces cannot be estimated from a measurement.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SensingError {
     /// A contact is not on the free front plate.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A contact node that is not on the front plate.
+    /// A contact node is not on the front plate.
     #[error("node {node} is not a contact node: contacts lie on the front plate, nodes {first} (tip) to {last}")]
     NotAContactNode {
-        /// The node asked for.
+        /// The requested node.
         node: NodeId,
-        /// The tip.
+        /// Node of the tip.
         first: NodeId,
         /// The last node before the front base.
         last: NodeId,
@@ -25,55 +25,55 @@ pub enum SensingError {
         /// Position of the contact in the list, from 1.
         contact: usize,
     },
-    /// No finger that differs from the scene as its table `assembly` states explains the measurement.
+    /// No finger within the errors of the scene's table `assembly` explains the measurement.
     #[error(
         "no finger that differs from the scene's by the errors of its table assembly explains the measurement: expected smaller errors, or another scene"
     )]
     NoSuchFinger,
-    /// No contacts were asked for.
+    /// No contact is given.
     #[error("no contact was given: nothing to estimate")]
     NoContact,
-    /// The same unknown twice.
+    /// Two contacts have the same position and direction.
     #[error("contacts {first} and {second} have the same position and direction: their forces are not identifiable")]
     SameContact {
-        /// Position in the list, from 1.
+        /// Position of the first contact in the list, from 1.
         first: usize,
-        /// Position in the list, from 1.
+        /// Position of the second contact in the list, from 1.
         second: usize,
     },
-    /// More unknowns than numbers measured.
+    /// There are more unknowns than measured coordinates.
     #[error("not identifiable: {unknowns} unknown forces, but only {coordinates} measured coordinates")]
     TooFewMarkers {
-        /// Number of forces.
+        /// Number of unknown forces.
         unknowns: usize,
         /// Number of measured coordinates.
         coordinates: usize,
     },
-    /// The data hardly change with some combination of the forces.
+    /// The data hardly change with some combination of the unknowns.
     #[error(
         "not identifiable: the scaled singular values span {span:.1e}, more than {limit:.0e}: the measured nodes do \
          not determine the forces (contact {weakest} least)"
     )]
     IllConditioned {
-        /// Ratio of largest to smallest scaled singular value.
+        /// Ratio of largest to smallest scaled singular value, dimensionless.
         span: f64,
-        /// Largest ratio that is accepted.
+        /// Largest accepted ratio, dimensionless.
         limit: f64,
-        /// Contact that takes part most in the combination that cannot be seen, from 1.
+        /// Contact with the largest share in the invisible combination, from 1.
         weakest: usize,
     },
-    /// A position or direction is asked for that is not identifiable.
+    /// A requested position, direction or force is not identifiable.
     #[error(
         "not identifiable: {what} of contact {contact} is only known to {sigma:.2} {unit} (one standard deviation)"
     )]
     Undetermined {
-        /// "the position", "the direction" or "the force".
+        /// Name of the quantity: "the position", "the direction" or "the force".
         what: &'static str,
         /// Position of the contact in the list, from 1.
         contact: usize,
-        /// Its standard deviation.
+        /// Standard deviation of the quantity, in `unit`.
         sigma: f64,
-        /// The unit of the standard deviation.
+        /// Unit of the standard deviation: "mm", "deg" or "N".
         unit: &'static str,
     },
     /// Two different answers explain the data equally well.
@@ -83,18 +83,18 @@ pub enum SensingError {
     Ambiguous {
         /// Position of the contact in the list, from 1.
         contact: usize,
-        /// Its force in the one answer, N.
+        /// Force of the contact in one answer, N.
         force_n: f64,
-        /// Its force in the other, N.
+        /// Force of the contact in the other answer, N.
         other_n: f64,
     },
-    /// An answer from few markers, far from the linear one, that the search finds from one start only.
+    /// An answer from few markers is far from the linear one, and only one start of the search leads to it.
     #[error(
         "not identifiable: forces that explain the measurement are far from those of the linear finger, and other starts of \
          the search do not lead to them"
     )]
     Unconfirmed,
-    /// No forces were found that explain the data.
+    /// No forces explain the data.
     #[error(
         "the co-rotational model does not explain the measurement: the residual is {residual_rms_mm:.3} mm of \
          {moved_rms_mm:.3} mm (root mean squares)"
@@ -102,39 +102,39 @@ pub enum SensingError {
     Unexplained {
         /// Root mean square of the weighted residual, mm.
         residual_rms_mm: f64,
-        /// Root mean square of the measured displacements' coordinates, mm.
+        /// Root mean square of the measured displacement coordinates, mm.
         moved_rms_mm: f64,
     },
-    /// The search for forces that explain the measurement did not end.
+    /// The search for forces does not converge.
     #[error(
         "the co-rotational model cannot explain the measurement: after {iterations} steps forces still change by \
          {change_n:.2e} N"
     )]
     NotConverged {
-        /// Steps taken.
+        /// Number of steps.
         iterations: usize,
         /// Last change of a force, N.
         change_n: f64,
     },
-    /// The measurement contradicts the linear finger, and the error of linearisation cannot be found.
+    /// The measurement contradicts the linear finger, and the error of linearisation cannot be computed.
     #[error(
         "the measurement contradicts the linear model, and the co-rotational finger carries no forces that the linear model \
          would answer so: its error is not known (the nonlinear estimator does without linearisation)"
     )]
     NotLinearised,
-    /// What is known beforehand cannot be weighed against the measurement.
+    /// Prior knowledge cannot be weighed against the measurement, because no noise is stated.
     #[error(
         "a base or a friction that is known to a standard deviation has to be weighed against the noise of the measurement, \
          which was not stated"
     )]
     NoiseNotStated,
-    /// A normal is that of an object, and there is none.
+    /// A direction refers to the normal of an object, but no object is known.
     #[error("the direction of contact {contact} is that of an object's outline, and no object is known")]
     NoObject {
         /// Position of the contact in the list, from 1.
         contact: usize,
     },
-    /// The object is elsewhere.
+    /// The object cannot touch the plate.
     #[error(
         "the object cannot touch the plate at contact {contact}: where the markers have the plate, its outline with what lies between is \
          {gap_mm:.2} mm {} (where it is, is known to {sd_mm:.2} mm, one standard deviation)",
@@ -148,7 +148,7 @@ pub enum SensingError {
         /// Standard deviation of the gap, mm.
         sd_mm: f64,
     },
-    /// The finger itself could not be solved.
+    /// The statics of the finger cannot be solved.
     #[error(transparent)]
     Statics(#[from] crate::statics::StaticsError),
 }

@@ -1,4 +1,4 @@
-//! Linear estimators: least squares, and least squares with a prior on the forces (ridge).
+//! Linear estimators: least squares, without and with a prior on the forces (ridge).
 
 use super::linearisation::{LinearModel, Linearisation, weighted};
 use super::residual_test::{ResidualTest, noise_of, unstated_noise_mm};
@@ -12,20 +12,20 @@ use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
-/// A measurement that the linear finger explains better than the co-rotational one by more than this, in squared standard
-/// deviations of the noise, is of a finger that bends linearly: a difference of three standard deviations.
+/// A measurement shows a linear finger if the linear finger explains it better than the co-rotational one by this difference of misfits. The difference is in
+/// squared standard deviations of the noise: three standard deviations.
 const FAVOURED: f64 = 9.0;
 
-/// Where no noise is stated, the linear finger explains a measurement of which it leaves no more than this share of the displacements: the camera's
-/// noise is less of a finger that bends so far that the co-rotational one is lost; shapes of that one leave ten times as much.
+/// Largest residual, as a share of the displacements, that the linear finger explains if no noise is stated. At deflections beyond the co-rotational
+/// finger, camera noise is smaller than this share; shapes of the co-rotational finger leave ten times as much.
 const EXPLAINED_SHARE: f64 = 0.01;
 
-/// Prior of the forces.
+/// Prior distribution of the forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Prior {
-    /// Nothing: least squares.
+    /// No prior: least squares.
     None,
-    /// Forces scatter about zero with this standard deviation, N: ridge regression.
+    /// Normal distribution about zero: ridge regression.
     Gaussian {
         /// Standard deviation of a force, N.
         force_n: f64,
@@ -33,40 +33,40 @@ pub enum Prior {
 }
 
 impl Prior {
-    /// The paper draws its forces from 0 to 5 N a node (sec. IV-A): their root mean square is 5 / sqrt(3) = 2.9 N.
+    /// Root mean square of the paper's forces, which are drawn from 0 to 5 N per node (sec. IV-A): 5 / sqrt(3) = 2.9 N.
     pub const PAPER: Prior = Prior::Gaussian { force_n: 2.886_751_345_948_129 };
 }
 
-/// Weighted linear least squares for known contacts and directions on the linear finger.
+/// Weighted linear least squares on the linear finger, for contacts of known position and direction.
 ///
 /// # Requirements
-/// As many measured coordinates as contacts, and singular values that span at most [`LARGEST_SPAN`].
+/// At least as many measured coordinates as contacts, and singular values that span at most [`LARGEST_SPAN`].
 ///
 /// # Reference
-/// Minimises |W (u - C f)|^2, with u the measured displacements, C the compliance of eq. (5) of Xu et al. (2021) at the
-/// markers and contacts, W the weights. With a prior of standard deviation p and noise s, |f|^2 s^2 / p^2 is added
-/// (Hoerl and Kennard 1970); the sigmas are then those of the posterior.
+/// Minimises |W (u - C f)|^2 with the measured displacements u and the weights W. C is the compliance of eq. (5) of Xu et
+/// al. (2021) at the markers and contacts. A prior of standard deviation p adds |f|^2 s^2 / p^2 for a noise s (Hoerl and
+/// Kennard 1970); the sigmas are then those of the posterior.
 #[derive(Debug, Clone)]
 pub struct LinearEstimator {
-    /// Weighted compliance W C, 2 rows (x, y) a marker, a column a contact, mm/N.
+    /// Weighted compliance W C, mm/N: two rows (x, y) per marker, one column per contact.
     compliance: DMatrix<f64>,
     least_squares: Inverse,
     singular_values: Vec<f64>,
 }
 
 impl LinearEstimator {
-    /// Prepares the problem for the markers of a measurement; their displacements are not used yet.
+    /// Prepares the problem for the markers of a measurement. Does not use their displacements yet.
     ///
     /// # Errors
-    /// [`SensingError`] when a contact is wrong or the problem has no unique answer.
+    /// [`SensingError`] if a contact is wrong or the forces are not identifiable.
     pub fn new(finger: &Finger, contacts: &[Contact], markers: &Measurement) -> Result<LinearEstimator, SensingError> {
         LinearEstimator::prepared(finger, contacts, markers, |loads| Compliance::new(finger, loads))
     }
 
-    /// As [`LinearEstimator::new`], to rounding, on a finger that is solved already.
+    /// As [`LinearEstimator::new`], up to rounding, on an already solved finger.
     ///
     /// # Errors
-    /// [`SensingError`] when a contact is wrong or the problem has no unique answer.
+    /// [`SensingError`] if a contact is wrong or the forces are not identifiable.
     pub fn on(
         solved: &NodalCompliance,
         contacts: &[Contact],
@@ -97,30 +97,30 @@ impl LinearEstimator {
         Ok(LinearEstimator { compliance: matrix, least_squares, singular_values })
     }
 
-    /// Singular values of the weighted compliance, mm/N, in falling order.
+    /// Singular values of the weighted compliance, mm/N, in descending order.
     pub fn singular_values(&self) -> &[f64] {
         &self.singular_values
     }
 
-    /// The least-squares inverse: what turns displacements into forces, and noise into their errors.
+    /// Least-squares inverse, which maps displacements to forces and noise to their errors.
     pub fn inverse(&self) -> &Inverse {
         &self.least_squares
     }
 
-    /// Estimates the forces from the displacements of the markers that the estimator was prepared for.
+    /// Estimates the forces from the displacements of the markers for which the estimator is prepared.
     ///
-    /// `noise_mm` is the standard deviation of one coordinate; without it (or if it is zero), it is estimated from the
-    /// residual. Where the residual contradicts it, the estimate warns, and its standard deviations rest on the residual.
-    /// Errors of the linear finger are [`estimate_on`](LinearEstimator::estimate_on)'s.
+    /// `noise_mm` is the standard deviation of one coordinate, mm. If it is `None` or zero, it is estimated from the residual. If the residual contradicts
+    /// it, the estimate warns, and its standard deviations rest on the residual. Only [`estimate_on`](LinearEstimator::estimate_on) includes the error of
+    /// linearisation.
     pub fn estimate(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> Estimate {
         self.solve(measurement, noise_mm, prior).0
     }
 
-    /// As [`estimate`](LinearEstimator::estimate), of a co-rotational finger: the error of linearisation is found from the
-    /// estimated forces and added to their standard deviations, unless the measurement shows a finger that bends linearly.
+    /// As [`estimate`](LinearEstimator::estimate), for a co-rotational finger: the standard deviations include the error of linearisation at the estimated
+    /// forces, unless the measurement shows a linear finger.
     ///
     /// # Errors
-    /// [`SensingError::NotLinearised`] where that error cannot be found and nothing shows that the finger is linear.
+    /// [`SensingError::NotLinearised`] if this error cannot be computed and the measurement does not show a linear finger.
     pub fn estimate_on(
         &self,
         linearisation: &mut Linearisation,
@@ -132,14 +132,14 @@ impl LinearEstimator {
         let (coordinates, unknowns) = self.compliance.shape();
         let degrees_of_freedom = coordinates - unknowns;
         if estimate.noise_mm.is_infinite() {
-            // Nothing is known of the noise, so of the forces neither.
+            // Unknown noise makes all standard deviations infinite, so the error of linearisation has no effect.
             return Ok(estimate);
         }
         let model = LinearModel { gain: &inverse.gain, compliance: &self.compliance };
         let stated_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0);
         let linear_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
         let error = match linearisation.error(model, measurement, &estimate.forces_n) {
-            // Nothing speaks against the linear finger, which carries any force.
+            // The measurement does not contradict the linear finger, which carries any force.
             Err(SensingError::NotLinearised) if estimate.warning.is_none() => {
                 let moved_mm2 = weighted(measurement, |marker| marker.displacement).norm_squared();
                 if noise_mm.is_none() && linear_mm2 > EXPLAINED_SHARE.powi(2) * moved_mm2 {
@@ -150,13 +150,13 @@ impl LinearEstimator {
             }
             error => error?,
         };
-        // Where no noise is stated, the residual of the linear finger is it, if this finger is the true one.
+        // Without a stated noise, the residual of the linear finger is the noise if the finger is linear.
         let noise_mm2 = stated_mm.map_or(linear_mm2 / degrees_of_freedom.max(1) as f64, |noise_mm| noise_mm.powi(2));
         let favoured_mm2 = FAVOURED * noise_mm2;
         if degrees_of_freedom > 0 && linear_mm2 + favoured_mm2 < error.sum_of_squares_mm2 {
             return Ok(estimate);
         }
-        // What linearisation leaves unexplained of the residual is noise, or something else that is wrong.
+        // The residual that linearisation does not explain is noise, or another error of the model.
         let test = ResidualTest::new(stated_mm, error.sum_of_squares_mm2, degrees_of_freedom);
         let residual_mm = || unstated_noise_mm(error.sum_of_squares_mm2, degrees_of_freedom);
         let trusted_mm = test.map(|test| test.trusted_noise_mm());
@@ -166,7 +166,7 @@ impl LinearEstimator {
         Ok(estimate)
     }
 
-    /// An estimate, and the inverse that it was made with.
+    /// An estimate and the inverse that produced it.
     fn solve(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> (Estimate, Cow<'_, Inverse>) {
         let displacements = weighted(measurement, |marker| marker.displacement);
         let (coordinates, unknowns) = self.compliance.shape();
@@ -176,7 +176,7 @@ impl LinearEstimator {
             (0..coordinates).map(|row| (displacements[row] - explained(row)).powi(2)).sum::<f64>()
         };
         let unbiased = &self.least_squares.gain * &displacements;
-        // What least squares leaves is the least that any forces leave, so a prior takes no part in the test.
+        // Least squares leaves the smallest residual of any forces, so the test ignores the prior.
         let least_mm2 = sum_of_squares(&unbiased);
         let test = ResidualTest::new(noise_mm, least_mm2, degrees_of_freedom);
         let noise_mm = noise_of(test, noise_mm, least_mm2, degrees_of_freedom);
@@ -200,21 +200,21 @@ impl LinearEstimator {
     }
 }
 
-/// Inverse of a linear problem in the sense of least squares.
+/// Least-squares inverse of a linear problem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inverse {
-    /// Turns weighted displacements (2 a marker, mm) into forces (N): a row a force, N/mm.
+    /// Matrix from weighted displacements (two per marker, mm) to forces (N), N/mm: one row per force.
     pub gain: DMatrix<f64>,
-    /// Standard deviation of each force over a coordinate's, N/mm: roots of the diagonal of (C^T W^2 C + ridge^2)^-1.
+    /// Standard deviation of each force per mm of noise, N/mm: square roots of the diagonal of (C^T W^2 C + ridge^2)^-1.
     pub sigmas_per_noise: Vec<f64>,
 }
 
 impl Inverse {
-    /// By QR of the compliance stacked on `ridge` times the identity, columns scaled to unit length.
+    /// Computes the inverse by QR of the compliance stacked on `ridge` times the identity, with columns scaled to unit length.
     pub(super) fn of(compliance: &DMatrix<f64>, ridge: f64) -> Inverse {
         let (rows, columns) = compliance.shape();
         if columns == 1 {
-            // The unit vector along the only column is its Q, its length its R.
+            // For a single column, Q is its unit vector and R its length.
             let norm = compliance.norm();
             let length = norm.hypot(ridge);
             return Inverse {
@@ -232,7 +232,7 @@ impl Inverse {
         }
         let qr = stacked.qr();
         let mut inverse_triangle = DMatrix::identity(columns, columns);
-        // Full rank was made sure of by the singular values; the prior only adds to it.
+        // The test of the singular values has ensured full rank; the prior only adds to it.
         qr.r().solve_upper_triangular_mut(&mut inverse_triangle);
         for (mut row, scale) in inverse_triangle.row_iter_mut().zip(&scales) {
             row /= *scale;
@@ -244,11 +244,11 @@ impl Inverse {
     }
 }
 
-/// Singular values of the problem, if they leave a unique answer. All unknowns are forces in N and all rows share one
-/// noise, so nothing is left to scale: twelve normal forces on the paper's finger span 363.
+/// Singular values of the problem, in descending order, if its solution is unique. All unknowns are forces in N and all rows have the same noise, so no
+/// scaling is needed. Twelve normal forces on the paper's finger span 363.
 fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
     if compliance.ncols() == 1 {
-        // The singular value of one column is its length.
+        // The singular value of a single column is its length.
         let length = compliance.norm();
         return match length > 0.0 && length.is_finite() {
             true => Ok(vec![length]),
@@ -260,7 +260,7 @@ fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
     if span <= LARGEST_SPAN {
         return Ok(parts.descending());
     }
-    // A force that moves no marker at all spans infinitely much.
+    // A force that moves no marker has an infinite span.
     let span = if span.is_nan() { f64::INFINITY } else { span };
     Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest: parts.weakest().iamax() + 1 })
 }

@@ -1,4 +1,4 @@
-//! Linearisation error of a sensed force, from the estimated force itself.
+//! Error of linearisation of estimated forces, computed at these forces.
 
 use super::{Contact, SensingError, halved_below};
 use crate::frame::{FrameLoad, FrameMotion};
@@ -8,84 +8,84 @@ use crate::statics::{Ladder, Statics, StaticsError};
 use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 
-/// Forces are looked up on a grid of about this share of the largest: extrapolation leaves thousandths of the error.
+/// Grid spacing of tabulated forces, as a share of the largest force. Extrapolation leaves thousandths of the error.
 const GRID: f64 = 0.05;
-/// Grid points that are kept; a stream of frames moves about a few.
+/// Largest number of stored grid points. A stream of frames needs only a few.
 const MOST_POINTS: usize = 256;
-/// Newton steps; two or three are usual.
+/// Largest number of Newton steps; two or three are usual.
 const MAX_STEPS: usize = 30;
-/// A Newton step comes closer if at most this share is still missing; otherwise the next one is halved.
+/// A Newton step makes progress if at most this share of the difference remains; otherwise the next step is halved.
 const CLOSER: f64 = 0.9;
-/// Newton steps that may bring it no closer.
+/// Largest number of Newton steps without progress.
 const MOST_ASTRAY: usize = 4;
 /// Forces have converged when a step changes none by more than this share of the largest.
 const STEP_TOLERANCE: f64 = 1e-6;
-/// Newton steps that the finger may refuse to carry: of a single force, where a refusal costs nothing once the ends of its
-/// way are known, and of several. A step that is refused comes back to within half of what is left to the end.
+/// Largest number of Newton steps that the finger cannot carry, for a single force and for several forces. The known limits of a single force make such
+/// steps cheap. A refused step is shortened to between half and all of the share that the finger carries.
 const MOST_REFUSED: [usize; 2] = [30, 8];
 
-/// The error that a linear estimator makes on the co-rotational finger.
+/// Error that a linear estimator makes on the co-rotational finger.
 ///
 /// # Requirements
-/// Contacts whose position and direction are known, and the gain and compliance of the linear estimator at the markers.
+/// Contacts of known position and direction, and the gain and compliance of the linear estimator at the markers.
 ///
 /// # Reference
-/// With gain G and compliance C (weighted, at the markers), the linear estimator senses f + G (u(f) - C f) where the
-/// co-rotational finger bends to u(f) under the forces f. The error of forces f' is f' - f with f the solution of
-/// f + G (u(f) - C f) = f', found by Newton's method with derivatives from the tangent stiffness.
+/// With gain G and compliance C (weighted, at the markers), the linear estimator returns f + G (u(f) - C f) for the
+/// co-rotational finger with displacements u(f) under forces f. The error of estimated forces f' is f' - f, where f solves
+/// f + G (u(f) - C f) = f'. Newton's method finds f with derivatives from the tangent stiffness.
 #[derive(Debug, Clone)]
 pub struct Linearisation<'m> {
     mesh: &'m Mesh,
     contacts: Vec<Contact>,
     statics: Statics<Ladder<'m>>,
-    /// The smallest and the largest size of a single force that the finger carries, N, as far as known.
+    /// Smallest and largest single force that the finger carries, N, as far as known.
     ends_n: [f64; 2],
-    /// The gain that the points belong to.
+    /// Gain for which `points` are valid.
     gain: DMatrix<f64>,
     points: Vec<Point>,
 }
 
-/// The linear estimator, as far as its error of linearisation depends on it.
+/// Gain and compliance of a linear estimator.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinearModel<'e> {
-    /// G, N/mm: a row a force, 2 columns a marker.
+    /// Gain G, N/mm: one row per force, two columns per marker.
     pub(super) gain: &'e DMatrix<f64>,
-    /// Weighted C, mm/N.
+    /// Weighted compliance C, mm/N: two rows per marker, one column per force.
     pub(super) compliance: &'e DMatrix<f64>,
 }
 
-/// Known part of the error.
+/// Error of linearisation of estimated forces.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LinearisationError {
-    /// Sensed less true, by contact, N.
+    /// Estimated minus true force of each contact, N.
     pub(super) error_n: Vec<f64>,
-    /// Sum of the squared weighted residuals of the co-rotational finger under the forces without that error, mm^2.
+    /// Sum of squared weighted residuals of the co-rotational finger under the corrected forces, mm^2.
     pub(super) sum_of_squares_mm2: f64,
 }
 
-/// The error at one point of the grid of forces.
+/// Solution at one point of the grid of forces.
 #[derive(Debug, Clone)]
 struct Point {
     key: Vec<i64>,
     step_n: f64,
-    /// `None` where the co-rotational finger carries no forces that would be sensed so.
+    /// `None` if no forces on the co-rotational finger would lead the linear estimator to this answer.
     solution: Option<Solution>,
 }
 
-/// Forces of the co-rotational finger, and what depends on them.
+/// Forces on the co-rotational finger, with its displacements and derivatives.
 #[derive(Debug, Clone)]
 struct Solution {
     forces_n: DVector<f64>,
     motion: FrameMotion,
-    /// Derivative of the forces by those that are sensed.
+    /// Derivative of the forces with respect to the estimated forces, dimensionless.
     slope: DMatrix<f64>,
-    /// Weighted displacements of the markers, mm, and their derivative by the forces, mm/N.
+    /// Weighted displacements of the markers, mm; `rates` are their derivatives with respect to the forces, mm/N.
     displacements: DVector<f64>,
     rates: DMatrix<f64>,
 }
 
 impl<'m> Linearisation<'m> {
-    /// Prepares the co-rotational finger of a mesh.
+    /// Prepares the co-rotational finger on a mesh.
     pub fn new(mesh: &'m Mesh, contacts: &[Contact]) -> Linearisation<'m> {
         let statics = Statics::ladder(mesh, Kinematics::Corotational);
         let ends_n = [f64::NEG_INFINITY, f64::INFINITY];
@@ -99,17 +99,17 @@ impl<'m> Linearisation<'m> {
         }
     }
 
-    /// The error of sensed forces, N.
+    /// Error of estimated forces, N.
     ///
     /// # Errors
-    /// [`SensingError::NotLinearised`] where no forces on the co-rotational finger would be sensed so.
+    /// [`SensingError::NotLinearised`] if no forces on the co-rotational finger would lead the linear estimator to this answer.
     pub(super) fn error(
         &mut self,
         model: LinearModel,
         measurement: &Measurement,
         sensed_n: &[f64],
     ) -> Result<LinearisationError, SensingError> {
-        // What was found with another gain, as that of a prior under other noise, or for other markers does not serve.
+        // Points for another gain (other markers, or a prior under other noise) are invalid.
         if self.gain != *model.gain {
             self.points.clear();
             self.gain.clone_from(model.gain);
@@ -126,7 +126,7 @@ impl<'m> Linearisation<'m> {
         })
     }
 
-    /// The grid point of some forces and the solution there.
+    /// Grid point nearest to some forces, with its solution.
     fn point(
         &mut self,
         model: LinearModel,
@@ -155,7 +155,8 @@ impl<'m> Linearisation<'m> {
         Ok(self.points[index].solution.as_ref().map(|solution| (grid_n, solution)))
     }
 
-    /// The forces that are sensed as `target_n`, found by Newton's method; `None` if the finger carries none.
+    /// Forces on the co-rotational finger for which the linear estimator returns `target_n`, N, by Newton's method. `None` if the finger carries no such
+    /// forces.
     fn solve(
         &mut self,
         LinearModel { gain, compliance }: LinearModel,
@@ -209,8 +210,8 @@ impl<'m> Linearisation<'m> {
         Ok(None)
     }
 
-    /// Forces to begin with, and the shape under them: none, where Newton's first step goes to forces of the size that is sensed. All
-    /// sizes of a single force lie on one way, which may be entered at a known solution that is nearer.
+    /// Forces and shape with which Newton's method starts: the unloaded finger, or a nearer known solution for a single force. All values of a single force
+    /// lie on one path of equilibria.
     fn start(&self, target_n: &[f64]) -> (DVector<f64>, FrameMotion) {
         if let [target_n] = target_n {
             let away = |solution: &&Solution| (solution.forces_n[0] - target_n).abs();
@@ -223,9 +224,9 @@ impl<'m> Linearisation<'m> {
         (DVector::zeros(target_n.len()), FrameMotion::at_rest(self.mesh.frame()))
     }
 
-    /// The shape under other forces, followed from the one under these, or the share of the way that the finger carries.
+    /// Shape under `next_n`, followed from the shape `motion` under `forces_n`, or the share of the change that the finger carries.
     ///
-    /// All sizes of a single force lie on one way, whose ends are sought once.
+    /// All values of a single force lie on one path of equilibria, whose ends are searched once.
     fn followed(
         &mut self,
         motion: &FrameMotion,
@@ -233,7 +234,7 @@ impl<'m> Linearisation<'m> {
         next_n: &DVector<f64>,
     ) -> Result<Result<FrameMotion, f64>, SensingError> {
         let (from_n, to_n) = (forces_n[0], next_n[0]);
-        // A single force that goes on in the direction in which it has left rest.
+        // A single force that grows in magnitude without changing its sign.
         let single = self.contacts.len() == 1 && to_n.abs() > from_n.abs() && to_n * from_n >= 0.0;
         let side = usize::from(to_n > 0.0);
         if single && to_n.abs() > self.ends_n[side].abs() {
@@ -257,7 +258,7 @@ impl<'m> Linearisation<'m> {
         Ok(loads.map(|(c, f)| self.mesh.frame_load(&c.load(finger, *f))).collect::<Result<_, _>>()?)
     }
 
-    /// Weighted displacements of the markers by the forces, mm/N, at the motion that was linearised last.
+    /// Derivatives of the weighted marker displacements with respect to the forces, mm/N, at the motion that was linearised last.
     fn rates(&mut self, motion: &FrameMotion, measurement: &Measurement) -> Result<DMatrix<f64>, SensingError> {
         let finger = self.mesh.finger();
         let mut rates = DMatrix::zeros(measurement.coordinate_count(), self.contacts.len());
@@ -271,7 +272,7 @@ impl<'m> Linearisation<'m> {
     }
 }
 
-/// A vector of each marker times its weight, one after the other.
+/// A vector of each marker times its weight, stacked in the order of the markers.
 pub(super) fn weighted(measurement: &Measurement, of: impl Fn(&crate::measurement::Marker) -> Vector) -> DVector<f64> {
     let coordinates = measurement.markers().iter().flat_map(|marker| {
         let vector = of(marker) * marker.weight;

@@ -1,10 +1,10 @@
-//! Forces from markers and from contacts that are measured, too: errors in all variables.
+//! Estimates forces from markers and measured contacts by least squares with errors in all variables.
 //!
-//! Unknown are, for each contact, the force f along the normal as the camera reads it, the tangent a of the force's angle from there,
-//! and for a contact between rods the shift d of its position. The markers' displacements are data; so are a = 0 and d = 0,
-//! with the standard deviations that camera and friction give them. The sum of squares of all, each over its standard deviation, is least
-//! (by [`LevenbergMarquardt`] on the co-rotational finger), and the inverse of its information matrix is the stated covariance: what noise of
-//! position and direction, and unknown friction, do to a force is in it, less what the markers show of them.
+//! Each contact has as unknowns the force f along its measured normal and the tangent a of the force's angle from this normal. A contact between rods also
+//! has the shift d of its position. Data are the displacements of the markers, and a = 0 and d = 0 with standard deviations from camera and friction. The
+//! estimate minimises the sum of all squared residuals over their variances, by [`LevenbergMarquardt`] on the co-rotational finger. The stated covariance
+//! is the inverse of the information matrix. It includes the effects of uncertain position, direction and friction, as far as the markers do not reduce
+//! them.
 
 use super::{
     Contact, ContactForce, ContactPosition, LARGEST_SPAN, NonlinearEstimator, RespondingFinger, Response, SensingError,
@@ -16,12 +16,12 @@ use crate::statics::StaticsError;
 use crate::{Finger, Mesh, Vector};
 use nalgebra::{DMatrix, DVector};
 
-/// A search that was given up ends well, too, where the next step changes no force by more than this share of its standard deviation.
+/// A search that stops before convergence is accepted if the next step changes no force by more than this share of its standard deviation.
 const NEGLIGIBLE: f64 = 0.01;
-/// Chi-squared beyond its mean by this many of its standard deviations is no chance: 1 in 10^4 for the degrees of freedom of a finger.
+/// Number of standard deviations above its mean from which chi-squared is significant: 1 in 10^4 for the degrees of freedom of a finger.
 const UNEXPLAINED_DEVIATIONS: f64 = 4.0;
 
-/// A contact whose position and direction were measured.
+/// A contact with measured position and direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredContact {
     /// Position and direction of the surface's normal, as measured.
@@ -37,48 +37,48 @@ pub struct MeasuredContact {
 pub struct ContactKnowledge {
     /// Standard deviation of one displacement coordinate, mm.
     pub noise_mm: f64,
-    /// Bound of the friction coefficient: the tangent of the largest angle between force and normal.
+    /// Upper bound of the coefficient of friction, dimensionless: tangent of the largest angle between force and normal.
     pub friction: f64,
-    /// Radius of the rods, on whose surface friction acts, mm.
+    /// Radius of the rods, mm. Friction acts on their surface.
     pub rod_radius_mm: f64,
 }
 
 /// Forces of measured contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredContactForces {
-    /// Along each contact's normal, as measured, N.
+    /// Force along the measured normal of each contact, N.
     pub along_n: Vec<f64>,
     /// Standard deviation of the force along the true normal, N.
     pub sigmas_n: Vec<f64>,
-    /// Across it, towards the tip, N.
+    /// Force across the measured normal of each contact, positive towards the tip, N.
     pub across_n: Vec<f64>,
     /// The contacts, as measured.
     pub contacts: Vec<Contact>,
-    /// Covariance of the forces along all contacts, then of those across them, N^2.
+    /// Covariance, N^2, of all forces along the contacts, followed by all forces across the contacts.
     pub covariance_n2: DMatrix<f64>,
 }
 
-/// Unknown are the forces in N, then the tangents of the angles between force and normal, then the shifts in mm.
+/// Least-squares problem. Its unknowns are the forces, N, then the tangents of the angles between force and normal, then the shifts, mm.
 struct Problem<'a> {
     contacts: &'a [MeasuredContact],
     knowledge: ContactKnowledge,
-    /// Standard deviation of each unknown's own datum, 0, beginning with the first tangent; 0 where it is known to be 0.
+    /// Standard deviation of each unknown about its datum 0, from the first tangent on. Zero for an unknown of exactly 0.
     own_sds: Vec<f64>,
-    /// Displacements, two coordinates a marked node; zero for a node that was not seen.
+    /// Displacements, mm, two coordinates per marked node. Zero for a hidden node.
     measured_mm: DVector<f64>,
-    /// Weight of each coordinate: zero for a node that was not seen.
+    /// Weight of each coordinate. Zero for a hidden node.
     weights: DVector<f64>,
     coordinates: usize,
     length_mm: f64,
     finger: RespondingFinger<'a>,
-    /// Of the point whose residuals were asked for last.
+    /// Response of the finger at the last evaluated point.
     response: Option<Response>,
 }
 
-/// Senses the forces of measured contacts on `mesh`. The base counts as known.
+/// Estimates the forces of measured contacts on `mesh`. The base counts as exactly known.
 ///
 /// # Errors
-/// [`SensingError`] if the forces are not identifiable, no equilibrium explains the displacements, or the search does not end.
+/// [`SensingError`] if the forces are not identifiable, no equilibrium explains the displacements, or the search does not converge.
 pub fn sense_measured_contacts(
     mesh: &Mesh,
     contacts: &[MeasuredContact],
@@ -87,8 +87,8 @@ pub fn sense_measured_contacts(
 ) -> Result<MeasuredContactForces, SensingError> {
     let questions: Vec<_> = contacts.iter().map(|contact| contact.contact.into()).collect();
     let start = NonlinearEstimator::new(mesh, &questions)?.estimate(measurement, Some(knowledge.noise_mm))?;
-    // Friction drags all contacts one way where the object slides: k tangents, each as large as its bound, lie one standard deviation from
-    // nothing if each has the deviation bound x sqrt(k).
+    // The friction of a sliding object acts in one direction at all contacts. With a deviation of bound x sqrt(k) for each of k tangents, k tangents equal to
+    // the bound are together one standard deviation from zero.
     let friction = knowledge.friction * (contacts.len() as f64).sqrt();
     let [measured_mm, weights] = of_marked_nodes(mesh.finger(), measurement);
     let count = contacts.len();
@@ -121,7 +121,7 @@ impl LeastSquaresProblem for Problem<'_> {
     type Point = DVector<f64>;
     type Error = SensingError;
 
-    /// Computed less measured displacements, weighted, over the noise.
+    /// Computed minus measured displacements, weighted and divided by the noise.
     fn residual(&mut self, point: &DVector<f64>) -> Result<DVector<f64>, Refusal<SensingError>> {
         let count = self.contacts.len();
         let force = |(i, seen): (usize, &MeasuredContact)| {
@@ -129,7 +129,7 @@ impl LeastSquaresProblem for Problem<'_> {
             if let ContactPosition::At(s_mm) = &mut contact.position {
                 *s_mm += point[2 * count + i];
             }
-            // Friction acts on the surface of the rod, or of the plate.
+            // Friction acts on the surface of the rod or of the plate.
             let lever_mm = match contact.position {
                 ContactPosition::Node(_) => self.knowledge.rod_radius_mm,
                 ContactPosition::At(s_mm) => 0.5 * self.finger.finger().thickness_mm(Plate::Front, s_mm),
@@ -151,13 +151,13 @@ impl LeastSquaresProblem for Problem<'_> {
         point + step
     }
 
-    /// The unknowns' own data. An unknown that is known has no column of the derivatives, and a prior that leaves it where it is.
+    /// Data of tangents and shifts. An unknown of exactly zero has no derivatives; its prior keeps it at zero.
     fn priors(&self, point: &DVector<f64>) -> Vec<Prior> {
         let own = (self.contacts.len()..).zip(&self.own_sds);
         own.map(|(unknown, &sd)| Prior::on(unknown, point[unknown], 0.0, if sd > 0.0 { sd } else { 1.0 })).collect()
     }
 
-    /// Positions stay on the plate.
+    /// Keeps positions on the plate.
     fn step_bounds(&self, point: &DVector<f64>) -> StepBounds {
         let shifts = (2 * self.contacts.len()..).zip(self.contacts);
         shifts.fold(StepBounds::default(), |bounds, (unknown, seen)| match seen.contact.position {
@@ -168,7 +168,7 @@ impl LeastSquaresProblem for Problem<'_> {
 }
 
 impl Problem<'_> {
-    /// Derivatives of the displacements over the noise; a tangent moves the markers by `effective_n` times what 1 N across does.
+    /// Derivatives of the displacements divided by the noise. A tangent moves the markers as a force of `effective_n`, N, across the normal does.
     fn columns(&self, point: &DVector<f64>, effective_n: &[f64]) -> DMatrix<f64> {
         let count = self.contacts.len();
         let mut columns = DMatrix::zeros(self.measured_mm.len(), 3 * count);
@@ -188,20 +188,20 @@ impl Problem<'_> {
         columns / self.knowledge.noise_mm
     }
 
-    /// Forces along and across with their covariance. What a tangent does to the markers is in proportion to the force, whose mean square is
-    /// that of the estimate and its variance: small forces are known no better than that.
+    /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. The force counts with
+    /// its mean square (estimate squared plus variance), which matters for small forces.
     fn solution(&mut self, fit: &Fit<DVector<f64>>) -> Result<MeasuredContactForces, SensingError> {
         let count = self.contacts.len();
         let (forces_n, tangents) = (&fit.point.as_slice()[..count], &fit.point.as_slice()[count..2 * count]);
         let first = inverse(&fit.jacobian)?;
         let effective_n: Vec<f64> =
             (0..count).map(|i| forces_n[i].hypot(first[(i, i)].sqrt()).copysign(forces_n[i])).collect();
-        // The finger may be bent as a step had it that was not taken.
+        // The finger may have the shape of a rejected step.
         self.residual(&fit.point).map_err(Refusal::into_error)?;
         let mut jacobian = fit.jacobian.clone();
         jacobian.rows_mut(0, self.measured_mm.len()).copy_from(&self.columns(&fit.point, &effective_n));
         let covariance = inverse(&jacobian)?;
-        // Across = force x tangent.
+        // Force across = force along x tangent.
         let turned = DMatrix::from_fn(2 * count, 3 * count, |row, column| match (row < count, column) {
             (true, column) => f64::from(u8::from(row == column)),
             (false, column) if column == row - count => tangents[row - count],
@@ -211,12 +211,12 @@ impl Problem<'_> {
         let degrees_of_freedom = (self.coordinates as f64 - count as f64).max(1.0);
         let chi_squared = fit.squares;
         let chance = degrees_of_freedom + UNEXPLAINED_DEVIATIONS * (2.0 * degrees_of_freedom).sqrt();
-        // What neither noise nor contacts explain is uncertainty too.
+        // A residual that neither noise nor contacts explain widens the covariance.
         let widened = if chi_squared > chance { chi_squared / degrees_of_freedom } else { 1.0 };
         let covariance_n2 = &turned * covariance * turned.transpose() * widened;
         let across_n: Vec<f64> = (0..count).map(|i| forces_n[i] * tangents[i]).collect();
-        // A force along the normal as it was measured is off that along the true one by what friction adds where the normal is turned. How much friction
-        // there is may be badly known: it counts with no less than its bound, as an estimate that noise has made small would make sigma small too.
+        // A wrong normal adds a share of the friction force to the force along it. Friction counts with its bound at least: noise may make its estimate, and
+        // with it sigma, too small.
         let variance_n2 = |i: usize| {
             let across_n2 = across_n[i].powi(2) + covariance_n2[(count + i, count + i)];
             let most_n = self.knowledge.friction * forces_n[i];
@@ -232,16 +232,16 @@ impl Problem<'_> {
     }
 }
 
-/// Covariance of all unknowns.
+/// Covariance of all unknowns, or [`SensingError::IllConditioned`] if the unknowns are not identifiable.
 fn inverse(jacobian: &DMatrix<f64>) -> Result<DMatrix<f64>, SensingError> {
     covariance(jacobian).ok_or(SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 })
 }
 
 impl MeasuredContactForces {
-    /// Sum of all forces along a unit vector of the finger frame, and its standard deviation, N.
+    /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
         let count = self.along_n.len();
-        // The sum takes of every force, along and across its contact, its component along the direction asked for.
+        // Components of the forces along and across each contact in the direction `along`.
         let shares = (0..2 * count).map(|i| {
             let turned_deg = if i < count { 0.0 } else { 90.0 };
             finger.direction(self.contacts[i % count].angle_deg + turned_deg).dot(&along)
@@ -252,7 +252,7 @@ impl MeasuredContactForces {
     }
 }
 
-/// Displacements and weights of a measurement by marked node, two coordinates each; zero for a node that was not seen.
+/// Displacements, mm, and weights of a measurement, two coordinates per marked node. Zero for a hidden node.
 fn of_marked_nodes(finger: &Finger, measurement: &Measurement) -> [DVector<f64>; 2] {
     let nodes = finger.marked_nodes();
     let mut displacements_mm = DVector::zeros(2 * nodes.len());

@@ -1,4 +1,4 @@
-//! From measured displacements back to contact forces.
+//! Estimates contact forces from measured displacements.
 
 mod assembly;
 mod contact;
@@ -32,15 +32,15 @@ pub(crate) use residual_test::noise_of;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
 pub use response::{ContactForce, RespondingFinger, Response, marker_coordinates};
 
-/// Largest span of the scaled singular values at which forces are still identifiable.
+/// Largest ratio of scaled singular values at which forces are identifiable.
 pub const LARGEST_SPAN: f64 = 1e8;
 
-/// A residual of more than this many standard deviations of the noise that is also more than this share of the
-/// displacements is no explanation. A real finger differs from its model by many times the camera's noise, but not by that.
+/// A measurement is unexplained if its residual exceeds this many standard deviations of the noise and this share of the displacements. A real finger
+/// differs from its model by many times the camera's noise, but by a smaller share.
 const UNEXPLAINED_SIGMAS: f64 = 10.0;
 const UNEXPLAINED_SHARE: f64 = 0.3;
 
-/// The largest power of one half below the carried share of some forces: what halving comes to, without the trials.
+/// Largest power of one half below the carried share of some forces: the result of repeated halving, without the trials.
 fn halved_below(carried: f64) -> f64 {
     let mut share = 0.5;
     while share >= carried && carried > 0.0 {

@@ -4,43 +4,43 @@ use super::Pad;
 use crate::Vector;
 use nalgebra::{Isometry2, UnitComplex};
 
-/// A convex outline about an origin of its own, mm.
+/// A convex outline in the object's own frame, mm.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ObjectShape {
-    /// A disc about the origin.
+    /// A disc centred at the origin.
     Disc {
         /// Radius, mm.
         radius_mm: f64,
     },
-    /// An ellipse about the origin, its axes along x and y.
+    /// An ellipse centred at the origin, with its axes along x and y.
     Ellipse {
-        /// Half of each axis, along x and y, mm.
+        /// Semi-axes along x and y, mm.
         semi_axes_mm: [f64; 2],
     },
     /// A convex polygon.
     Polygon {
-        /// Corners from x to y, mm.
+        /// Corners in order from x to y, mm.
         corners: Vec<Vector>,
     },
 }
 
-/// Corners that are no convex polygon.
+/// The corners do not form a convex polygon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the corners of a convex polygon in order, three or more")]
 pub struct NotConvex;
 
 impl ObjectShape {
-    /// A polygon of corners in order, either way round.
+    /// A polygon with the given corners, mm, in order, in either sense of rotation.
     ///
     /// # Errors
-    /// [`NotConvex`] for fewer than three corners, repeated ones, and for a corner that turns the other way.
+    /// [`NotConvex`] for fewer than three corners, repeated corners, or corners that do not turn once round in one sense.
     pub fn polygon(mut corners: Vec<Vector>) -> Result<ObjectShape, NotConvex> {
         let count = corners.len();
         let at = |i: usize| corners[i % count];
         let turn = |i: usize| (at(i + 1) - at(i)).perp(&(at(i + 2) - at(i + 1)));
         let area: f64 = (0..count).map(|i| at(i).perp(&at(i + 1))).sum();
         let exterior = |i: usize| turn(i).atan2((at(i + 1) - at(i)).dot(&(at(i + 2) - at(i + 1)))).abs();
-        // A star turns the same way everywhere too, but more than once round.
+        // A star also turns in one sense at every corner, but more than once round.
         let once_round = (0..count).map(exterior).sum::<f64>() < 1.5 * std::f64::consts::TAU;
         if count < 3 || !(0..count).all(|i| turn(i) * area > 0.0) || !once_round {
             return Err(NotConvex);
@@ -51,12 +51,12 @@ impl ObjectShape {
         Ok(ObjectShape::Polygon { corners })
     }
 
-    /// Whether it looks the same however it is turned.
+    /// Whether a turn leaves the outline unchanged.
     pub fn is_round(&self) -> bool {
         matches!(self, ObjectShape::Disc { .. })
     }
 
-    /// Distance of the furthest point of the outline from the origin, mm.
+    /// Largest distance of the outline from the origin, mm.
     pub(super) fn largest_radius_mm(&self) -> f64 {
         match self {
             ObjectShape::Disc { radius_mm } => *radius_mm,
@@ -65,7 +65,7 @@ impl ObjectShape {
         }
     }
 
-    /// The point of the outline that reaches furthest along a unit vector, mm: there it is the outward normal.
+    /// Point of the outline farthest along a unit vector, mm. The vector is the outward normal there.
     fn furthest(&self, along: Vector) -> Vector {
         match self {
             ObjectShape::Disc { radius_mm } => along * *radius_mm,
@@ -80,26 +80,26 @@ impl ObjectShape {
     }
 }
 
-/// An object that touches the front plate, with what is known of where it is.
+/// An object that touches the front plate, with the uncertainty of its pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TouchedObject {
-    /// Its outline.
+    /// Outline of the object.
     pub shape: ObjectShape,
-    /// Where it is, in the finger frame of the measurement, mm: origin of the outline and turn from x to y.
+    /// Pose in the finger frame of the measurement: origin of the outline, mm, and turn from x to y, rad.
     pub pose: Isometry2<f64>,
-    /// Standard deviation of each coordinate of its origin, mm; zero where that is no unknown.
+    /// Standard deviation of each coordinate of the origin, mm. Zero: the origin is not an unknown.
     pub sd_mm: f64,
-    /// Standard deviation of its turn, rad; zero where that is no unknown.
+    /// Standard deviation of the turn, rad. Zero: the turn is not an unknown.
     pub sd_rad: f64,
 }
 
 impl TouchedObject {
-    /// Whether its turn is an unknown.
+    /// Whether the turn is an unknown.
     pub(super) fn may_turn(&self) -> bool {
         self.sd_rad > 0.0 && !self.shape.is_round()
     }
 
-    /// The point of its outline whose outward normal is a unit vector, where the object is shifted (mm) and turned about its origin (rad).
+    /// Point of the outline whose outward normal is `normal`, mm. The object is shifted (mm) and turned about its origin (rad).
     pub(super) fn point_facing(&self, normal: Vector, [x_mm, y_mm, turn_rad]: [f64; 3]) -> Vector {
         let turn = UnitComplex::new(self.pose.rotation.angle() + turn_rad);
         let origin = self.pose.translation.vector + Vector::new(x_mm, y_mm);
@@ -107,12 +107,12 @@ impl TouchedObject {
     }
 }
 
-/// What meets the front plate where forces are sensed.
+/// Pad and object at the front plate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Meeting<'o> {
-    /// What lies between an object and the plate.
+    /// Pad between the object and the plate.
     pub pad: Pad,
-    /// The object, where its shape is known.
+    /// The object, if its shape is known.
     pub object: Option<&'o TouchedObject>,
 }
 

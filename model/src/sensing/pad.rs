@@ -1,43 +1,43 @@
-//! What lies between an object and the front plate.
+//! Pad between an object and the front plate.
 
 use super::Contact;
 use crate::finger::{Finger, Plate};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Load, LoadError, Mesh};
 
-/// A pad on the front plate: it spreads a force evenly over a length of plate, and the force acts where the object touches it, a pad's thickness
-/// before the plate. The part of the force along the plate so turns the plate about the contact. By default there is none.
+/// A pad on the front plate. It distributes a force evenly over a length of the plate. The force acts on the pad's surface, so its component along the
+/// plate turns the plate about the contact. The default is no pad.
 ///
 /// # Reference
-/// What the plate carries has resultant, moment and second moment of an even pressure with shear: forces at two Gauss points.
+/// Forces at two Gauss points have the resultant, moment and second moment of a uniform pressure with shear.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pad {
     /// Length of plate that carries a force, mm.
     pub length_mm: f64,
-    /// Distance from the plate to where the object touches, mm.
+    /// Distance from the plate to the contact with the object, mm.
     pub thickness_mm: f64,
 }
 
-/// Distance of the two points from the contact as a share of the length: that of the points of Gauss's quadrature.
+/// Distance of either point from the contact, as a share of the length: the points of Gauss's quadrature.
 const GAUSS_POINT: f64 = 0.288_675_134_594_812_9;
-/// The least such distance, mm: a couple needs a lever.
+/// Smallest distance of either point from the contact, mm: a couple needs a lever.
 const SHORTEST_LEVER_MM: f64 = 0.5;
 
 impl Pad {
-    /// Whether there is none: forces act at a point of the plate.
+    /// Whether there is no pad, so that forces act at a point of the plate.
     pub fn is_none(&self) -> bool {
         *self == Pad::default()
     }
 
-    /// How many loads a contact comes to.
+    /// Number of loads per contact.
     pub(super) fn load_count(&self) -> usize {
         if self.is_none() { 1 } else { 2 }
     }
 
-    /// By how much a motion turns the plate under the pad, rad; zero without a pad, as nothing depends on it.
+    /// Turn of the plate under the pad by a motion, rad. Zero without a pad, where it has no effect.
     ///
     /// # Errors
-    /// [`LoadError`] for a contact that is not on the front plate.
+    /// [`LoadError`] for a contact off the front plate.
     pub(crate) fn plate_turn(&self, mesh: &Mesh, contact: &Contact, motion: &FrameMotion) -> Result<f64, LoadError> {
         match self.is_none() {
             true => Ok(0.0),
@@ -45,10 +45,10 @@ impl Pad {
         }
     }
 
-    /// The loads that a contact comes to, where the plate under it is turned by `plate_turn_rad`. They are proportional to the force.
+    /// Loads of a contact force of `force_n`, N, on a plate turned by `plate_turn_rad`. They are proportional to the force.
     ///
     /// # Errors
-    /// [`LoadError`] for a contact that is not on the front plate.
+    /// [`LoadError`] for a contact off the front plate.
     pub(crate) fn loads<'m>(
         &self,
         mesh: &'m Mesh,
@@ -65,7 +65,7 @@ impl Pad {
         loads.into_iter().flatten().map(|load| mesh.frame_load(&load))
     }
 
-    /// Two forces that share a contact's, and turn the plate by a couple.
+    /// Two forces that add up to the contact force and turn the plate by a couple.
     fn pair(&self, finger: &Finger, contact: &Contact, s_mm: f64, force_n: f64, plate_turn_rad: f64) -> [Load; 2] {
         let length_mm = finger.plate_length_mm(Plate::Front);
         let reach_mm = (GAUSS_POINT * self.length_mm).max(SHORTEST_LEVER_MM);
@@ -74,9 +74,9 @@ impl Pad {
         let [from_mm, to_mm] = [s_mm - reach_mm, s_mm + reach_mm].map(|at_mm| at_mm.clamp(nearest_mm, length_mm));
         let apart_mm = to_mm - from_mm;
         let force = finger.direction(contact.angle_deg) * force_n;
-        // Both in the current direction of the plate.
+        // Both directions are those of the turned plate.
         let [inward, tipward] = [0.0, 90.0].map(|deg| finger.direction(deg + plate_turn_rad.to_degrees()));
-        // Towards the tip, before the plate: it presses the plate inwards on the tip's side.
+        // A force towards the tip, acting above the plate, presses the plate inwards on the tip's side.
         let turning = inward * (self.thickness_mm * force.dot(&tipward) / apart_mm);
         let to_share = (s_mm - from_mm) / apart_mm;
         [

@@ -2,10 +2,10 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
-/// Chance that a measurement of the stated noise fails the test: a user can live with one warning in a hundred frames.
+/// Probability that a measurement with the stated noise fails the test: one false warning in a hundred frames is acceptable.
 pub const SIGNIFICANCE: f64 = 0.01;
 
-/// A residual against the noise that was stated.
+/// Comparison of a residual with the stated noise.
 ///
 /// # Reference
 /// The sum of squared residuals over the variance of a coordinate follows the chi-squared distribution with
@@ -16,27 +16,26 @@ pub struct ResidualTest {
     pub noise_mm: f64,
     /// Residual standard deviation: square root of the weighted sum of squares over the degrees of freedom, mm.
     pub residual_sd_mm: f64,
-    /// Measured coordinates less unknowns.
+    /// Number of measured coordinates minus number of unknowns.
     pub degrees_of_freedom: usize,
 }
 
 impl ResidualTest {
-    /// The test of a weighted sum of squared residuals, mm^2; `None` where there is nothing to test: no noise was stated
-    /// (or none at all, which no computed shape keeps to), or no degree of freedom is left.
+    /// Test of a weighted sum of squared residuals, mm^2. `None` if the noise is not stated or zero, or if no degree of freedom remains.
     pub fn new(noise_mm: Option<f64>, sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<ResidualTest> {
         let noise_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0)?;
         let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
         Some(ResidualTest { noise_mm, residual_sd_mm, degrees_of_freedom })
     }
 
-    /// Chance of a residual at least as large under the stated noise.
+    /// Probability, 0 to 1, of a residual at least as large under the stated noise.
     pub fn p_value(&self) -> f64 {
         let squares = self.degrees_of_freedom as f64 * (self.residual_sd_mm / self.noise_mm).powi(2);
-        // Degrees of freedom are at least one, so the distribution exists.
+        // There is at least one degree of freedom, so the distribution exists.
         ChiSquared::new(self.degrees_of_freedom as f64).map_or(f64::NAN, |chi_squared| chi_squared.sf(squares))
     }
 
-    /// Residual and noise in words, with as many decimals as give their difference two digits, three at least.
+    /// Residual and noise in words, with three decimals or more, so that their difference has two digits.
     pub(super) fn sizes_in_words(&self) -> String {
         let [residual_mm, noise_mm] = [self.residual_sd_mm, self.noise_mm];
         let digits = (1.0 - (residual_mm - noise_mm).abs().log10().floor()).clamp(3.0, 17.0) as usize;
@@ -45,7 +44,7 @@ impl ResidualTest {
         )
     }
 
-    /// The p-value in words: below what rounding leaves of it, as such.
+    /// The p-value in words. A value below the rounding error is given as an upper bound.
     pub(super) fn p_in_words(&self) -> String {
         match self.p_value() {
             p if p < f64::EPSILON => format!("p < {:.0e}", f64::EPSILON),
@@ -56,12 +55,13 @@ impl ResidualTest {
     /// Whether the measurement contradicts the model or the stated noise.
     pub fn contradicts(&self) -> bool {
         let squared = (self.residual_sd_mm / self.noise_mm).powi(2);
-        // What needs no gamma function: the mean of chi-squared lies above its median, so a residual below the noise has
-        // p > 0.3; and the 1 % point over the degrees of freedom is largest for a single one, 6.63.
+        // Clear cases need no gamma function. The mean of chi-squared exceeds its median, so a residual below the noise has p > 0.3. The 1 % point divided by
+        // the degrees of freedom is largest for a single one, 6.63.
         squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 
-    /// The standard deviation of a coordinate that those of forces rest on, mm: as stated, or the residual's.
+    /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual's if the residual
+    /// contradicts the noise.
     pub fn trusted_noise_mm(&self) -> f64 {
         if self.contradicts() { self.residual_sd_mm } else { self.noise_mm }
     }
@@ -72,25 +72,25 @@ pub(super) fn residual_sd_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize)
     (degrees_of_freedom > 0).then(|| (sum_of_squares_mm2 / degrees_of_freedom as f64).sqrt())
 }
 
-/// Chance beyond the upper end of a 95 % interval.
+/// Cumulative probability at the upper end of a 95 % interval.
 const UPPER: f64 = 0.975;
 
-/// The standard deviation of one coordinate where none was stated, mm: that of the residual, wider by as much as its own chance asks for, so
-/// that 1.96 times it is a 95 % interval; `None` without a degree of freedom.
+/// Standard deviation of one coordinate without a stated noise, mm: the residual's, widened so that 1.96 times it is a 95 % interval. `None`
+/// without a degree of freedom.
 ///
 /// # Reference
-/// A normal error over a standard deviation that is estimated from the residual follows Student's t distribution with the residual's degrees
-/// of freedom (Press et al., Numerical Recipes, sec. 15.6): wider than the normal one by 6.5 for 1 degree, 1.14 for 10, 1.03 for 45.
+/// A normal error divided by a standard deviation from the residual follows Student's t distribution with the residual's degrees of freedom (Press et
+/// al., Numerical Recipes, sec. 15.6). It is wider than the normal one by 6.5 for 1 degree, 1.14 for 10, 1.03 for 45.
 pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<f64> {
     let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
-    // Both distributions exist: there is a degree of freedom.
+    // There is at least one degree of freedom, so both distributions exist.
     let student = StudentsT::new(0.0, 1.0, degrees_of_freedom as f64).ok()?;
     let normal = Normal::standard();
     Some(residual_sd_mm * student.inverse_cdf(UPPER) / normal.inverse_cdf(UPPER))
 }
 
-/// The standard deviation of one coordinate that deviations of forces rest on, mm: as stated, the residual's where that is contradicted, or
-/// [estimated from it](unstated_noise_mm) where nothing was stated; infinite where there is no residual either.
+/// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual's if the residual
+/// contradicts the noise. Without a stated noise it is [estimated from the residual](unstated_noise_mm), and infinite without a residual.
 pub(crate) fn noise_of(
     test: Option<ResidualTest>,
     stated_mm: Option<f64>,
@@ -100,7 +100,7 @@ pub(crate) fn noise_of(
     match (test, stated_mm) {
         (Some(test), _) => test.trusted_noise_mm(),
         (None, Some(noise_mm)) if degrees_of_freedom == 0 => noise_mm,
-        // Zero is no noise that a residual could be tested against.
+        // A residual cannot be tested against a noise of zero.
         (None, _) => unstated_noise_mm(sum_of_squares_mm2, degrees_of_freedom).unwrap_or(f64::INFINITY),
     }
 }

@@ -1,4 +1,4 @@
-//! A bent finger, and how its markers move, to first order, with the forces on it and where these act.
+//! Response of a bent finger: displacements of its markers and their derivatives with respect to contact forces and positions.
 
 use crate::finger::Plate;
 use crate::frame::{FrameLoad, FrameMotion};
@@ -8,34 +8,34 @@ use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics, Mesh, NodeId, Vector};
 use nalgebra::DVector;
 
-/// A force with a component across the direction of its contact.
+/// A contact force with a component across the contact's direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactForce {
-    /// Position and direction.
+    /// Position and direction of the contact.
     pub contact: Contact,
-    /// Along the direction, N.
+    /// Force along the direction, N.
     pub along_n: f64,
-    /// Across it, towards the tip, N.
+    /// Force across the direction, positive towards the tip, N.
     pub across_n: f64,
-    /// How far before the plate's axis the force across acts, mm: a rod's radius, or half the thickness. It turns the plate.
+    /// Distance from the plate's axis at which the force across acts, mm: a rod's radius, or half the thickness. It turns the plate.
     pub lever_mm: f64,
 }
 
-/// Half the distance of the two forces of a couple on the plate between nodes, mm.
+/// Half the distance between the two forces of a couple on the plate between nodes, mm.
 const COUPLE_REACH_MM: f64 = 0.5;
 
 impl ContactForce {
-    /// A force along the direction of its contact.
+    /// A force of `along_n`, N, along the direction of its contact only.
     pub fn plain(contact: Contact, along_n: f64) -> ContactForce {
         ContactForce { contact, along_n, across_n: 0.0, lever_mm: 0.0 }
     }
 
-    /// Loads of a force along the contact's direction.
+    /// Load of a force, N, along the contact's direction.
     fn along(&self, finger: &Finger, force_n: f64) -> Load {
         self.contact.load(finger, force_n)
     }
 
-    /// Loads of a force across it, with the couple of its lever: -lever n x across, n being the contact's direction.
+    /// Loads of a force, N, across the contact's direction n, with the couple of its lever: -lever n x across.
     fn across(&self, finger: &Finger, force_n: f64) -> impl Iterator<Item = Load> + use<> {
         let turned = Contact { angle_deg: self.contact.angle_deg + 90.0, ..self.contact };
         let moment_nmm = -self.lever_mm * force_n;
@@ -57,20 +57,20 @@ impl ContactForce {
     }
 }
 
-/// Shape and derivatives; vectors have two coordinates a free key node.
+/// Displacements of a bent finger and their derivatives. Vectors have two coordinates per marked node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     /// Displacements, mm.
     pub displacements_mm: DVector<f64>,
-    /// mm per N along each contact's direction.
+    /// Derivatives with respect to the force along each contact's direction, mm/N.
     pub along: Vec<DVector<f64>>,
-    /// mm per N across it.
+    /// Derivatives with respect to the force across each contact's direction, mm/N.
     pub across: Vec<DVector<f64>>,
-    /// mm per mm that a force moves towards the tip; zero at nodes, where contacts do not move.
+    /// Derivatives with respect to the position of each contact towards the tip, mm/mm. Zero for contacts at nodes, whose positions are fixed.
     pub moved: Vec<DVector<f64>>,
 }
 
-/// A co-rotational finger that is bent again and again, each time from the shape before.
+/// A co-rotational finger for repeated bending, each time from its last shape.
 #[derive(Debug, Clone)]
 pub struct RespondingFinger<'m> {
     mesh: &'m Mesh,
@@ -79,21 +79,21 @@ pub struct RespondingFinger<'m> {
 }
 
 impl<'m> RespondingFinger<'m> {
-    /// A finger at rest.
+    /// An unloaded finger.
     pub fn new(mesh: &'m Mesh) -> RespondingFinger<'m> {
         let at_rest = (Vec::new(), FrameMotion::at_rest(mesh.frame()));
         RespondingFinger { mesh, statics: Statics::ladder(mesh, Kinematics::Corotational), last: at_rest }
     }
 
-    /// The finger.
+    /// The finger that is bent.
     pub(super) fn finger(&self) -> &'m Finger {
         self.mesh.finger()
     }
 
-    /// Bends the finger; `None` where it has no equilibrium under the forces.
+    /// Bends the finger under forces. `None` if it has no equilibrium.
     ///
     /// # Errors
-    /// [`LoadError`] for a contact that is not on the finger.
+    /// [`LoadError`] for a contact off the finger.
     pub fn under(&mut self, forces: &[ContactForce]) -> Result<Option<Response>, LoadError> {
         let finger = self.mesh.finger();
         let framed = |load: Load| self.mesh.frame_load(&load);
@@ -145,7 +145,7 @@ impl<'m> RespondingFinger<'m> {
     }
 }
 
-/// Coordinates of the markers, from vectors by key node.
+/// Coordinates (x, y) of the marked nodes, from one vector per key node and in its unit.
 pub fn marker_coordinates(finger: &Finger, of_nodes: &[Vector]) -> DVector<f64> {
     let nodes = finger.marked_nodes();
     DVector::from_iterator(2 * nodes.len(), nodes.flat_map(|node| [of_nodes[node.0 - 1].x, of_nodes[node.0 - 1].y]))

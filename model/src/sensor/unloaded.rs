@@ -1,4 +1,4 @@
-//! Forces on a finger whose unloaded shape may differ from the scene's.
+//! Estimates a force on a finger whose unloaded shape may differ from the scene's.
 
 use super::Sensor;
 use crate::Vector;
@@ -12,15 +12,15 @@ use crate::sensing::{
 };
 use nalgebra::{Isometry2, Point2};
 
-/// Elements a member of the finger whose unloaded shape is sought with the force.
+/// Beam elements per member where the unloaded shape is estimated with the force.
 const ELEMENTS_UNLOADED: usize = 4;
-/// What markers may be off by where the unloaded finger differs, mm, before anything is known of it.
+/// Assumed error of the markers, mm, before the deviation of the unloaded shape is estimated.
 const UNLOADED_ERROR_MM: f64 = 0.3;
-/// Standard deviation, mm and rad, of a base that is known exactly: less than any camera shows.
+/// Standard deviation, mm and rad, of an exactly known base: smaller than any camera resolves.
 const EXACT: f64 = 1e-6;
 
 impl Sensor<'_> {
-    /// The unloaded finger as an observation may have it, whose frame is where the camera's pose has it.
+    /// Errors of the unloaded finger for one observation. `frame` is the pose of the finger frame in the frame of the camera's pose.
     pub(super) fn unloaded(
         &self,
         assembly: AssemblyErrors,
@@ -31,7 +31,7 @@ impl Sensor<'_> {
         let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
         let camera = scene.camera.and_then(|camera| camera.pose).zip(scene.markers).map(|(pose, markers)| {
             let eye = (frame.inverse() * Point2::from(pose.eye().xy())).coords;
-            // A base that is seen is seen from the same height.
+            // The camera sees the base references from the same height as the markers.
             let middle = match references {
                 [] => eye,
                 some => some.iter().map(|reference| reference.at).sum::<Vector>() / some.len() as f64,
@@ -43,8 +43,8 @@ impl Sensor<'_> {
         UnloadedFinger { assembly, camera, measured_in_frame_sd_rad }
     }
 
-    /// One force with all that is unknown of the unloaded finger, from where the scene's finger has it, if it does; `None` where a contact touches an
-    /// object or there are several.
+    /// Estimates one force together with the errors of the unloaded finger. It starts from the estimate for the scene's finger, if that succeeds. `None` for
+    /// several contacts, for a contact with an object, and for estimators that do not search.
     pub(super) fn all_at_once(
         &self,
         question: &Question,

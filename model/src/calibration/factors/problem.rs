@@ -1,4 +1,4 @@
-//! Equilibria of a finger with some factors, against what was measured.
+//! Least-squares problem of modulus factors: computed equilibria against measurements.
 
 use super::{FactorModel, Unknown};
 use crate::Vector;
@@ -11,16 +11,16 @@ use crate::optimise::{LeastSquaresProblem, Refusal, StepBounds};
 use crate::statics::{Statics, StaticsError, equilibria};
 use nalgebra::{DMatrix, DVector};
 
-/// Largest change of ln(factor) in a step: a factor of 2.7.
+/// Largest change of ln(factor) in a step, dimensionless: a factor of e.
 const LARGEST_STEP: f64 = 1.0;
 
-/// Weighted computed minus measured displacements, mm, two (x, y) a marker. The unknowns are logarithms of factors.
+/// Weighted computed minus measured displacements, mm, two rows (x, y) per marker. The unknowns are logarithms of factors.
 pub(super) struct FactorProblem<'p> {
     pub finger: &'p Finger,
     pub cases: &'p [CalibrationCase],
     pub unknowns: &'p [Unknown],
     pub model: &'p FactorModel,
-    /// Equilibrium of each case at the last point.
+    /// Equilibrium of each case at the last evaluated point.
     pub motions: Vec<FrameMotion>,
 }
 
@@ -35,7 +35,8 @@ impl FactorProblem<'_> {
         Ok(loads.collect::<Result<_, _>>().map_err(StaticsError::from)?)
     }
 
-    /// Finds the equilibria of the cases.
+    /// Weighted residuals, mm, at the equilibria of all cases. Keeps the equilibria for `jacobian_at`. [`CalibrationError`] if the finger is impossible or has
+    /// no equilibrium.
     pub fn residual_at(&mut self, logs: &DVector<f64>) -> Result<DVector<f64>, CalibrationError> {
         let mesh = self.mesh(logs)?;
         let found = equilibria(&mesh, self.model.kinematics, &self.loads(&mesh)?);
@@ -51,7 +52,8 @@ impl FactorProblem<'_> {
         Ok(DVector::from_vec(rows))
     }
 
-    /// Derivatives at the equilibria that were found last.
+    /// Derivatives of the residuals with respect to the logarithms, mm, at the equilibria of the last `residual_at`. [`CalibrationError`] if an equilibrium is
+    /// unstable or the finger impossible.
     pub fn jacobian_at(&self, logs: &DVector<f64>) -> Result<DMatrix<f64>, CalibrationError> {
         let mesh = self.mesh(logs)?;
         let shares: Vec<_> = self.unknowns.iter().map(|unknown| shares(&mesh, unknown)).collect();
@@ -98,7 +100,7 @@ impl LeastSquaresProblem for FactorProblem<'_> {
     }
 }
 
-/// A finger that cannot carry the loads is too soft: a shorter step.
+/// Requests a shorter step where the finger is too soft to carry the loads; other errors end the search.
 fn refusal(error: CalibrationError) -> Refusal<CalibrationError> {
     match error {
         CalibrationError::Statics(_) => Refusal::Here(error),
@@ -106,7 +108,7 @@ fn refusal(error: CalibrationError) -> Refusal<CalibrationError> {
     }
 }
 
-/// Members and how far their stiffness follows an unknown.
+/// Indices of members, and the share of their stiffness proportional to an unknown.
 fn shares(mesh: &Mesh, unknown: &Unknown) -> Vec<(usize, f64)> {
     match unknown {
         Unknown::Modulus => (0..mesh.frame().members().len()).map(|member| (member, 1.0)).collect(),
@@ -114,7 +116,7 @@ fn shares(mesh: &Mesh, unknown: &Unknown) -> Vec<(usize, f64)> {
     }
 }
 
-/// The finger with factors of which the logarithms are given.
+/// The finger with factors applied. `logs` are their natural logarithms.
 pub(super) fn with_factors(finger: &Finger, unknowns: &[Unknown], logs: &[f64]) -> Result<Finger, ImpossibleFinger> {
     let mut description = finger.description().clone();
     let mut general = 1.0;

@@ -1,21 +1,21 @@
-//! How a base gives way, from views under measured forces.
+//! Compliance of the base, from views under measured forces.
 
 use crate::calibration::CalibrationError;
 
-/// By how much a force turns the base that the finger is clamped to.
+/// Turn of the clamped base per unit of force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseCompliance {
-    /// Turn from x to y, degrees a newton.
+    /// Turn from x to y, degrees per newton.
     pub deg_per_n: f64,
-    /// Its standard deviation; of two views not known, and infinite.
+    /// Standard deviation, degrees per newton. Infinite for two views, which leave no residual.
     pub sigma_deg_per_n: f64,
 }
 
-/// The straight line through the turns of a base over the forces of some views: least squares, with the turn without force as the other unknown.
-/// `turns` has force, N, and turn, degrees, of each; all of one mounting.
+/// Fits a straight line to the turn of the base over the force by least squares. `turns` holds the force, N, and the turn, degrees, of each view of one
+/// mounting.
 ///
 /// # Errors
-/// [`CalibrationError::TooFewViews`] for fewer than two views, [`CalibrationError::NotIdentifiable`] for forces that are all alike.
+/// [`CalibrationError::TooFewViews`] for fewer than two views, [`CalibrationError::NotIdentifiable`] if all forces are equal.
 pub fn compliance_of(turns: &[(f64, f64)]) -> Result<BaseCompliance, CalibrationError> {
     const UNKNOWNS: usize = 2;
     let views = turns.len();
@@ -25,7 +25,7 @@ pub fn compliance_of(turns: &[(f64, f64)]) -> Result<BaseCompliance, Calibration
     if views < UNKNOWNS {
         return Err(CalibrationError::TooFewViews { views, unknowns: UNKNOWNS });
     }
-    // Forces that are all alike, but for rounding.
+    // All forces are equal except for rounding.
     if spread_n2 <= (f64::EPSILON * mean_n).powi(2) * count {
         return Err(CalibrationError::NotIdentifiable { parameters: "base_deg_per_n".to_owned() });
     }

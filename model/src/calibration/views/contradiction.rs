@@ -1,4 +1,4 @@
-//! Views that contradict the scene's finger or each other by more than what is sought could explain: each view by itself, before any fit.
+//! Refuses views that contradict the scene's finger or the other views more than the sought quantities could explain. Tests each view before any fit.
 
 use super::problem::{Candidate, Problem, ViewUnknowns};
 use super::shape_motion::motion_of_shape;
@@ -9,32 +9,34 @@ use crate::sensing::{ContactQuestion, Direction, NonlinearEstimator};
 use crate::{NodeId, Vector};
 use nalgebra::Isometry2;
 
-/// What markers may be off the finger by before anything was calibrated, mm; and its base where that is sought, mm and rad.
+/// Assumed errors before calibration: of markers, mm, and of a sought base, mm and rad.
 const UNCALIBRATED_MM: f64 = 0.3;
 const SOUGHT_BASE: [f64; 2] = [5.0, 0.05];
-/// A measured force that is more times as large as what the markers show, or as small, against the other views, is none of its image: of a finger
-/// that is not calibrated, what the markers show may be off by half.
+/// Largest factor by which a view's ratio of measured force to marker force may differ from the median. Marker forces of an uncalibrated finger err by up
+/// to half; beyond, the measured force does not belong to its image.
 const LARGEST_TIMES: f64 = 2.0;
-/// The same for all views together, against the scene's finger, whose modulus may be a guess: beyond, a search has nowhere to begin.
+/// Largest median ratio of measured force to marker force. A scene's modulus may be a guess, but beyond this ratio the search has no starting point.
 const LARGEST_FACTOR: f64 = 5.0;
-/// By how many of its standard deviations a force that the markers show must be off.
+/// Number of standard deviations by which a marker force must deviate to count as wrong.
 const SURE: f64 = 3.0;
-/// A marker has another node's name if it is nearer to where the finger has that node than to its own place by this factor.
+/// A marker is misnamed if its distance to another node's computed position is below this share of the distance to its own.
 const NEARER: f64 = 0.5;
 
-/// The force of a view as estimated from its markers alone, with the other unknowns of the view.
+/// Force of a view estimated from its markers alone, with the other unknowns of the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MarkerForce {
     pub own: ViewUnknowns,
+    /// Standard deviation of the force, N.
     pub sigma_n: f64,
 }
 
-/// A measured force over what is shown of it otherwise.
+/// A measured force compared with another estimate of it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Compared<'v> {
     pub view: &'v View,
+    /// Ratio of the measured force to the other estimate, dimensionless.
     pub times: f64,
-    /// Standard deviation of 1 / `times` as noise and base of the view leave it.
+    /// Standard deviation of 1 / `times` due to noise and base of the view, dimensionless.
     pub inverse_sd: f64,
 }
 
@@ -44,7 +46,7 @@ impl Compared<'_> {
         Some(Compared { view, times: measured_n / of_markers.own.force_n, inverse_sd: of_markers.sigma_n / measured_n })
     }
 
-    /// Whether noise does not explain that `times` is not another one.
+    /// Whether `times` differs from `other` by more than noise explains.
     pub fn is_surely_not(&self, other: f64) -> bool {
         (1.0 / self.times - 1.0 / other).abs() > SURE * self.inverse_sd
     }
@@ -56,10 +58,10 @@ impl Problem<'_> {
         self.sought.iter().any(|sought| is_of_base(sought.quantity))
     }
 
-    /// What the markers of a view show of its force if its direction is that of the measured one, by the scene's finger; `None` where it does not
+    /// Force that the markers of a view show along the measured direction, by the scene's finger. `None` if no force was measured or the estimator gives no
     /// answer.
     pub(super) fn marker_force(&self, stated: &Candidate, view: &View) -> Option<MarkerForce> {
-        // Along the line of the measured force, inwards: its sign may be wrong.
+        // The direction points inwards along the line of the measured force, whose sign may be wrong.
         let angle_deg = self.finger.angle_deg(view.force?);
         let outwards_deg: f64 = if angle_deg.abs() > 90.0 { 180.0 } else { 0.0 };
         let direction = Direction::Angle(angle_deg - outwards_deg.copysign(angle_deg));
@@ -78,10 +80,10 @@ impl Problem<'_> {
         Some(MarkerForce { own, sigma_n: sensed.forces.sigmas_n[0] })
     }
 
-    /// Compares measured forces with what markers show, `marker_forces` one a view.
+    /// Compares measured forces with marker forces. `marker_forces` has one entry per view.
     ///
     /// # Errors
-    /// [`CalibrationError::ForceScale`] where they are off alike, and [`ViewError::Force`] for the view that is further off than the others.
+    /// [`CalibrationError::ForceScale`] if all forces deviate by a common factor, [`ViewError::Force`] for the view that deviates most from the others.
     pub(super) fn check_forces(&self, marker_forces: &[Option<MarkerForce>]) -> Result<(), CalibrationError> {
         let of_view = |(view, of_markers): (_, &Option<MarkerForce>)| Compared::of(view, (*of_markers)?);
         let all: Vec<Compared> = self.views.iter().zip(marker_forces).filter_map(of_view).collect();
@@ -98,10 +100,10 @@ impl Problem<'_> {
         }
     }
 
-    /// A marker of a view that is where the finger has another node, wherever its base is.
+    /// Finds a marker of a view at the computed position of another node, for the best rigid motion of the finger.
     pub(super) fn wrong_name(&self, stated: &Candidate, view: &View, own: &ViewUnknowns) -> Option<ViewError> {
         let pressed = self.pressed(stated, view, own)?;
-        // Where each was seen, and where the finger has it.
+        // Node, seen position and computed position of each marker.
         let places: Vec<(NodeId, Vector, Vector)> = self
             .residuals(stated, view, own, &pressed)
             .map(|(marker, left)| {

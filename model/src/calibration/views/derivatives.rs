@@ -1,4 +1,4 @@
-//! The problem of the views as the optimiser asks for it: derivatives by differences, priors, and bounds of the positions.
+//! Presents the problem of the views to the optimiser: derivatives by differences, priors, and bounds of the positions.
 
 use super::View;
 use super::problem::{Point, Pressed, Problem, ViewUnknowns, free_part_mm};
@@ -7,14 +7,14 @@ use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Steps for derivatives: of lengths, mm, of factors, forces, as shares, and angles in rad, and of angles in degrees. Equilibria are good to
-/// ten digits.
+/// Steps for derivatives: of lengths, mm; of factors and forces (relative) and angles in rad; of angles in degrees. Equilibria have ten correct
+/// digits.
 const LENGTH_STEP: f64 = 1e-3;
 const SHARE_STEP: f64 = 1e-4;
 const ANGLE_STEP_DEG: f64 = 1e-2;
-/// The same of an error, in standard deviations.
+/// Step for an error of the unloaded finger, in standard deviations.
 const SIGMA_STEP: f64 = 1e-2;
-/// There is no such finger, or no equilibrium.
+/// The finger is impossible or has no equilibrium.
 const NOWHERE: Refusal<CalibrationError> = Refusal::Here(CalibrationError::NoMinimum);
 
 impl LeastSquaresProblem for Problem<'_> {
@@ -77,7 +77,7 @@ impl LeastSquaresProblem for Problem<'_> {
         changes.filter_map(|(k, (sought, change))| Some(Prior::on(k, *change, 0.0, sought.prior_sd?))).collect()
     }
 
-    /// Contacts stay on the plate.
+    /// Keeps contacts on the plate.
     fn step_bounds(&self, point: &Point) -> StepBounds {
         self.parts(point).fold(StepBounds::default(), |bounds, (_, own, _, position)| {
             let within_mm = if self.is_position_known { [own.s_mm; 2] } else { free_part_mm(self.finger) };
@@ -87,7 +87,7 @@ impl LeastSquaresProblem for Problem<'_> {
 }
 
 impl Problem<'_> {
-    /// The views, the unknowns of each at a point, the rows of its residuals, and the first column of its unknowns.
+    /// Each view with its unknowns at a point, the rows of its residuals, and the first column of its unknowns.
     pub(super) fn parts<'s, 'p>(
         &'s self,
         point: &'p Point,
@@ -99,7 +99,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Differences of the residuals of one view, by a step that leads to `after`.
+    /// Difference quotients of the residuals of one view for a step that leads to `after`.
     fn differences(
         after: Option<Vec<f64>>,
         before: &[f64],
@@ -114,7 +114,7 @@ impl Problem<'_> {
 }
 
 impl ViewUnknowns {
-    /// Step of an unknown for derivatives.
+    /// Step of an unknown (by index) for derivatives, in mm, rad, N or degrees.
     fn step(&self, unknown: usize) -> f64 {
         match unknown {
             0 => LENGTH_STEP,

@@ -1,4 +1,4 @@
-//! What markers err by, as the residuals of a fit have it.
+//! Estimates the errors of markers from the residuals of a fit.
 
 use super::View;
 use super::problem::{Point, Problem};
@@ -6,29 +6,28 @@ use crate::measurement::{Marker, MarkerErrors};
 use crate::optimise::Fit;
 use nalgebra::DMatrix;
 
-/// Errors of markers without any noise, as shares of the stated ones, and steps from there to as stated, alike as ratios.
+/// Smallest tried factor on the stated noise, and the number of geometric steps to it from 1.
 const LEAST_NOISE_FACTOR: f64 = 1e-3;
 const STEPS: usize = 60;
-/// How well stated errors are known before: standard deviation of the logarithm of the factor on them. Where all are stated alike, residuals show only
-/// the sum of the finger's part and theirs.
+/// Prior standard deviation of the logarithm of the factor on the stated noise. If the stated noise is equal for all markers, residuals show only the sum
+/// of model error and noise.
 const FACTOR_SD: f64 = 1.0;
-/// Errors that are less likely by no more than this, twice the logarithm, are as likely: far below what counts.
+/// Largest difference of twice the log-likelihood at which two solutions count as equally likely; far from significant.
 const ALIKE: f64 = 1e-6;
-/// Steps of either search.
+/// Number of golden-section steps of each search.
 const SECTIONS: usize = 50;
 
-/// What is left of one coordinate.
+/// Residual of one coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct CoordinateResidual {
     square_mm2: f64,
-    /// Which part of its error is in the residual: the rest was fitted.
+    /// Share of the error's variance that remains in the residual, dimensionless. The fit absorbed the rest.
     free: f64,
     stated_mm: f64,
 }
 
 impl Problem<'_> {
-    /// Errors of the markers as the residuals of a fit have them, given its covariance: what is theirs, as a share of what is stated, and what is
-    /// the finger's.
+    /// Factor on the stated noise of the markers, and error of the model, estimated from the residuals of a fit with the given covariance.
     pub(super) fn marker_errors(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> MarkerErrors {
         let mut left = Vec::new();
         for (view, _, rows, _) in self.parts(&fitted.point) {
@@ -47,7 +46,7 @@ impl Problem<'_> {
         likeliest(left)
     }
 
-    /// Errors of the markers of a new view: what is open of the finger's geometry adds the same to the variance of each, a share of their mean variance.
+    /// Errors of the markers in a new view. The uncertainty of the geometry adds `share` of the mean variance to the variance of each marker.
     pub(super) fn new_marker_errors(&self, share: f64) -> MarkerErrors {
         let markers = || self.views.iter().flat_map(|view| view.measurement.markers().iter().map(move |it| (view, it)));
         let variance_mm2 = |(view, marker): (&View, &Marker)| self.errors.sd_mm(view.noise_mm / marker.weight).powi(2);
@@ -56,12 +55,12 @@ impl Problem<'_> {
     }
 }
 
-/// The errors for which residuals are likeliest.
+/// Errors that maximise the likelihood of the residuals.
 ///
 /// # Reference
-/// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows, with the residuals
-/// and their free parts as they are. Variances are then by as much larger as their mean is than their mode: few degrees of freedom leave
-/// them large.
+/// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows, with fixed residuals
+/// and free parts. Squared residuals are enlarged by the ratio of a variance's mean to its mode, which accounts for few degrees of
+/// freedom.
 fn likeliest(mut left: Vec<CoordinateResidual>) -> MarkerErrors {
     let free: f64 = left.iter().map(|it| it.free).sum();
     if free <= 2.0 {
@@ -92,7 +91,7 @@ fn likeliest(mut left: Vec<CoordinateResidual>) -> MarkerErrors {
     if unlikely(&as_stated) <= unlikely(&found) + ALIKE { as_stated } else { found }
 }
 
-/// Where a function is least between two ends, by golden sections.
+/// Position of the minimum of a function between two ends, by golden sections.
 fn least(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     for _ in 0..SECTIONS {
@@ -106,26 +105,26 @@ fn least(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Residuals of some standard deviation, of which a quarter was fitted.
+    /// Residuals of standard deviation `sd_mm`, a quarter of whose variance the fit absorbed.
     fn of(sd_mm: f64, stated_mm: f64, rows: usize) -> Vec<CoordinateResidual> {
         vec![CoordinateResidual { square_mm2: 0.75 * sd_mm * sd_mm, free: 0.75, stated_mm }; rows]
     }
 
-    /// By hand, where all are stated alike: the mean square over the free part, times its mean over its mode, 75 / 73; with the finger's
-    /// part beyond what is stated.
+    /// By hand for equal stated noise: mean square over the free part, times the ratio of mean to mode, 75 / 73. The model error is the part beyond the
+    /// stated noise.
     #[test]
     fn errors_stated_alike_are_those_of_the_residual() {
         let wider = 75.0 / 73.0;
         let more = likeliest(of(0.05, 0.03, 100));
         assert_eq!(more.noise_factor, 1.0);
         assert!((more.model_mm.powi(2) - (wider * 0.0025 - 0.0009)).abs() < 1e-8, "{more:?}");
-        // The prior of the factor holds it by two degrees of freedom's worth of a hundred and fifty.
+        // The prior of the factor has the weight of two among 150 degrees of freedom.
         let less = likeliest(of(0.05, 0.1, 100));
         assert_eq!(less.model_mm, 0.0);
         assert!((less.noise_factor.powi(2) / (wider * 0.25) - 1.0).abs() < 0.02, "{less:?}");
     }
 
-    /// Markers of which much and of which little is stated show both parts.
+    /// Markers of different stated noise separate the model error from the noise.
     #[test]
     fn the_fingers_part_is_told_from_the_markers() {
         let both = |stated_mm: f64| (0.5 * stated_mm).hypot(0.02);
@@ -134,7 +133,7 @@ mod tests {
             (found.noise_factor / 0.5 - 1.0).abs() < 0.01 && (found.model_mm / 0.02 - 1.0).abs() < 0.01,
             "{found:?}"
         );
-        // Alike whatever is stated: the markers' own is nearly nothing, as its prior has it.
+        // Errors that do not depend on the stated noise are model errors; the prior keeps the factor above zero.
         let found = likeliest([0.01, 0.1].map(|stated_mm| of(0.02, stated_mm, 1000)).concat());
         assert!((found.model_mm / 0.02 - 1.0).abs() < 0.03 && found.noise_factor < 0.1, "{found:?}");
     }

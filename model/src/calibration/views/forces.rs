@@ -1,4 +1,4 @@
-//! Measured forces against those that the images of a fit show.
+//! Compares measured forces with the forces that the images of a fit show.
 
 use super::View;
 use super::problem::{BASE_ROWS, OWN, Point, Problem};
@@ -8,8 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 impl Problem<'_> {
-    /// The force of a view from markers and base alone, ignoring its measured value. `by` are the derivatives of a fit, in which the view begins at a
-    /// row and a column. `None` where it is not identifiable.
+    /// Relative force of a view estimated from markers and base alone, without its measured value. `by` is the Jacobian of a fit; the view starts at `row` and
+    /// `column`. `None` if the force is not identifiable.
     pub(super) fn new_image(
         &self,
         by: &DMatrix<f64>,
@@ -17,7 +17,7 @@ impl Problem<'_> {
         view: &View,
         force_n: f64,
     ) -> Option<NewImage> {
-        // The last row of a view, and the last of its unknowns: what was measured of its force, and the force, here as a share.
+        // The last row of a view is its measured force; the last of its unknowns is the force, here relative.
         let rows = self.row_count(view) - 1;
         let own: Vec<usize> = (column..column + self.own_count(view)).collect();
         let (by_shared, covariance, alone) = self.force_alone(by, row..row + rows, &own, force_n)?;
@@ -26,8 +26,8 @@ impl Problem<'_> {
         Some(NewImage { by_shared, variance, of_markers: variance - by_base.norm_squared() })
     }
 
-    /// A force, as a share, that is estimated from rows of one view with the view's own unknowns, of which it is the fifth: its change with each of the
-    /// unknowns that all views share, the covariance of the own ones, and the derivatives by these. `None` where it is not identifiable.
+    /// Estimates the relative force from rows of one view with the view's own unknowns, of which it is the fifth. Returns its derivative with respect to
+    /// each shared unknown, the covariance of the own unknowns, and their Jacobian. `None` if the force is not identifiable.
     pub(super) fn force_alone(
         &self,
         by: &DMatrix<f64>,
@@ -39,12 +39,12 @@ impl Problem<'_> {
         let mut alone = of_view.select_columns(own);
         alone.column_mut(OWN).scale_mut(force_n);
         let covariance = covariance(&alone)?;
-        // The force follows the finger.
+        // A change of the shared unknowns changes the force.
         let by_shared = -alone.tr_mul(&of_view.columns(0, self.sought.len())).tr_mul(&covariance.column(OWN));
         Some((by_shared, covariance, alone))
     }
 
-    /// How measured forces scatter about those that the images show, linearised at a fit; `None` where the images do not show all unknowns.
+    /// Scatter of measured forces about the forces that the images show, linearised at a fit. `None` if the images do not determine all unknowns.
     pub(super) fn scatter_of(&self, fitted: &Fit<Point>) -> Option<Scatter> {
         let (mut by, mut residual) = (fitted.jacobian.clone(), fitted.residual.clone());
         let shared = self.sought.len();

@@ -1,61 +1,61 @@
-//! Friction, from forces that were measured.
+//! Estimates friction from measured forces.
 
 use super::scatter::TWO_SIDED_95;
 use crate::calibration::CalibrationError;
 use crate::sensing::{Lean, Normal};
 use statrs::function::erf::erfc;
 
-/// How friction is sought.
+/// Question about the friction between finger and objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrictionQuestion {
-    /// Whether it builds up over a force, which is sought, too.
+    /// Whether friction builds up over a force, which is then estimated, too.
     pub builds_up: bool,
-    /// Standard deviation of the coefficient from object to object: what is assumed of a single one; of several, the scale of its prior. Zero: none is stated.
+    /// Standard deviation of the coefficient between objects, dimensionless. Assumed for a single object, scale of the prior for several. Zero: not stated.
     pub between_objects: f64,
 }
 
-/// Build-up forces that are tried, over three powers of ten: 0.7 % from one to the next.
+/// Number of steps of the build-up force that are tried, over three powers of ten: 0.7 % each.
 const BUILD_UPS: usize = 1000;
-/// Standard deviations from object to object that are tried, degrees, from the first to the last: 2 % from one to the next.
+/// Smallest and largest standard deviation between objects that are tried, degrees, in steps of 2 %.
 const SDS_DEG: [f64; 2] = [0.01, 60.0];
 const SDS: usize = 400;
-/// Halvings of a step for half of an interval, and the chance outside it.
+/// Number of bisections for half of an interval, and the probability outside the interval.
 const HALVINGS: usize = 50;
 const OUTSIDE: f64 = 0.05;
-/// By how much coefficients of friction differ from object to object where nothing else is stated.
+/// Standard deviation of the coefficient of friction between objects, dimensionless, if none is stated.
 const USUAL_BETWEEN_OBJECTS: f64 = 0.05;
 
-/// What pressed the finger (empty where that is not known), the measured force, N, and its lean from the normal towards the tip, degrees.
+/// Name of the object that pressed the finger (empty if unknown), the measured force, N, and its lean from the normal towards the tip, degrees.
 pub type MeasuredLean<'o> = (&'o str, f64, f64);
 
-/// Friction as measured forces show it.
+/// Friction estimated from measured forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionEstimate {
-    /// Mean lean and standard deviation of a single force of a new object.
+    /// Mean lean, and the standard deviation for a single force of a new object.
     pub lean: Lean,
-    /// Standard deviation of the coefficient from object to object; `None` of a single object.
+    /// Standard deviation of the coefficient between objects, dimensionless. `None` for a single object.
     pub between_objects: Option<f64>,
-    /// Each object as the others predict it. Empty where they are too few.
+    /// Cross-validation: each object predicted from the others. Empty if there are too few.
     pub left_out: Vec<LeftOutObject>,
 }
 
-/// Leans under an object, from forces that were measured under others.
+/// Measured leans under one object, and their prediction from forces under the others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOutObject {
-    /// The object.
+    /// Name of the object.
     pub object: String,
-    /// Mean over its forces, degrees, as the others predict it.
+    /// Mean lean of the object's forces as predicted, degrees.
     pub predicted_deg: f64,
-    /// Standard deviation of a single force about that, degrees.
+    /// Standard deviation of a single force about the prediction, degrees.
     pub sigma_deg: f64,
-    /// The same mean as measured, degrees.
+    /// Mean lean of the object's forces as measured, degrees.
     pub measured_deg: f64,
 }
 
-/// Leans of each object under one law: objects share the force over which friction builds up.
+/// Leans of each object under one friction law. Objects share the force over which friction builds up.
 struct Fit {
     build_up_n: f64,
-    /// Lean of a force that slides, degrees, and its variance, of each object.
+    /// Lean of a sliding force, degrees, and its variance, degrees^2, for each object.
     sliding: Vec<(f64, f64)>,
     /// Standard deviation of a single force within an object, degrees.
     within_deg: f64,
@@ -77,7 +77,8 @@ impl Fit {
         Fit { build_up_n, sliding, within_deg: variance.sqrt() }
     }
 
-    /// Mean over objects where they differ by a standard deviation, its variance, and the logarithm of the restricted likelihood.
+    /// Mean over objects, degrees, its variance, degrees^2, and the logarithm of the restricted likelihood, if objects differ by the standard deviation
+    /// `between_deg`.
     fn mean(&self, between_deg: f64) -> [f64; 3] {
         let variances = || self.sliding.iter().map(|(_, variance)| variance + between_deg * between_deg);
         let variance = 1.0 / variances().map(|variance| 1.0 / variance).sum::<f64>();
@@ -86,12 +87,12 @@ impl Fit {
         [mean, variance, 0.5 * (variance.ln() - off.sum::<f64>())]
     }
 
-    /// Mean lean of a force that slides, degrees, the standard deviation from object to object that is most likely, and that of a new object about the
-    /// mean, of which 1.96 are half of a 95 % interval. Few objects leave the scatter open.
+    /// Mean lean of a sliding force, most likely standard deviation between objects, and standard deviation of a new object about the mean, all in degrees.
+    /// The last includes the uncertainty that few objects leave; 1.96 times it is half of a 95 % interval.
     ///
     /// # Reference
     /// Restricted maximum likelihood; posterior predictive distribution of a new group (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 5.4) with the
-    /// half-Cauchy prior of few groups (Gelman, Bayesian Analysis 1, 2006), whose scale is what is assumed between objects.
+    /// half-Cauchy prior for few groups (Gelman, Bayesian Analysis 1, 2006). Its scale is the assumed standard deviation between objects.
     fn over_objects(&self, assumed_deg: f64) -> [f64; 3] {
         let [least, most] = SDS_DEG;
         let tried: Vec<f64> = (0..=SDS).map(|i| least * (most / least).powf(i as f64 / SDS as f64)).collect();
@@ -113,13 +114,13 @@ impl Fit {
     }
 }
 
-/// How forces that were measured lean, as friction would have it: the coefficient and, if it is sought, the force over which it builds up, for
-/// which leans are met best. The standard deviation is that of a single force of a new object: of what is left, and of what objects differ by, which one
-/// object does not show: it is then what is assumed.
+/// Fits friction to the leans of measured forces: the coefficient and, if sought, the force over which friction builds up. The standard deviation is that
+/// of a single force of a new object. It combines the residual within objects with the difference between objects, which is assumed for a single
+/// object. Leans refer to the normal `from`.
 ///
 /// # Errors
-/// [`CalibrationError::TooFewViews`] where there are no more views than unknowns. [`CalibrationError::FrictionLimit`] where leans do not show at which
-/// lean, below 90 degrees, a force slides.
+/// [`CalibrationError::TooFewViews`] if there are no more views than unknowns. [`CalibrationError::FrictionLimit`] if a sliding force leans by 90 degrees or
+/// more, or friction builds up beyond the largest force.
 pub fn friction_of(
     leans: &[MeasuredLean],
     from: Normal,
@@ -140,7 +141,7 @@ pub fn friction_of(
     Ok(FrictionEstimate { left_out: (0..objects.len()).filter_map(left_out).collect(), ..estimate })
 }
 
-/// Without leaving any object out.
+/// Fits friction without cross-validation.
 fn of_objects(
     objects: &[&[MeasuredLean]],
     from: Normal,
@@ -152,7 +153,7 @@ fn of_objects(
         return Err(CalibrationError::TooFewViews { views, unknowns });
     }
     let largest_n = objects.concat().iter().fold(0.0_f64, |m, (_, force_n, _)| m.max(force_n.abs()));
-    // From at once to hardly: the sum of squares is smooth in between.
+    // The build-up ranges from immediate to hardly any. The sum of squares is smooth between the tried values.
     let tried = (0..=BUILD_UPS).map(|i| largest_n * 10f64.powf(-2.0 + 3.0 * i as f64 / BUILD_UPS as f64));
     let fits = tried.filter(|_| builds_up).chain([0.0]).map(|n| Fit::new(objects, n, views - unknowns));
     let fit = fits.min_by(|a, b| a.within_deg.total_cmp(&b.within_deg)).ok_or(CalibrationError::NoMinimum)?;

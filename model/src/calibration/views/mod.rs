@@ -1,8 +1,8 @@
-//! A finger and its rig from several views of it: what the scene states only nominally.
+//! Calibrates a finger and its rig from several views.
 //!
-//! A view is an image in which the finger is pressed somewhere on its front plate. Each adds unknowns of its own: where it is pressed, where
-//! its base is and, unless it was measured, the force. All views share the [`Quantity`]s that are sought. Without any measured
-//! force, geometry alone is identifiable; moduli and forces scale alike.
+//! A view is an image in which the front plate of the finger is pressed at one position. Each view adds unknowns: the contact position, the pose of the
+//! base and, unless it was measured, the force. All views share the sought [`Quantity`]s. Without any measured force only geometry is identifiable,
+//! because moduli and forces scale together.
 
 mod compliance;
 mod contradiction;
@@ -39,48 +39,48 @@ use nalgebra::{DMatrix, Isometry2};
 use problem::{Candidate, OWN, Problem, ViewUnknowns};
 use scatter::{AddedForceError, Scatter};
 
-/// What is held beside the views.
+/// Parameters of finger and camera that the views do not change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewModel {
-    /// Elements a member.
+    /// Beam elements per member.
     pub elements: usize,
     /// Height of the camera above the plane of the beams, mm.
     pub camera_height_mm: f64,
-    /// Height of the markers above it, mm.
+    /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
-    /// How a force leans that was not measured.
+    /// Lean of forces that were not measured.
     pub lean: Lean,
-    /// What lies between objects and the plate.
+    /// Pad between objects and the plate.
     pub pad: Pad,
-    /// Moment at the tip without load, N mm.
+    /// Moment that the plates exert on each other at the tip without load, N mm.
     pub preload_nmm: f64,
 }
 
-/// A quantity as it was found.
+/// Estimate of a sought quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FoundQuantity {
-    /// What was sought.
+    /// The quantity and its prior.
     pub sought: Sought,
-    /// Its value: of lengths and angles the whole, of factors on what the scene has.
+    /// Value in the quantity's unit; for a modulus, the factor on the scene's value.
     pub value: f64,
-    /// Its standard deviation.
+    /// Standard deviation in the unit of `value`.
     pub sigma: f64,
 }
 
-/// A view as the calibrated finger has it.
+/// A view as the calibrated finger explains it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundView {
-    /// Where the force acts, mm along the front plate.
+    /// Position of the force along the front plate, mm.
     pub s_mm: f64,
-    /// The force in the finger frame, N.
+    /// Force in the finger frame, N.
     pub force: Vector,
-    /// Standard deviation of its magnitude as all views have it, N; zero for a measured force that is taken for exact.
+    /// Standard deviation of the force's magnitude from all views, N. Zero for a measured force that counts as exact.
     pub force_sigma_n: f64,
-    /// Where the base is in the frame that the view has of it.
+    /// Transformation from the finger frame to the frame of the view, mm and rad.
     pub base: Isometry2<f64>,
-    /// By how much the plate's normal is turned at the contact, rad; the mean over the length that leans count from.
+    /// Turn of the plate's normal at the contact, rad: the mean over the length to which leans refer.
     pub normal_turn_rad: f64,
-    /// Computed less seen position of each marker, mm, in the frame of the view.
+    /// Computed minus seen position of each marker, mm, in the frame of the view.
     pub residuals_mm: Vec<Vector>,
 }
 
@@ -91,67 +91,68 @@ impl FoundView {
         (squares / (2 * self.residuals_mm.len()) as f64).sqrt()
     }
 
-    /// By how much the force leans from a normal towards the tip, degrees.
+    /// Lean of the force from a normal, degrees, positive towards the tip.
     pub fn lean_deg(&self, finger: &Finger, from: Normal) -> f64 {
         let angle_deg = finger.angle_deg(self.force);
         match from {
             Normal::Undeformed => angle_deg,
-            // An outline that touches the plate has the plate's normal.
+            // An outline that touches the plate shares the plate's normal.
             Normal::Deformed { .. } | Normal::Object => angle_deg - self.normal_turn_rad.to_degrees(),
         }
     }
 }
 
-/// A finger and its rig as several views have them.
+/// Result of a calibration of finger and rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewEstimate {
-    /// The finger with all that was found.
+    /// The calibrated finger.
     pub finger: Finger,
-    /// Height of the markers, mm.
+    /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
-    /// Where the finger is in the frame that a view has of its base.
+    /// Part of the transformation from the finger frame to the frame of a view that all views share, mm and rad.
     pub base: Isometry2<f64>,
-    /// The quantities that were sought.
+    /// Estimates of the sought quantities.
     pub quantities: Vec<FoundQuantity>,
-    /// Correlation of each two of them.
+    /// Correlation matrix of the quantities.
     pub correlation: DMatrix<f64>,
-    /// The views.
+    /// The views as the calibrated finger explains them.
     pub views: Vec<FoundView>,
-    /// Errors of markers as the residuals have them, against the noise of the views.
+    /// Errors of the markers estimated from the residuals, relative to the stated noise of the views.
     pub marker_errors: MarkerErrors,
-    /// The same in a new view: what is open of the calibrated geometry adds to `model_mm`.
+    /// Errors of the markers in a new view. `model_mm` also includes the uncertainty of the calibrated geometry.
     pub new_marker_errors: MarkerErrors,
-    /// By which share it misses forces. `None` where no modulus is sought, or no force was measured.
+    /// Relative error of forces. `None` if no modulus is sought or no force was measured.
     pub force_error: Option<ForceError>,
-    /// What stays uncertain of the finger and its rig where `force_error` does not hold it: independent errors of one standard deviation.
+    /// Uncertainty of finger and rig that `force_error` does not cover: independent errors of one standard deviation each.
     pub unloaded_errors: Vec<UnloadedError>,
-    /// Measured forces and markers that are further off than the others let expect.
+    /// Measured forces and markers that deviate more than the others suggest.
     pub outliers: Vec<Outlier>,
 }
 
-/// By which share a calibrated finger misses forces beyond what noise, position and base explain: standard deviations of one force.
+/// Relative error of forces beyond the effects of noise, position and base: standard deviations of one force, dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceError {
-    /// Of those that were measured, as they scatter: 1 % is assumed where there are too few to compare.
+    /// Scatter of the measured forces; 1 % is assumed if there are too few to compare.
     pub scatter: f64,
-    /// Of a force in a new image: with what is open of the scatter, and of all that was found as far as `new_marker_errors` do not hold it.
+    /// Relative standard deviation of a force in a new image. Includes the uncertainty of the scatter and of fitted parameters that
+    /// `new_marker_errors` does not cover.
     pub of_new: f64,
 }
 
-/// Standard deviation of the residual, mm, with which the fit begins; then that of the last fit.
+/// Standard deviation of the model error, mm, with which the fit starts. Later rounds use the estimate of the last fit.
 const FIRST_MODEL_ERROR_MM: f64 = 0.05;
-/// The same for the scatter of forces, as a share of them, which stays where nothing shows it; and the least that counts.
+/// Relative scatter of forces with which the fit starts, kept if the data do not show it. `LEAST_SCATTER` is the smallest scatter that matters.
 const FIRST_SCATTER: f64 = 0.01;
 const LEAST_SCATTER: f64 = 1e-5;
-/// Unknowns are then within a thousandth of their standard deviations; derivatives by differences would not let a search end much closer.
+/// Unknowns are then within a thousandth of their standard deviations. Derivatives by differences do not allow much more.
 const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-8, step: 0.0 };
-/// Both have settled where a round changes them by no more than this share of what they are.
+/// Marker errors and scatter have settled when a round changes them by no more than this share.
 const SETTLED: f64 = 1e-2;
 const ROUNDS: usize = 50;
-/// A factor whose logarithm is known to no better, or a length, mm, or an angle, degrees, is not identifiable.
+/// Limits of standard deviations for identifiable quantities: of the logarithm of a factor, and of other quantities (mm, degrees, N mm).
 const LARGEST_SIGMAS: [f64; 2] = [1.0, 20.0];
 
-/// Whether a round has changed neither errors of markers nor the scatter of forces.
+/// Whether a round changes neither the marker errors nor the scatter of forces.
 fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Option<f64>)) -> bool {
     let close = |before: f64, after: f64| (before - after).abs() <= SETTLED * after;
     let scatters_close =
@@ -159,19 +160,17 @@ fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Optio
     close(before.0.noise_factor, after.0.noise_factor) && close(before.0.model_mm, after.0.model_mm) && scatters_close
 }
 
-/// Finds what several views show of a finger and its rig.
+/// Estimates the shared quantities of a finger and its rig from several views.
 ///
 /// # Reference
-/// Nonlinear least squares over all views and their own unknowns at once (bundle adjustment, Triggs et al. 2000, with the co-rotational
-/// finger in place of points), by the method of Levenberg and Marquardt; derivatives are differences of equilibria. What the finger leaves
-/// unexplained beyond the noise is a variance that is estimated with it, so that priors weigh as much as they should; where it leaves less than
-/// that, the noise is less. Where a modulus is sought, so is the variance of the share by which measured forces are missed: it
-/// holds what is wrong with the sensor, and with the model where markers do not show it. All by restricted
-/// maximum likelihood (Patterson and Thompson, Biometrika 58, 1971), from fit to fit until they settle.
-///
+/// Nonlinear least squares over all views and their own unknowns at once, by the method of Levenberg and Marquardt. This is bundle adjustment (Triggs et
+/// al. 2000) with the co-rotational finger in place of points; derivatives are differences of equilibria. The variance of the residuals beyond the noise
+/// is estimated with the fit, so that priors have the right weight. The noise is reduced if residuals are smaller than it. If a modulus is
+/// sought, the relative variance of measured forces is estimated, too. It covers errors of the force sensor, and of the model where markers do not show
+/// them. All variances follow by restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971), from fit to fit until they settle.
 /// # Errors
-/// [`CalibrationError`] where a view has no explanation at the start or contradicts the others, a quantity is not identifiable, or the finger that is found
-/// would be of no use.
+/// [`CalibrationError`] if a view has no explanation at the start or contradicts the others, or if a quantity is not identifiable. Also if the calibrated
+/// finger would be too inaccurate for use.
 pub fn views(
     finger: &Finger,
     views: &[View],
@@ -267,7 +266,7 @@ pub fn views(
 }
 
 impl Problem<'_> {
-    /// A view as a candidate has it; `None` where it has no equilibrium.
+    /// A view as a candidate explains it. `None` if the candidate has no equilibrium.
     fn found_view(
         &self,
         candidate: &Candidate,
@@ -286,7 +285,7 @@ impl Problem<'_> {
         })
     }
 
-    /// A quantity that is sought, by its change and the standard deviation of it: of factors both logarithms.
+    /// Estimate of a sought quantity. `change` and `sigma` are those of its unknown: a logarithm for a factor, the quantity's unit otherwise.
     fn found_quantity(&self, sought: &Sought, change: f64, sigma: f64) -> FoundQuantity {
         let is_modulus = sought.quantity.is_modulus();
         let value = if is_modulus { change.exp() } else { self.stated(sought.quantity) + change };

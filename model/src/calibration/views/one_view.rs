@@ -1,4 +1,4 @@
-//! The force in one view of a finger that may not be quite the scene's: everything that is unknown is sought at once, as in a calibration.
+//! Estimates the force in one view together with errors of the unloaded finger.
 
 use super::problem::{OWN, Point, Problem, ViewUnknowns};
 use super::{CONVERGENCE, Quantity, Sought, View, ViewModel};
@@ -8,30 +8,30 @@ use crate::optimise::{Convergence, LevenbergMarquardt, covariance};
 use crate::sensing::{COUNTS, Contact, ContactQuestion, Direction, Lean, Normal, REACH, ResidualTest, UnloadedError};
 use nalgebra::Isometry2;
 
-/// Standard deviation of the magnitude of a force of which the direction alone is known, as a share: none that counts.
+/// Relative standard deviation of a force of known direction and unknown magnitude: so large that it has no effect.
 const UNKNOWN_SHARE: f64 = 1e3;
-/// Further standard deviations of a coordinate, mm, with which a search begins.
+/// Further standard deviations of a coordinate, mm, in the first searches.
 const FIRST_ERRORS_MM: [f64; 2] = [0.3, 0.02];
-/// And its convergence: a start is all that is sought.
+/// Convergence of the first searches, which only provide a start.
 const FIRST_CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-3, step: 0.0 };
-/// Where a force is sought along the plate, as shares of its length, and how large, N, where nothing is known of it.
+/// Starting positions, as shares of the plate's length, and starting force, N, without an earlier estimate.
 const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
 const FIRST_FORCE_N: f64 = 1.0;
-/// Standard deviation, degrees, of a direction that is not known.
+/// Standard deviation of an unknown direction, degrees.
 const UNKNOWN_DEG: f64 = 1e3;
 
-/// What is asked of a view.
+/// A view with the question about its contact.
 #[derive(Debug, Clone, Copy)]
 pub struct OneView<'v> {
-    /// The view, without a force.
+    /// The view. Its measured force is ignored.
     pub view: &'v View,
-    /// Whether its displacements count from an image of the unloaded finger, not from the scene's.
+    /// Whether displacements refer to an image of the unloaded finger, not to the scene's finger.
     pub is_from_rest: bool,
-    /// The contact.
+    /// Position and direction of the contact, known or sought.
     pub question: ContactQuestion,
 }
 
-/// Where a contact of a view was sensed before.
+/// Earlier estimate of a contact in a view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensedBefore {
     /// Position along the front plate, mm.
@@ -42,30 +42,30 @@ pub struct SensedBefore {
     pub force_n: f64,
 }
 
-/// A force in one view.
+/// Estimated force in one view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceInView {
     /// Position along the front plate, mm.
     pub s_mm: f64,
-    /// Direction, degrees from the front plate's undeformed normal, in the frame of the view where it is known.
+    /// Direction in the frame of the view, degrees from the front plate's undeformed normal.
     pub angle_deg: f64,
     /// Force, N.
     pub force_n: f64,
-    /// Its standard deviation, N; it rests on the residual where that contradicts the noise of the view.
+    /// Standard deviation of the force, N. It rests on the residual if this contradicts the noise of the view.
     pub sigma_n: f64,
-    /// Sum of squares of the fit in standard deviations, priors included.
+    /// Sum of squared residuals divided by their variances, priors included, dimensionless.
     pub squares: f64,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,
-    /// The residual against the noise of the view.
+    /// Test of the residual against the noise of the view.
     pub test: Option<ResidualTest>,
 }
 
-/// Seeks a force, its position and direction as far as a question leaves them unknown, the base, and errors of the unloaded finger; from where the force was
-/// sensed before, else from several positions along the plate. `None` where the search finds no minimum, or not all is identifiable.
+/// Estimates a force with the unknown parts of its position and direction, the base, and errors of the unloaded finger. The search starts from `before`,
+/// else from several positions along the plate. `None` if the search finds no minimum or an unknown is not identifiable.
 ///
 /// # Reference
-/// As [`views`](super::views): nonlinear least squares with Gaussian priors; the standard deviation is that of the linearised posterior distribution.
+/// As [`views`](super::views): nonlinear least squares with Gaussian priors. The standard deviation is that of the linearised posterior distribution.
 pub fn force_in_view(
     finger: &Finger,
     asked: OneView,
@@ -90,7 +90,7 @@ pub fn force_in_view(
     if let (Some(sought), Direction::Leaning(lean)) = (sought, question.direction)
         && (sought.by_lean_n * sought.sd_deg).abs() > COUNTS * found.sigma_n
     {
-        // A force may change with its lean otherwise than linearised: as `NonlinearEstimator` widens by leans.
+        // The force may depend nonlinearly on its lean, so sigma is widened by evaluated leans as in `NonlinearEstimator`.
         let off_n2 = |reach: f64| {
             let angle_deg = sought.lean_deg + reach * sought.sd_deg;
             let direction = Direction::Leaning(Lean { angle_deg, sd_deg: 0.0, build_up_n: 0.0, ..lean });
@@ -106,7 +106,7 @@ pub fn force_in_view(
     Some(found)
 }
 
-/// A lean that was sought: its value and standard deviation, degrees, and by how much the force changes with it, N per degree.
+/// An estimated lean and its standard deviation, degrees, and the derivative of the force with respect to it, N per degree.
 struct SoughtLean {
     lean_deg: f64,
     sd_deg: f64,
@@ -126,7 +126,7 @@ fn found_from(
         Direction::Leaning(lean) => lean,
         _ => Lean { angle_deg: before.angle_deg, sd_deg: UNKNOWN_DEG, ..Lean::NONE },
     };
-    // A direction that is known is known in the frame of the view.
+    // A known direction refers to the frame of the view.
     let along = match question.direction {
         Direction::Angle(angle_deg) => Some(finger.direction(angle_deg) * before.force_n.abs()),
         _ => None,
@@ -158,7 +158,7 @@ fn found_from(
         is_position_known: question.position.is_some(),
         is_from_rest,
     };
-    // Markers that are hardly believed at first lead past minima that are none of the priors'.
+    // Large marker errors in the first searches lead past local minima far from the priors.
     let first = LevenbergMarquardt { convergence: FIRST_CONVERGENCE, ..search };
     for model_mm in FIRST_ERRORS_MM.into_iter().filter(|model_mm| shared.is_none() && *model_mm > view.noise_mm) {
         problem.errors.model_mm = model_mm;
@@ -168,7 +168,7 @@ fn found_from(
     let fitted = search.minimise(&mut problem, point).ok()?;
     let own = fitted.point.own[0];
     let known = usize::from(question.position.is_some());
-    // Without the position, which is the first of the view's own unknowns, if it is known.
+    // A known position, the first of the view's own unknowns, is removed.
     let by = match known {
         0 => fitted.jacobian.clone(),
         _ => fitted.jacobian.clone().remove_column(errors.len()),
@@ -208,7 +208,7 @@ fn found_from(
     Some((found, sought, fitted.point.shared))
 }
 
-/// How much further than its mean a force leant that was sensed before, about the undeformed normal; zero about another one.
+/// Difference between the lean of an earlier estimate and the mean lean, degrees. Zero unless the lean refers to the undeformed normal.
 fn further_lean_deg(lean: &Lean, before: &SensedBefore) -> f64 {
     match lean.from {
         Normal::Undeformed => before.angle_deg - lean.mean_deg(before.force_n),

@@ -1,4 +1,4 @@
-//! What stands out of a fit: measured forces and markers that are further off than all others let expect; and a fit that is of no use.
+//! Finds outliers among the measured forces and markers of a fit, and refuses a fit too inaccurate for use.
 
 use super::contradiction::Compared;
 use super::problem::{Point, Problem};
@@ -9,41 +9,41 @@ use crate::optimise::Fit;
 use nalgebra::DMatrix;
 use std::fmt;
 
-/// A measured force is expected within this factor of what the others have it: no sensor errs by as much.
+/// Smallest ratio of a measured force to its expected value at which the force may be an outlier. Sensors err by less.
 const EXPECTED_TIMES: f64 = 1.1;
-/// And by no more than so many standard deviations, as the half of all that agrees best has them.
+/// An outlier also deviates by more than this many standard deviations, which follow from the median deviation.
 const MOST_SIGMAS: f64 = 6.0;
-/// Median of the distances from the median, as a standard deviation of normal errors.
+/// Ratio of the standard deviation of normal errors to their median absolute deviation.
 const SD_OF_MEDIAN: f64 = 1.4826;
-/// Chance of the largest of all residuals, if errors were normal, below which its marker stands out.
+/// Probability of the largest residual, for normal errors, below which its marker is an outlier.
 const CHANCE: f64 = 1e-4;
-/// A standard deviation of this share of the thing itself leaves a 95 % interval that holds zero.
+/// Relative standard deviation from which a 95 % interval includes zero.
 const OF_NO_USE: f64 = 0.5;
 
-/// Something of a view that the others do not let expect.
+/// A measured force or marker of a view that deviates more than the others suggest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlier {
     /// Name of the view.
     pub view: String,
-    /// What it is.
+    /// Kind of the outlier.
     pub what: OutlierKind,
 }
 
-/// What stands out.
+/// Kind of an outlier, with its deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OutlierKind {
     /// The measured force.
     Force {
-        /// Measured over what the markers show, against the other views.
+        /// Ratio of measured force to marker force, divided by the usual ratio of all views, dimensionless.
         times: f64,
     },
     /// A marker.
     Marker {
-        /// Its node.
+        /// Node of the marker.
         node: NodeId,
-        /// How far it is from where the calibrated finger has it, mm.
+        /// Distance of the marker from its computed position, mm.
         away_mm: f64,
-        /// The root mean square of all, mm.
+        /// Root mean square of this distance over all markers, mm.
         rms_mm: f64,
     },
 }
@@ -65,23 +65,23 @@ impl fmt::Display for Outlier {
     }
 }
 
-/// A marker of a view, against the fit.
+/// Deviation of a marker of a view from the fit.
 struct OffMarker<'p> {
     view: &'p str,
     node: NodeId,
     away_mm: f64,
     moved_mm: f64,
-    /// Sum of its squared residuals in their standard deviations, and as they are in units of what noise leaves of them.
+    /// Sum of the two squared residuals divided by their variances; `standardised` also divides each by its share of `free`, the degrees of freedom.
     squares: f64,
     standardised: f64,
     free: f64,
 }
 
 impl Problem<'_> {
-    /// What stands out of a fit, given its covariance; of markers the furthest off alone, which pulls others along.
+    /// Outliers of a fit with the given covariance. Reports only the worst marker, because it displaces others.
     pub(super) fn outliers(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Outlier> {
         let mut all = self.times(fitted, covariance);
-        // Markers that hardly show a force have nothing to say of it.
+        // Markers that hardly determine a force cannot contradict it.
         all.retain(|it| it.inverse_sd < OF_NO_USE);
         let logarithms: Vec<f64> = all.iter().map(|it| it.times.ln()).collect();
         let usual = median(logarithms.iter().copied()).unwrap_or_default();
@@ -98,7 +98,7 @@ impl Problem<'_> {
         forces.chain(marker_outlier(&self.off_markers(fitted, covariance))).collect()
     }
 
-    /// Each measured force over what all else shows of it; views that show nothing of it are left out.
+    /// Ratio of each measured force to the force that all other data show. Leaves out views that do not determine their force.
     fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Compared<'_>> {
         let Some(scatter) = self.scatter else { return Vec::new() };
         let shared = covariance.view((0, 0), (self.sought.len(), self.sought.len()));
@@ -108,7 +108,7 @@ impl Problem<'_> {
             let alone =
                 measured_n.and_then(|n| Some((n, self.new_image(&fitted.jacobian, [rows.start, column], view, n)?)));
             if let Some((measured_n, alone)) = alone {
-                // Part of its error is in the residual, the rest was fitted to it: by the markers' own error, and by the finger.
+                // The residual contains only part of the error. The fit absorbed the rest through the errors of markers and finger.
                 let of_both = alone.variance + scatter * scatter;
                 let of_finger = (alone.by_shared.transpose() * shared * &alone.by_shared)[0];
                 let free = (scatter * scatter / of_both * (1.0 - of_finger / of_both)).max(f64::MIN_POSITIVE);
@@ -143,11 +143,11 @@ impl Problem<'_> {
         all
     }
 
-    /// Whether what was found is of any use.
+    /// Checks that a fit is accurate enough for use.
     ///
     /// # Errors
-    /// [`ViewError::ForceErrors`] or [`ViewError::MarkerErrors`] for the view that is furthest off, where forces would be sensed, or markers are met,
-    /// no better than by taking all for zero.
+    /// [`ViewError::MarkerErrors`] if markers deviate by half of their displacements or more (root mean squares). [`ViewError::ForceErrors`] if the relative
+    /// standard deviation of a new force is one half or more. Both name the view that deviates most.
     pub(super) fn check_use(
         &self,
         fitted: &Fit<Point>,
@@ -177,11 +177,11 @@ impl Problem<'_> {
     }
 }
 
-/// The marker that is furthest off, if that is not to be expected of the others.
+/// The marker that deviates most, if its deviation is improbable for normal errors.
 ///
 /// # Reference
-/// Two of n squares of independent normal residuals are more than a share q of their sum with the chance (1 - q)^(n / 2 - 1): a beta
-/// distribution, as of internally studentised residuals (Cook and Weisberg, Residuals and Influence in Regression, 1982, sec. 2.2).
+/// Two of n squared independent normal residuals exceed a share q of their sum with probability (1 - q)^(n / 2 - 1). This is a beta
+/// distribution, as for internally studentised residuals (Cook and Weisberg, Residuals and Influence in Regression, 1982, sec. 2.2).
 fn marker_outlier(all: &[OffMarker]) -> Option<Outlier> {
     let worst = all.iter().max_by(|a, b| a.standardised.total_cmp(&b.standardised))?;
     let sum: f64 = all.iter().map(|marker| marker.squares).sum();

@@ -1,4 +1,4 @@
-//! The least squares problem: all views and their own unknowns at once.
+//! Least-squares problem of a calibration: all views and their own unknowns at once.
 
 use super::quantity::changed;
 use super::{Quantity, Sought, View, ViewModel};
@@ -11,23 +11,23 @@ use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{Isometry2, Point2, UnitComplex};
 
-/// Of the unknowns of one view: position, base x, y and turn; then the force, where it was not measured exactly, and its lean, where it was not
-/// measured.
+/// Number of unknowns that every view has: position, base x, y and turn. Unless the force is exact, it follows next. Unless the force was measured, its
+/// lean is the last.
 pub(super) const OWN: usize = 4;
-/// Of a view's base that is not quite known.
+/// Number of residuals for the prior of a view's base.
 pub(super) const BASE_ROWS: usize = 3;
-/// Share of the plate that is left free at both ends of where a contact is sought.
+/// Share of the plate at either end where no contact is sought.
 const MARGIN: f64 = 0.02;
-/// Standard deviation of a lean, degrees, that counts as none.
+/// Smallest standard deviation of a lean, degrees, which stands for an exact lean.
 const SETTLED_DEG: f64 = 1e-3;
-/// The turn of the normal has settled, rad, after so many steps at most.
+/// Change of the normal's turn, rad, below which it has settled, and the largest number of steps.
 const SETTLED_RAD: f64 = 1e-9;
 const NORMAL_STEPS: usize = 60;
 
-/// Everything that is sought, as one point of the search.
+/// All unknowns, as one point of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Point {
-    /// Changes of the quantities: logarithms of factors, mm, degrees.
+    /// Changes of the shared quantities: logarithms of factors, mm, degrees, N mm or standard deviations.
     pub shared: Vec<f64>,
     pub own: Vec<ViewUnknowns>,
 }
@@ -35,45 +35,52 @@ pub(super) struct Point {
 /// The unknowns of one view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ViewUnknowns {
+    /// Position of the force along the front plate, mm.
     pub s_mm: f64,
+    /// Deviation of this view's base from the shared pose, mm and rad.
     pub base: Isometry2<f64>,
+    /// Magnitude of the force, N.
     pub force_n: f64,
-    /// How much further than its mean the force leans, degrees.
+    /// Difference between the lean of the force and the mean lean, degrees.
     pub further_lean_deg: f64,
 }
 
-/// A finger and a rig.
+/// A finger and its rig, with changes applied.
 pub(super) struct Candidate {
     pub mesh: Mesh,
+    /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
+    /// Part of the transformation from the finger frame to the frame of a view that all views share, mm and rad.
     pub base: Isometry2<f64>,
     /// Moment at the tip without load, N mm.
     pub preload_nmm: f64,
 }
 
-/// The search's problem.
+/// Least-squares problem of a calibration.
 pub(super) struct Problem<'p> {
     pub finger: &'p Finger,
     pub views: &'p [View],
     pub sought: &'p [Sought],
-    /// Errors of which [`Quantity::Unloaded`] is how many standard deviations there are.
+    /// Errors of the unloaded finger, of one standard deviation each, that [`Quantity::Unloaded`] multiplies.
     pub unloaded: &'p [UnloadedError],
-    /// Whether forces stay where they are on the plate.
+    /// Whether the contact positions are known.
     pub is_position_known: bool,
-    /// Whether displacements count from an image of the unloaded finger, not from the scene's.
+    /// Whether displacements refer to an image of the unloaded finger, not to the scene's finger.
     pub is_from_rest: bool,
     pub model: &'p ViewModel,
     pub errors: MarkerErrors,
-    /// Standard deviation of the share by which measured forces are missed; `None` where they are exact.
+    /// Relative standard deviation of measured forces, dimensionless. `None` if they are exact.
     pub scatter: Option<f64>,
 }
 
-/// A finger under a force.
+/// Equilibrium of a finger under the force of a view.
 pub(super) struct Pressed {
+    /// The force in the finger frame, N.
     pub force: Vector,
     pub motion: FrameMotion,
+    /// Turn of the plate's normal at the contact, rad.
     pub normal_turn_rad: f64,
-    /// The finger without the force, where displacements count from it.
+    /// Equilibrium without the force, if displacements refer to it.
     at_rest: Option<FrameMotion>,
     preload: Option<FrameLoad>,
     loads: Vec<FrameLoad>,
@@ -81,7 +88,7 @@ pub(super) struct Pressed {
 }
 
 impl Problem<'_> {
-    /// What the scene states of a quantity: zero where it has none of its own.
+    /// Value that the scene states for a quantity, in its unit. Zero for quantities that are changes or factors.
     pub(super) fn stated(&self, quantity: Quantity) -> f64 {
         let ribs = &self.finger.description().ribs;
         match quantity {
@@ -98,7 +105,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The finger and rig of some changes; `None` if there is no such finger.
+    /// The finger and rig with some changes applied. `None` if the finger is impossible.
     pub(super) fn candidate(&self, shared: &[f64]) -> Option<Candidate> {
         let mut description = self.finger.description().clone();
         let (mut marker_height_mm, mut at, mut turn_deg) = (self.model.marker_height_mm, Vector::zeros(), 0.0);
@@ -136,18 +143,18 @@ impl Problem<'_> {
         OWN + of_force
     }
 
-    /// Number of residuals of a view: its markers, its base, and its force or the lean of it.
+    /// Number of residuals of a view: its markers, its base, and its measured force or lean.
     pub(super) fn row_count(&self, view: &View) -> usize {
         let further = usize::from(view.force.is_none() || self.scatter.is_some());
         view.measurement.coordinate_count() + BASE_ROWS + further
     }
 
-    /// The force of a view in the finger frame, and how the finger bends under it; `None` where there is no equilibrium.
+    /// Equilibrium under the force of a view. `None` if the finger has none.
     pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Pressed> {
         self.pressed_from(None, candidate, view, own)
     }
 
-    /// The same, sought from an equilibrium of almost the same finger under almost the same force.
+    /// Equilibrium under the force of a view, sought from `near`, that of almost the same finger and force.
     fn pressed_from(
         &self,
         near: Option<&Pressed>,
@@ -166,7 +173,7 @@ impl Problem<'_> {
             .force
             .map(|force| (candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
         let lean_deg = self.model.lean.mean_deg(own.force_n) + own.further_lean_deg;
-        // A lean may count from a normal that turns with the force, and so does a pad: settled in a few steps.
+        // A lean or a pad may depend on the normal, which turns with the force. A few iterations settle the turn.
         let preload = AssemblyErrors::load(finger, candidate.preload_nmm);
         let preload = candidate.mesh.frame_load(&preload).ok().filter(|_| candidate.preload_nmm != 0.0);
         let at_rest = match self.is_from_rest {
@@ -189,7 +196,7 @@ impl Problem<'_> {
             let loads = pad.loads(&candidate.mesh, &contact, force.norm(), plate_rad).collect::<Result<Vec<_>, _>>();
             let mut loads = loads.ok()?;
             loads.extend(preload);
-            // The normal turns little from step to step: the equilibrium before is near.
+            // The normal turns little per step, so the last equilibrium is a good start.
             let near = last.take().and_then(|(motion, from)| statics.shifted(&motion, &from, &loads).ok());
             let motion = near.map_or_else(|| statics.equilibrium(&loads), Ok).ok()?.motion;
             let load = contact.unit_load(finger);
@@ -207,7 +214,7 @@ impl Problem<'_> {
         None
     }
 
-    /// What is left of each marker of a view, mm.
+    /// Computed minus seen position of each marker of a view, mm, in the frame of the view.
     pub(super) fn residuals<'v>(
         &self,
         candidate: &'v Candidate,
@@ -218,7 +225,7 @@ impl Problem<'_> {
         let (finger, stated) = (candidate.mesh.finger(), self.finger);
         let (placed, own) = (candidate.base * own.base, *own);
         let height_mm = self.model.camera_height_mm;
-        // Markers that are higher than they were thought to be are nearer to where the camera stands.
+        // Markers above their stated height appear farther from the camera's axis than they are.
         let nearer = (height_mm - candidate.marker_height_mm) / (height_mm - self.model.marker_height_mm);
         view.measurement.markers().iter().map(move |marker| {
             let (at, node) = (finger.marker_position(marker.node), candidate.mesh.marker_node(marker.node));
@@ -228,7 +235,7 @@ impl Problem<'_> {
                     let seen = stated.marker_position(marker.node) + marker.displacement;
                     (placed * Point2::from(bent)).coords - (view.eye + (seen - view.eye) * nearer)
                 }
-                // What moves the finger in both images is not in the displacement.
+                // A motion of the finger that both images share is not in the displacement.
                 Some(rest) => {
                     let moved = (own.base * Point2::from(bent)).coords - (at + rest.displacements[node]);
                     candidate.base.rotation * moved - marker.displacement * nearer
@@ -238,7 +245,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Residuals of one view in their standard deviations, its priors last; `None` where there is no equilibrium, which is sought from one that is `near`.
+    /// Residuals of one view divided by their standard deviations, priors last. The equilibrium is sought from `near`. `None` without equilibrium.
     pub(super) fn weighted(
         &self,
         near: Option<&Pressed>,
@@ -266,7 +273,7 @@ impl Problem<'_> {
 }
 
 impl ViewUnknowns {
-    /// The same with one unknown moved.
+    /// A copy in which one unknown (by index) is changed by `by`, in mm, rad, N or degrees.
     pub(super) fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> ViewUnknowns {
         let mut moved = *self;
         match unknown {
@@ -284,7 +291,7 @@ impl ViewUnknowns {
     }
 }
 
-/// Where along the front plate a contact is sought, mm.
+/// Lower and upper limit of sought contact positions along the front plate, mm.
 pub(super) fn free_part_mm(finger: &Finger) -> [f64; 2] {
     [MARGIN, 1.0 - MARGIN].map(|share| share * finger.plate_length_mm(Plate::Front))
 }

@@ -1,40 +1,40 @@
-//! What a scene states and views may show better.
+//! Quantities of a scene that several views can calibrate.
 
 use crate::finger::{FingerDescription, Plate, RibPositions};
 use std::fmt;
 
-/// Something that a scene states and that several views may show better.
+/// A quantity that a scene states and several views may show more accurately.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Factor on all moduli.
+    /// Factor on all moduli, dimensionless.
     Modulus,
-    /// Factor on the modulus of a plate.
+    /// Factor on the modulus of a plate, dimensionless.
     PlateModulus(Plate),
     /// Length of the brackets on a plate, mm.
     Bracket(Plate),
-    /// How much longer the bracket of a rib, counted from 0, is on a plate than the scene has it, mm.
+    /// Difference of one rib's bracket on a plate from the scene's length, mm. Ribs count from 0.
     OwnBracket(Plate, usize),
     /// Length of the clips on both plates, mm.
     Clip,
     /// Length of the clips on a plate, mm.
     PlateClip(Plate),
-    /// Where a rib, counted from 0, is along a plate, mm.
+    /// Position of a rib along a plate, mm. Ribs count from 0.
     RibPosition(Plate, usize),
     /// Height of the markers above the plane of the beams, mm.
     MarkerHeight,
-    /// Where the finger is in the frame that a view has of its base, mm.
+    /// x of the finger frame's origin in the frame of each view, mm.
     BaseX,
-    /// The same along y.
+    /// y of the finger frame's origin in the frame of each view, mm.
     BaseY,
-    /// The same for its turn, degrees.
+    /// Turn of the finger frame in the frame of each view, degrees.
     BaseTurn,
     /// Moment at the tip that the plates exert on each other without load, N mm.
     Preload,
-    /// An error that the scene states of its unloaded finger, counted from 0, in standard deviations.
+    /// Multiple of an error that the scene states for its unloaded finger, in standard deviations. Errors count from 0.
     Unloaded(usize),
 }
 
-/// As in results: `modulus_factor`, `front_bracket_mm`, `back_rib_3_mm`.
+/// Name in results: `modulus_factor`, `front_bracket_mm`, `back_rib_3_mm`.
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = |plate: &Plate| if *plate == Plate::Front { "front" } else { "back" };
@@ -57,13 +57,13 @@ impl fmt::Display for Quantity {
 }
 
 impl Quantity {
-    /// Whether it is a factor on a modulus: its logarithm is sought, and only measured forces show it. Otherwise it is a length or an angle, whose change is
-    /// sought.
+    /// Whether the quantity is a factor on a modulus. The unknown of a factor is its logarithm, which only measured forces determine. The unknown of any other
+    /// quantity is its change.
     pub fn is_modulus(&self) -> bool {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
     }
 
-    /// Its step for derivatives: that of a factor, a length or an angle, or an error.
+    /// Step for derivatives: the first value for a factor, the last for an error of the unloaded finger, else the second.
     pub(super) fn step(&self, [share, length, sigma]: [f64; 3]) -> f64 {
         match self {
             Quantity::Modulus | Quantity::PlateModulus(_) => share,
@@ -72,22 +72,22 @@ impl Quantity {
         }
     }
 
-    /// Whether it belongs to the rig before the camera.
+    /// Whether the quantity describes markers or base, not the finger.
     pub fn is_of_rig(&self) -> bool {
         matches!(self, Quantity::MarkerHeight | Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn)
     }
 }
 
-/// A quantity that is sought.
+/// A sought quantity with its prior.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sought {
-    /// Which.
+    /// The quantity.
     pub quantity: Quantity,
-    /// How well the scene has it, if that is known: standard deviation in the quantity's unit, of a factor in parts of it.
+    /// Prior standard deviation in the quantity's unit, relative for a factor. `None`: no prior.
     pub prior_sd: Option<f64>,
 }
 
-/// A description with one quantity changed.
+/// Changes one quantity of a description: by its logarithm for a factor, in mm for a length.
 pub(super) fn changed(description: &mut FingerDescription, rib_count: usize, quantity: Quantity, change: f64) {
     match quantity {
         Quantity::Modulus => {

@@ -1,4 +1,4 @@
-//! A calibration with what follows from it: friction, the compliance of the base, and the values of the calibrated scene.
+//! Calibrates a scene: finger, rig, friction, compliance of the base, and the resulting values of the scene file.
 
 use super::{
     BaseCompliance, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, Sought, View, ViewEstimate, ViewModel,
@@ -13,48 +13,48 @@ use crate::sensing::{Lean, UnloadedError};
 use crate::{Scene, Vector};
 use nalgebra::Point2;
 
-/// A camera so high that nothing depends on the height of markers, mm.
+/// Camera height, mm, for a scene without a camera: so large that the height of markers has no effect.
 const NO_CAMERA_MM: f64 = 1e12;
 
-/// How far a base is sought about its references, where the scene does not say: as far as a part that is mounted by hand, and gives way, may be off. Images
-/// alone state how well the references are seen, which is far better.
+/// Prior uncertainty of the base about its references, if the scene states none. It suits a compliant part mounted by hand. Images state only the accuracy
+/// of the located references, which is far better.
 pub const UNSTATED_BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: std::f64::consts::PI / 180.0, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 
-/// Relative standard deviation of measured forces about those of their images from which on they may lean to the wrong side, and how many times
-/// smaller it is then with forces that lean to the other.
+/// Relative scatter of measured forces above which forces mirrored about the normal are tried. `FAR_LESS` is the factor by which these must scatter less
+/// to prove a wrong sign.
 const LARGE_SCATTER: f64 = 0.03;
 const FAR_LESS: f64 = 3.0;
 
-/// What is sought of a finger and its rig.
+/// Quantities that a calibration of finger and rig estimates.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RigQuestion {
     /// Quantities of finger, markers and base.
     pub sought: Vec<Sought>,
-    /// Friction, from how measured forces lean.
+    /// Friction, estimated from the leans of measured forces.
     pub friction: Option<FrictionQuestion>,
-    /// Whether the turn of the base with the force is sought.
+    /// Whether the turn of the base under force is estimated.
     pub base_compliance: bool,
-    /// Relative standard deviation by which forces err further from object to object, which images of one do not show.
+    /// Relative standard deviation by which forces differ from object to object, dimensionless. Images of one object do not show it.
     pub force_error_between_objects: f64,
 }
 
 /// A calibrated finger with its rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigEstimate {
-    /// Finger, markers, base and errors.
+    /// Finger, markers, base and their errors.
     pub views: ViewEstimate,
-    /// Friction, where it was sought.
+    /// Friction, if it was sought.
     pub friction: Option<FrictionEstimate>,
-    /// Turn of the base with the force, where it was sought.
+    /// Turn of the base under force, if it was sought.
     pub compliance: Option<BaseCompliance>,
-    /// Relative standard deviation of a force in a new image, including other objects; `None` where nothing is known of it.
+    /// Relative standard deviation of a force in a new image, including other objects, dimensionless. `None` if it is unknown.
     pub force_error: Option<f64>,
-    /// Whether the base was sought within [`UNSTATED_BASE`], as the scene does not say how far it may be off its references.
+    /// Whether the base was sought within [`UNSTATED_BASE`], because the scene states no uncertainty for it.
     pub is_base_unstated: bool,
 }
 
-/// A value of a scene file.
+/// Value of a key in a scene file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SceneValue {
     /// A number.
@@ -66,7 +66,7 @@ pub enum SceneValue {
 }
 
 impl ViewModel {
-    /// The model of a scene's finger before its camera; `lean` is that of forces that were not measured.
+    /// Model of a scene's finger and camera. `lean` applies to forces that were not measured.
     pub fn of_scene(scene: &Scene, lean: Lean) -> ViewModel {
         ViewModel {
             elements: ELEMENTS,
@@ -79,10 +79,10 @@ impl ViewModel {
     }
 }
 
-/// Calibrates a scene's finger and rig from located views; `lean` is that of forces that were not measured.
+/// Calibrates a scene's finger and rig from located views. `lean` applies to forces that were not measured.
 ///
 /// # Errors
-/// [`CalibrationError`] where what is sought is not identifiable.
+/// [`CalibrationError`] if a view is refused, or a sought quantity is not identifiable.
 pub fn calibrate_rig(
     scene: &Scene,
     seen: &[LocatedView],
@@ -121,7 +121,7 @@ pub fn calibrate_rig(
     Ok(RigEstimate { views: found, friction, compliance, force_error, is_base_unstated })
 }
 
-/// Refuses measured forces that scatter far less if each leans to the other side: one of their components has the wrong sign.
+/// Refuses measured forces that scatter far less after mirroring about the normal: one of their components has the wrong sign.
 fn check_side(
     scene: &Scene,
     all: &[View],
@@ -147,7 +147,7 @@ fn pairs(of: &[[f64; 2]]) -> SceneValue {
 }
 
 impl Lean {
-    /// Coefficient of friction, and the standard deviation of single forces about it.
+    /// Coefficient of friction and its standard deviation for a single force, both dimensionless.
     pub fn coefficient(&self) -> [f64; 2] {
         let coefficient = self.angle_deg.to_radians().tan();
         [coefficient, self.sd_deg.to_radians() * (1.0 + coefficient * coefficient)]
@@ -155,7 +155,7 @@ impl Lean {
 }
 
 impl RigEstimate {
-    /// Values of the calibrated scene by key, in place of those that the scene has; `None` for a key that goes.
+    /// Values of the calibrated scene by key, to replace those of the scene. `None` removes the key.
     pub fn scene_values(&self, scene: &Scene) -> Vec<(String, Option<SceneValue>)> {
         let mut values = self.finger_values();
         let mut put = |key: String, value: SceneValue| values.push((key, Some(value)));
@@ -169,7 +169,7 @@ impl RigEstimate {
             put(BASE.sigma_mm.path(), SceneValue::Number(UNSTATED_BASE.sd_mm));
             put(BASE.sigma_deg.path(), SceneValue::Number(UNSTATED_BASE.sd_rad.to_degrees()));
         }
-        // A base that is taken for exact has no turn to expect.
+        // An exactly known base does not turn under force.
         let is_sought = self.is_base_unstated || scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
         if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = self.compliance.filter(|_| is_sought) {
             put(BASE.turn_deg_per_n.path(), SceneValue::Number(deg_per_n));
@@ -184,11 +184,11 @@ impl RigEstimate {
             if lean.build_up_n > 0.0 {
                 put(CONTACT.friction_build_up_n.path(), SceneValue::Number(lean.build_up_n));
             }
-            // Either a coefficient or a range of them.
+            // A scene states either a coefficient or a range of coefficients.
             values.push((CONTACT.friction_range.path(), None));
         }
         values.extend(self.base_values(scene));
-        // What stays uncertain of calibrated values is stated for itself.
+        // The assembly errors include the uncertainty of calibrated values, so the keys of their standard deviations are removed.
         let known = [
             (self.sought(|quantity| *quantity == Quantity::Preload), &ASSEMBLY.preload_sigma_nmm),
             (self.sought(|quantity| *quantity == Quantity::MarkerHeight), &ASSEMBLY.height_sigma_mm),
@@ -205,7 +205,7 @@ impl RigEstimate {
         values
     }
 
-    /// Whether the joints of all ribs were sought, along the plates and off them.
+    /// Whether rib joints were sought, both along the plates and off them.
     fn seeks_joints(&self) -> bool {
         self.sought(|quantity| matches!(quantity, Quantity::RibPosition(..)))
             && self.sought(|quantity| matches!(quantity, Quantity::OwnBracket(..)))
@@ -215,7 +215,7 @@ impl RigEstimate {
         self.views.quantities.iter().any(|found| wanted(&found.sought.quantity))
     }
 
-    /// Values of finger and markers that were sought.
+    /// Calibrated values of finger and markers.
     fn finger_values(&self) -> Vec<(String, Option<SceneValue>)> {
         let description = self.views.finger.description();
         let mut values: Vec<(String, Option<SceneValue>)> = Vec::new();
@@ -251,7 +251,7 @@ impl RigEstimate {
         values
     }
 
-    /// Where references, or the camera's pose, are in the frame of the finger that was found.
+    /// Positions of the base references, or else the camera's pose, in the frame of the calibrated finger. Empty if the base was not sought.
     fn base_values(&self, scene: &Scene) -> Vec<(String, Option<SceneValue>)> {
         if !self.sought(|quantity| *quantity == Quantity::BaseX) {
             return Vec::new();

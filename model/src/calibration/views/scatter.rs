@@ -1,69 +1,69 @@
-//! By which share measured forces scatter about those that images show, and what that leaves of a force that is sensed.
+//! Relative scatter of measured forces about the forces that images show, and the resulting error of a sensed force.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::function::erf::erfc;
 
-/// Shares by which forces may scatter: from none that counts to all of them, in so many steps that are alike as ratios.
+/// Smallest and largest relative scatter in the search, and the number of geometric steps between them.
 const LEAST: f64 = 1e-5;
 const LARGEST: f64 = 1.0;
 const STEPS: usize = 400;
-/// Halvings of a step for the scatter that is most likely.
+/// Number of bisections of an interval.
 const HALVINGS: usize = 50;
-/// Half of a 95 % interval, in standard deviations.
+/// Half the width of a 95 % interval, in standard deviations.
 pub(super) const TWO_SIDED_95: f64 = 1.959_964;
-/// The chance outside it.
+/// Probability outside a 95 % interval.
 const OUTSIDE: f64 = 0.05;
-/// A new force may be off by so many times [`LARGEST`].
+/// Largest standard deviation of a new force in the search, as a multiple of [`LARGEST`].
 const FARTHEST: f64 = 10.0;
-/// Rounds of the search for two variances: enough for three digits where both count; one that is nothing falls only as 1 / rounds.
+/// Iterations of the search for two variances: enough for three digits if both matter. A variance of zero decreases only as 1 / iterations.
 const ROUNDS: usize = 1000;
 
-/// An independent combination of the shares by which images show forces off the measured ones.
+/// An independent combination of the relative differences between the forces of images and measured forces.
 #[derive(Debug, Clone, PartialEq)]
 struct Combination {
-    /// 1 / its variance without any scatter: zero of a common factor on all forces where a modulus is sought.
+    /// 1 / variance without scatter. Zero for a common factor on all forces if a modulus is sought.
     precision: f64,
-    /// What was seen of it, times the precision.
+    /// Observed value times the precision.
     seen: f64,
-    /// Squares of what it moves the force in each new image by.
+    /// Square of the change that the combination causes in the relative force of each new image.
     carried: Vec<f64>,
 }
 
-/// The force in an image by itself, as a share of it, if that image were new: as those that a finger is calibrated on.
+/// Relative force estimated from one image alone, as if the image were new.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NewImage {
-    /// Its change with each of the unknowns that all images share.
+    /// Derivative of the relative force with respect to each unknown that all images share.
     pub by_shared: DVector<f64>,
-    /// Variance that the image's own noise and base leave of it.
+    /// Variance due to the image's own noise and base, dimensionless.
     pub variance: f64,
-    /// The part of it that is of the markers' noise.
+    /// Part of this variance due to the noise of the markers.
     pub of_markers: f64,
 }
 
-/// What a calibrated finger adds to the error of a force that is sensed in a new image.
+/// Error that a calibrated finger adds to a force sensed in a new image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AddedForceError {
-    /// A share of the force: standard deviation, of which 1.96 are half of a 95 % interval.
+    /// Relative standard deviation of the force, dimensionless. 1.96 times it is half of a 95 % interval.
     pub share: f64,
-    /// A share of the variances of the image's markers.
+    /// Added variance as a share of the variance due to the image's markers.
     pub of_markers: f64,
 }
 
-/// Images and measured forces, against each other.
+/// Forces of images compared with measured forces.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scatter {
     combinations: Vec<Combination>,
-    /// Variances that the finger's parameters leave of the force in each new image if measured forces were exact.
+    /// Variance of the relative force in each new image due to the finger's parameters, if measured forces were exact.
     of_parameters: Vec<f64>,
-    /// And those that the noise of its own markers leaves.
+    /// Variance of the relative force in each new image due to the noise of its markers.
     of_markers: Vec<f64>,
 }
 
 impl Scatter {
-    /// From the normal equations of a fit without what was measured of its forces: matrix and gradient, of which the first `shared` unknowns belong
-    /// to all images and the last ones, as many as `off` has, are the forces, as shares. `off` is by how much they are off the measured ones.
+    /// Compares forces by the normal equations of a fit without its measured forces: matrix `normal` and vector `gradient`. The first `shared` unknowns belong
+    /// to all images. The last unknowns, one for each entry of `off`, are relative forces. `off` holds their differences from the measured forces.
     ///
-    /// `None` if even exact forces would not show all unknowns.
+    /// `None` if even exact forces would not determine all unknowns.
     pub fn new(
         normal: &DMatrix<f64>,
         gradient: &DVector<f64>,
@@ -74,7 +74,7 @@ impl Scatter {
         let (forces, others) = (off.len(), normal.nrows() - off.len());
         let to_forces = normal.view((0, others), (others, forces)).clone_owned();
         let exact = normal.view((0, 0), (others, others)).clone_owned().cholesky()?;
-        // All else follows the forces.
+        // Changes of all other unknowns per change of the forces.
         let following = -exact.solve(&to_forces);
         let precision = normal.view((others, others), (forces, forces)) + to_forces.tr_mul(&following);
         let pull = gradient.rows(others, forces) + following.tr_mul(&gradient.rows(0, others));
@@ -104,7 +104,7 @@ impl Scatter {
         -0.5 * self.combinations.iter().map(of).sum::<f64>()
     }
 
-    /// Its derivative.
+    /// Derivative of `log_likelihood`.
     fn score(&self, variance: f64) -> f64 {
         let of = |it: &Combination| {
             let wider = 1.0 + variance * it.precision;
@@ -113,16 +113,15 @@ impl Scatter {
         0.5 * self.combinations.iter().map(of).sum::<f64>()
     }
 
-    /// How many independent differences of forces are shown.
+    /// Number of independent differences of forces that the images show.
     fn differences(&self) -> usize {
         self.combinations.iter().filter(|it| it.precision * LARGEST * LARGEST > 1.0).count()
     }
 
-    /// The standard deviation that is most likely; zero where noise and base explain all. `None` where there is nothing to compare.
+    /// Most likely relative standard deviation of the forces; zero if noise and base explain all differences. `None` if there are no differences.
     ///
     /// # Reference
-    /// Restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) of a variance, of independent values with known further
-    /// variances.
+    /// Restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) of the variance of independent values with further known variances.
     pub fn most_likely(&self) -> Option<f64> {
         if self.differences() == 0 {
             return None;
@@ -141,13 +140,13 @@ impl Scatter {
         Some((0.5 * (low + high)).sqrt())
     }
 
-    /// The scatter of a new force: a standard deviation, of which 1.96 are half of a 95 % interval. Few differences, or noise as large as they are, leave
-    /// it open; it is taken for anything from [`LEAST`] to [`LARGEST`], each ratio as likely as another before, and the interval is that of all of them.
-    /// `None` where there is nothing to compare.
+    /// Relative standard deviation of a new force due to scatter, of which 1.96 are half of a 95 % interval. The scatter is uncertain if differences are few
+    /// or noise is large. Its prior is uniform in the logarithm from [`LEAST`] to [`LARGEST`], and the interval averages over the posterior. `None` if there
+    /// are no differences.
     ///
     /// # Reference
-    /// Posterior predictive distribution of a normal value with an unknown variance (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 3.2); where
-    /// noise is small it is Student's.
+    /// Posterior predictive distribution of a normal value with an unknown variance (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 3.2). It is
+    /// Student's t if noise is small.
     fn of_new_force(&self) -> Option<f64> {
         if self.differences() == 0 {
             return None;
@@ -170,18 +169,17 @@ impl Scatter {
         Some(low)
     }
 
-    /// Variance that the calibrated finger leaves of the force in a new image, as a share, beside the image's own noise and base.
+    /// Variance of the relative force in a new image due to the calibrated finger, beyond the image's own noise and base.
     fn of_finger(&self, image: usize, scatter: f64) -> f64 {
         let carried = |it: &Combination| it.carried[image] / (scatter.powi(-2) + it.precision);
         self.of_parameters[image] + self.combinations.iter().map(carried).sum::<f64>()
     }
 
-    /// By what a force errs that the calibrated finger senses in a new image, beyond what the image's own noise and base leave. It holds what
-    /// is open of the finger, and a scatter of measured forces, which is `assumed` where nothing shows it.
+    /// Error of a force that the calibrated finger senses in a new image, beyond the image's own noise and base. It combines the uncertainty of the finger
+    /// with the scatter of measured forces, which is `assumed` if nothing shows it.
     ///
-    /// What is open of a modulus is a share of every force. What is open of the geometry moves markers, as noise does, and counts where
-    /// noise does: of a small force, or one whose place is hardly seen, it is a larger share. Images in which noise counts differently show which is
-    /// which; where it counts alike, each has half.
+    /// An uncertain modulus changes every force by the same share. Uncertain geometry moves markers as noise does. Its share is larger for a small force, or
+    /// for one whose position is hardly visible. Images with different effects of noise separate the two parts; without such images each part gets half.
     pub fn of_new(&self, assumed: f64) -> AddedForceError {
         let scatter = self.of_new_force().unwrap_or(assumed);
         let of_finger: Vec<f64> = (0..self.of_markers.len()).map(|image| self.of_finger(image, scatter)).collect();
@@ -190,8 +188,8 @@ impl Scatter {
     }
 }
 
-/// The part of variances that is the same in all, and their part that grows with others, as a share of these: those by which normal errors of
-/// the given variances would be likeliest.
+/// Splits variances into a constant part and a part proportional to `growing_with`, and returns the constant and the factor. They maximise the likelihood
+/// of normal errors with the given variances.
 ///
 /// # Reference
 /// Zhou, Hu, Zhou and Lange, MM algorithms for variance components models, J. Comput. Graph. Stat. 28, 2019.
@@ -215,7 +213,7 @@ fn shares(variances: &[f64], growing_with: &[f64]) -> [f64; 2] {
     found
 }
 
-/// Variances that are tried.
+/// Relative variances that are tried.
 fn variances() -> impl Iterator<Item = f64> {
     (0..=STEPS).map(|i| LEAST * (LARGEST / LEAST).powf(i as f64 / STEPS as f64)).map(|share| share * share)
 }
@@ -227,7 +225,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Combinations that noise makes so uncertain, with values in its standard deviations.
+    /// Combinations with standard deviation `noise` and values in multiples of it.
     fn scatter(noise: f64, values: &[f64]) -> Scatter {
         let precision = 1.0 / (noise * noise);
         let combination = |value: &f64| Combination { precision, seen: precision * noise * value, carried: vec![0.0] };
@@ -238,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Balanced one-way random effects: mean square less the variance within, and nothing where that is negative (Searle, Casella and McCulloch,
+    /// Balanced one-way random effects: mean square minus the variance within groups, and zero instead of a negative value (Searle, Casella and McCulloch,
     /// Variance Components, 1992, sec. 3.8).
     #[test]
     fn a_balanced_variance_component_has_its_closed_form() {
@@ -252,27 +250,27 @@ mod tests {
         }
     }
 
-    /// From matrices: forces that images show to a share `noise` each, up to a factor that they share.
+    /// Images show each force with relative noise `noise`, up to a common factor.
     #[test]
     fn normal_equations_show_differences_of_forces() {
         let (noise, off) = (0.01_f64, [0.03, -0.01, 0.02, 0.0]);
         let forces = off.len();
-        // Rows (factor + force) / noise: what images show is off by nothing at a factor of 0.
+        // Rows (factor + force) / noise, with zero residual at a factor of 0.
         let by = DMatrix::from_fn(forces, 1 + forces, |i, j| if j == 0 || j == 1 + i { 1.0 / noise } else { 0.0 });
         let new =
             NewImage { by_shared: DVector::from_element(1, -1.0), variance: noise * noise, of_markers: noise * noise };
         let (off, none) = (DVector::from_row_slice(&off), DVector::zeros(1 + forces));
         let found = Scatter::new(&by.tr_mul(&by), &none, 1, &off, &[new]).unwrap();
-        // Variance of four about their mean.
+        // Sample variance of four values about their mean.
         let variance = off.map(|value| (value - off.mean()).powi(2)).sum() / 3.0;
         let closed = (variance - noise * noise).sqrt();
         assert!((found.most_likely().unwrap() / closed - 1.0).abs() < 1e-6, "{found:?}");
-        // A new force errs with the factor, by a fourth of the variance of one, beside its own scatter.
+        // The common factor adds a quarter of one force's variance to that of a new force.
         assert!((found.of_finger(0, 1.0) - 0.25).abs() < 1e-3, "{found:?}");
         assert!((found.of_parameters[0] - noise * noise / 4.0).abs() < 1e-9, "{found:?}");
     }
 
-    /// Without noise an interval is Student's: 2.571 and 2.228 standard deviations for 5 and 10 degrees of freedom (Abramowitz and Stegun, table
+    /// Without noise an interval is Student's t: 2.571 and 2.228 standard deviations for 5 and 10 degrees of freedom (Abramowitz and Stegun, table
     /// 26.10).
     #[test]
     fn few_forces_leave_the_scatter_open_as_students_t_has_it() {
@@ -283,8 +281,8 @@ mod tests {
         }
     }
 
-    /// Ten forces, of which images show some ten times as well as others, over many draws: 95 % intervals of a new one hold it in 91 to 98.5 %, whether
-    /// forces scatter by nothing, by as much as noise, or by far more.
+    /// Ten forces, some of which images show ten times as well as others, over many draws. 95 % intervals of a new force hold it in 91 to 98.5 %, for scatter
+    /// of zero, near the noise, and far above it.
     #[test]
     fn intervals_hold_whatever_the_scatter() {
         const DRAWS: usize = 200;
@@ -315,7 +313,7 @@ mod tests {
         assert_eq!((one.most_likely(), one.of_new(0.01)), (None, AddedForceError { share: 0.01, of_markers: 0.0 }));
     }
 
-    /// Variances that are made of both parts lead back to both; where all are alike, or fall with noise, none of it grows.
+    /// Variances of two parts are split correctly. Variances that are equal, or fall with noise, have no part that grows with it.
     #[test]
     fn what_grows_with_noise_is_told_from_a_share_of_the_force() {
         let noise = [1e-4, 4e-4, 9e-4, 16e-4];
@@ -327,7 +325,7 @@ mod tests {
             let mean = alike.iter().sum::<f64>() / 4.0;
             assert!((of_all / mean - 1.0).abs() < 0.05 && of_noise * noise[3] < 0.05 * of_all, "{of_all} {of_noise}");
         }
-        // Where noise counts alike in all, nothing tells them apart.
+        // Equal noise in all images does not separate the parts.
         let [of_all, of_noise] = shares(&[3e-6; 4], &[1e-4; 4]);
         assert!((of_all / 1.5e-6 - 1.0).abs() < 1e-9 && (of_noise / 1.5e-2 - 1.0).abs() < 1e-9, "{of_all} {of_noise}");
         assert_eq!(shares(&[0.0; 4], &noise), [0.0; 2]);

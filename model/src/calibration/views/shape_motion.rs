@@ -1,8 +1,8 @@
-//! The motion of a whole shape that is closest to the motions of its points.
+//! Rigid motion of a shape that best fits the motions of its points.
 
 use crate::Vector;
 
-/// The motion of a whole shape, as small as a turn may be, that is closest to what each of its points is to move by: points, and their motions.
+/// Rigid motion, linearised for small turns, that best fits given motions of points. `all` holds position and motion of each point, mm.
 pub(super) fn motion_of_shape(all: &[(Vector, Vector)]) -> impl Fn(&Vector) -> Vector + use<> {
     let count = all.len().max(1) as f64;
     let [middle, shift] =
@@ -17,7 +17,7 @@ pub(super) fn motion_of_shape(all: &[(Vector, Vector)]) -> impl Fn(&Vector) -> V
     move |point| shift + Vector::new(middle.y - point.y, point.x - middle.x) * turn
 }
 
-/// What is left of residuals at points, mm^2, once the whole shape has moved to where they are least.
+/// Sum of squared residuals at points, mm^2, after the best rigid motion of the shape is removed.
 pub(super) fn misfit_of_shape(all: &[(Vector, Vector)]) -> f64 {
     let moved = motion_of_shape(all);
     all.iter().map(|(point, left)| (left - moved(point)).norm_squared()).sum()

@@ -1,4 +1,4 @@
-//! Where the search begins.
+//! Starting point of a calibration.
 
 use super::contradiction::MarkerForce;
 use super::problem::{Candidate, Point, Problem, ViewUnknowns};
@@ -9,29 +9,29 @@ use crate::finger::Plate;
 use crate::sensing::{ContactQuestion, Direction, Lean, NonlinearEstimator, UnloadedError};
 use nalgebra::Isometry2;
 
-/// Parts of the plate at whose ends a contact is sought at first.
+/// Number of sections of the plate. Contacts are first tried at the points between sections.
 const PLACES: usize = 50;
 
-/// Where the search begins in a view.
+/// Starting point in one view.
 struct Beginning {
-    /// As the measured force has it, or what the markers show where none was measured: `None` where the finger does not carry that force.
+    /// Start with the measured force, or from the markers if none was measured. `None` if the finger does not carry the measured force.
     own: Option<ViewUnknowns>,
-    /// What the markers show beside a measured force.
+    /// Force that the markers show, where a force was measured.
     of_markers: Option<MarkerForce>,
 }
 
 impl Problem<'_> {
-    /// Where the search begins: every view as the scene's finger explains it best.
+    /// Starting point of the search: each view as the scene's finger explains it best.
     ///
     /// # Errors
-    /// [`CalibrationError`] for a view that the scene's finger does not explain, or that contradicts it or the others.
+    /// [`CalibrationError`] if the scene's finger does not explain a view, or a view contradicts the finger or the others.
     pub(super) fn start(&self) -> Result<Point, CalibrationError> {
         let shared = vec![0.0; self.sought.len()];
         let stated = self.candidate(&shared).ok_or(CalibrationError::NoMinimum)?;
         let of_view = |view: &View| self.beginning(&stated, view).map_err(|error| view.wrong(error));
         let begins: Vec<Beginning> = self.views.iter().map(of_view).collect::<Result<_, _>>()?;
         let marker_forces: Vec<Option<MarkerForce>> = begins.iter().map(|beginning| beginning.of_markers).collect();
-        // A finger that is not sought is compared with its forces as it is.
+        // A calibration without sought quantities compares the unchanged finger with its forces, so no force is refused.
         if !self.sought.is_empty() {
             self.check_forces(&marker_forces)?;
         }
@@ -48,7 +48,7 @@ impl Problem<'_> {
             return self.wrong_name(stated, view, &own).map_or(Ok(Beginning { own: Some(own), of_markers: None }), Err);
         };
         let (own, of_markers) = (self.start_of_known(stated, view, force.norm()), self.marker_force(stated, view));
-        // With the force as it was measured and as the markers show it: either may be wrong.
+        // Either the measured force or the marker force may be wrong, so both are tried.
         let explained = own.into_iter().chain(of_markers.map(|of_markers| of_markers.own));
         let names: Vec<Option<ViewError>> = explained.map(|own| self.wrong_name(stated, view, &own)).collect();
         match names.into_iter().reduce(|first, second| first.filter(|_| second.is_some())).flatten() {
@@ -57,8 +57,8 @@ impl Problem<'_> {
         }
     }
 
-    /// The place along the plate where a measured force bends the finger most like what is seen, wherever the base is; `None` where the finger
-    /// does not carry it.
+    /// Position along the plate at which the measured force explains the shape best, for any rigid motion of the finger. `None` if the finger carries the
+    /// force nowhere.
     fn start_of_known(&self, stated: &Candidate, view: &View, force_n: f64) -> Option<ViewUnknowns> {
         let length_mm = self.finger.plate_length_mm(Plate::Front);
         let at = |i: usize| ViewUnknowns {
@@ -80,7 +80,7 @@ impl Problem<'_> {
         tried.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, own)| own)
     }
 
-    /// Force and position as they are sensed by the scene's finger, or else by one that differs from it as the priors of what is sought allow.
+    /// Force and position as sensed with the scene's finger, or else with a finger that differs within the priors of the sought quantities.
     fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<ViewUnknowns, ViewError> {
         let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..self.model.lean });
         let question = ContactQuestion { position: None, direction };

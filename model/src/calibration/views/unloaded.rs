@@ -1,4 +1,4 @@
-//! What a fit leaves uncertain of the unloaded finger and its rig, as far as it counts where forces are sensed.
+//! Uncertainty of the unloaded finger and its rig after a fit, as far as it affects sensed forces.
 
 use super::problem::{OWN, Point, Problem};
 use super::{Quantity, Sought};
@@ -7,12 +7,12 @@ use crate::optimise::{Fit, covariance};
 use crate::sensing::UnloadedError;
 use nalgebra::{DMatrix, Isometry2, RowDVector};
 
-/// An error that changes forces by less than this share counts for nothing, nor do all of them together.
+/// Relative change of a force below which an error is negligible, even in combination with others.
 const LEAST_SHARE: f64 = 1e-4;
 
 impl Problem<'_> {
-    /// Independent errors of the quantities that are sought, each of one standard deviation, that change the force in one of the views without a measured force:
-    /// its direction sought or known. Linearised at a fit.
+    /// Independent errors of the sought quantities, of one standard deviation each, linearised at a fit. Only errors count that change the force of a view
+    /// without a measured force, with its direction sought or known.
     pub(super) fn unloaded_errors(&self, fitted: &Fit<Point>, base: &Isometry2<f64>) -> Vec<UnloadedError> {
         let shared = self.sought.len();
         if shared == 0 {
@@ -22,7 +22,7 @@ impl Problem<'_> {
         let Some(covariance) = covariance(&jacobian) else { return Vec::new() };
         let mut changes: Vec<RowDVector<f64>> = Vec::new();
         for (view, own, rows, column) in self.parts(&fitted.point).filter(|(view, ..)| view.force.is_none()) {
-            // All unknowns of the view, then without the lean.
+            // All unknowns of the view, then all except the lean.
             let all: Vec<usize> = (column..column + self.own_count(view)).collect();
             let known_direction = &all[..=OWN];
             for unknowns in [&all[..], known_direction] {
@@ -45,8 +45,8 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// The derivatives of a fit as they are if markers err by no less than is stated: errors that are the same in all images are not in the residuals, and what was
-    /// fitted has them.
+    /// The Jacobian of a fit, weighted as if markers erred by the stated noise or more. Errors that all images share affect the fitted quantities but not the
+    /// residuals.
     fn by_stated_noise(&self, fitted: &Fit<Point>) -> DMatrix<f64> {
         let mut jacobian = fitted.jacobian.clone();
         for (view, _, rows, _) in self.parts(&fitted.point) {
@@ -60,7 +60,7 @@ impl Problem<'_> {
         jacobian
     }
 
-    /// Changes of all quantities that are sought, as an error of the finger that was found; `base` is where its base was found.
+    /// Changes of all sought quantities as one error of the calibrated finger. `base` is the calibrated pose of its base, mm and rad.
     pub(super) fn unloaded_error(&self, changes: &[f64], base: &Isometry2<f64>) -> UnloadedError {
         let ribs = self.finger.rib_count();
         let mut error = UnloadedError::none(ribs);

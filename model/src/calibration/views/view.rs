@@ -1,4 +1,4 @@
-//! A view, and what may be wrong with it.
+//! Views of a finger, and the reasons to refuse them.
 
 use crate::calibration::CalibrationError;
 use crate::measurement::{BaseUncertainty, Measurement};
@@ -7,41 +7,41 @@ use crate::sensing::SensingError;
 use crate::{NodeId, Scene, Vector};
 use nalgebra::{Isometry2, Point2};
 
-/// One image of the finger, as it was located with the scene's rig.
+/// One image of the finger, located with the scene's rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// Its name, as messages have it.
+    /// Name of the view in messages.
     pub name: String,
-    /// Displacements of markers from the scene's undeformed finger, mm, in the frame that the image has of its base.
+    /// Displacements of markers from the scene's undeformed finger, mm, in the frame of the view: that of the base as seen in the image.
     pub measurement: Measurement,
     /// Standard deviation of a coordinate of weight 1, mm.
     pub noise_mm: f64,
-    /// How far the base may be from there.
+    /// Uncertainty of the base in the frame of the view.
     pub base: BaseUncertainty,
-    /// Where the camera stands above that frame, mm.
+    /// Position (x, y) of the camera in the frame of the view, mm.
     pub eye: Vector,
-    /// The contact force in that frame, N, where it was measured.
+    /// Measured contact force in the frame of the view, N. `None` if it was not measured.
     pub force: Option<Vector>,
 }
 
-/// An observation that a scene is calibrated with.
+/// An observation with which a scene is calibrated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocatedView {
-    /// What was seen.
+    /// The observation.
     pub observation: Observation,
-    /// From the frame of the view to that of the camera's pose.
+    /// Transformation from the frame of the view to that of the camera's pose, mm and rad.
     pub base: Isometry2<f64>,
     /// The view.
     pub view: View,
-    /// What pressed the finger, where it is known.
+    /// Name of the object that pressed the finger, if known.
     pub object: Option<String>,
 }
 
 impl LocatedView {
-    /// The view of an observation; `force`, N, where it was measured, in the frame of the camera's pose.
+    /// Makes a view of an observation. `force` is the measured force, N, in the frame of the camera's pose.
     ///
     /// # Errors
-    /// [`ObservationError`] for an observation that is none of the scene's finger, or states no standard deviations.
+    /// [`ObservationError`] if the observation does not fit the scene's finger or states no standard deviations.
     pub fn new(
         observation: Observation,
         scene: &Scene,
@@ -49,7 +49,7 @@ impl LocatedView {
     ) -> Result<LocatedView, ObservationError> {
         let (measured, uncertainty) = observation.for_calibration(scene)?;
         let base = measured.frame;
-        // The camera stands above the frame of its pose; without a camera, nowhere in particular.
+        // The camera stands above the frame of its pose. Without a camera the position is arbitrary.
         let eye = scene.camera.and_then(|camera| camera.pose).map_or(Vector::zeros(), |pose| pose.eye().xy());
         let view = View {
             name: observation.image.clone(),
@@ -69,64 +69,64 @@ impl View {
     }
 }
 
-/// What is wrong with a view.
+/// Reason to refuse a view.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ViewError {
-    /// The scene's finger cannot explain it, from where a search could begin.
+    /// The scene's finger does not explain the view, so a search has no starting point.
     #[error("the finger of the scene does not explain it, so that there is nowhere to begin: {0}")]
     Start(#[from] SensingError),
-    /// The scene's finger carries its measured force nowhere.
+    /// The scene's finger carries the measured force at no position along its plate.
     #[error("the finger of the scene carries {force_n:.3} N nowhere along its plate: are units and modulus right?")]
     NotCarried {
-        /// The force, N.
+        /// The measured force, N.
         force_n: f64,
     },
-    /// Its measured force is not what its markers show.
+    /// The measured force contradicts the markers.
     #[error(
         "the measured force is {times:.3} times what its markers show, where {usual:.3} times is usual: check its sign, unit, frame and row"
     )]
     Force {
-        /// Measured force over what markers show.
+        /// Ratio of measured force to the force that the markers show, dimensionless.
         times: f64,
-        /// The median of all views.
+        /// Median of this ratio over all views, dimensionless.
         usual: f64,
     },
-    /// A marker is where another node is.
+    /// A marker is at the computed position of another node.
     #[error(
         "the marker of node {node} is {away_mm:.1} mm from where the finger has that node, and near to node {other}: check the names of its markers"
     )]
     Name {
-        /// The node that it is named.
+        /// Node by which the marker is named.
         node: NodeId,
-        /// The node that it is near to.
+        /// Node near the marker.
         other: NodeId,
-        /// How far it is from its own, mm.
+        /// Distance from the computed position of the named node, mm.
         away_mm: f64,
     },
-    /// Forces that the calibrated finger senses would be of no use, and this view's is furthest off.
+    /// The calibrated finger would sense forces too inaccurately for use. The measured force of this view deviates most.
     #[error(
         "forces in new images would err by {share:.2} of themselves (standard deviation), so that a 95 % interval would hold zero, and this image's measured \
          force is furthest off, {times:.3} times what its markers show: check its sign, unit, frame and row, and the markers' names; or measure more forces"
     )]
     ForceErrors {
-        /// Standard deviation of a force in a new image, as a share of it.
+        /// Relative standard deviation of a force in a new image, dimensionless.
         share: f64,
-        /// Measured force over what markers show.
+        /// Ratio of measured force to the force that the markers show, dimensionless.
         times: f64,
     },
-    /// The calibrated finger does not meet markers, and one of this view is furthest off.
+    /// Markers deviate too far from the calibrated finger. A marker of this view deviates most.
     #[error(
         "the calibrated finger misses markers by {missed_mm:.2} mm rms, which move by {moved_mm:.2} mm: it is another finger, or they have wrong names; furthest off, \
          by {away_mm:.1} mm, is that of node {node} in this image"
     )]
     MarkerErrors {
-        /// Its node.
+        /// Node of the marker.
         node: NodeId,
-        /// How far it is from where the finger has it, mm.
+        /// Distance of the marker from its computed position, mm.
         away_mm: f64,
-        /// Root mean square of all, mm.
+        /// Root mean square of this distance over all markers, mm.
         missed_mm: f64,
-        /// Root mean square of all displacements, mm.
+        /// Root mean square of all marker displacements, mm.
         moved_mm: f64,
     },
 }

@@ -7,54 +7,54 @@ use crate::finger::NodeId;
 use crate::sensing::{Contact, ContactPosition};
 use serde::{Deserialize, Serialize};
 
-/// Version of the network's file that is written, and the only one that is read.
+/// The only version of the file format that is written and read.
 pub const FORMAT: u32 = 1;
 
-/// How displacements become the inputs of a network.
+/// Conversion of displacements to the inputs of a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scaling {
-    /// Principal directions of the training shapes, each to unit spread.
+    /// Principal directions of the training shapes, each scaled to unit standard deviation.
     Principal,
-    /// The coordinates themselves, all by one spread, that of all of them together.
+    /// Coordinates, all scaled by their common spread.
     Spread,
-    /// The coordinates themselves, all by the largest met in training.
+    /// Coordinates, all scaled by the largest one in training.
     Largest,
 }
 
-/// Meaning of a network's contacts.
+/// Meaning of a network's list of contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactSet {
-    /// All of them touch, always.
+    /// All contacts touch.
     Fixed,
-    /// Any of them touch, at least one; which ones is given when sensing.
+    /// Any of the contacts touch, at least one. The caller states them.
     AnyOf,
 }
 
-/// Origin of the samples and fit of the weights. The same numbers on the same machine give the same weights.
+/// Origin of the samples and fit of the weights. Equal values on the same machine give equal weights.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {
-    /// Which finger was solved.
+    /// Kinematics of the finger in the samples.
     pub kinematics: Kinematics,
-    /// Elements in every member of that finger.
+    /// Beam elements per member of that finger.
     pub elements_per_member: usize,
-    /// Number of shapes that it was trained on.
+    /// Number of training shapes.
     pub samples: usize,
-    /// Least and largest force of a contact, N.
+    /// Smallest and largest force of a contact, N.
     pub force_range_n: [f64; 2],
     /// Largest sum of the forces, N.
     pub largest_total_n: f64,
-    /// Standard deviation of a force's direction about its contact's, degrees.
+    /// Standard deviation of a force's direction about its contact's direction, degrees.
     pub direction_spread_deg: f64,
-    /// Standard deviation of the moduli, as a share.
+    /// Relative standard deviation of the moduli, dimensionless.
     pub modulus_spread: f64,
-    /// Number of free key nodes that no sample shows.
+    /// Number of free key nodes that are hidden in all samples.
     pub hidden_markers: usize,
     /// Seed of the samples, of the first weights and of the order of the batches.
     pub seed: u64,
-    /// Passes through the samples until the weights that were kept; training may have gone on for longer.
+    /// Number of passes through the samples up to the weights that were kept. Training may have continued.
     pub epochs: usize,
 }
 
@@ -64,7 +64,7 @@ pub struct Origin {
 pub struct TestError {
     /// Root mean square with the noise of [`NetworkCard::noise_mm`], N.
     pub rms_n: f64,
-    /// Root mean square without noise: what the network itself gets wrong, N.
+    /// Root mean square error without noise, N: the network's own error.
     pub clean_rms_n: f64,
 }
 
@@ -72,23 +72,23 @@ pub struct TestError {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NetworkCard {
-    /// [`FORMAT`].
+    /// Version of the file format, [`FORMAT`].
     pub format: u32,
-    /// The finger.
+    /// Fingerprint of the finger.
     pub finger: Fingerprint,
-    /// The measured nodes in the order of the coordinates: ux, uy of each.
+    /// Measured nodes in the order of the coordinates: ux, uy of each.
     pub markers: Vec<NodeId>,
     /// The contacts in the order of the outputs.
     pub contacts: Vec<Contact>,
-    /// Whether all of them always touch.
+    /// Whether all contacts touch, or any of them.
     pub contact_set: ContactSet,
-    /// How displacements become inputs.
+    /// Conversion of displacements to inputs.
     pub scaling: Scaling,
-    /// Standard deviation of one coordinate in training, mm; 0 without noise.
+    /// Standard deviation of the noise of one coordinate in training, mm. Zero without noise.
     pub noise_mm: f64,
     /// Standard deviation of a force that the ridge forces of [`ContactSet::AnyOf`] assume, N.
     pub prior_n: f64,
-    /// How it was trained.
+    /// Training samples and fit.
     pub origin: Origin,
     /// Errors of each contact's force, in the order of the contacts.
     pub test_errors: Vec<TestError>,
@@ -97,10 +97,10 @@ pub struct NetworkCard {
 }
 
 impl NetworkCard {
-    /// Checks the card by itself.
+    /// Checks the values of the card.
     ///
     /// # Errors
-    /// [`NetworkError`] naming the key.
+    /// [`NetworkError`] naming the first wrong key.
     pub(super) fn check(&self) -> Result<(), NetworkError> {
         if self.format != FORMAT {
             return Err(NetworkError::Format { expected: FORMAT, found: self.format.into() });

@@ -3,138 +3,138 @@
 use crate::finger::NodeId;
 use crate::sensing::SensingError;
 
-/// Why a network cannot be read, built or used.
+/// Reason for which a network cannot be read, built or used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NetworkError {
     /// The bytes are not a safetensors file.
     #[error("not a network: expected a safetensors file ({0})")]
     NotSafetensors(String),
-    /// Something that belongs to a network is not in the file.
+    /// A part of the network is missing in the file.
     #[error("not a complete network: {0} is missing")]
     Missing(String),
-    /// The file holds something else as well.
+    /// The file contains a part that does not belong to a network.
     #[error("not a network of this kind: {0} does not belong to it")]
     Unexpected(String),
-    /// Numbers of another type.
+    /// A tensor has numbers of the wrong type.
     #[error("{tensor}: expected numbers of type {expected}, found {found}")]
     Type {
-        /// The tensor.
+        /// Name of the tensor.
         tensor: String,
-        /// Type that it must have, as safetensors names it.
+        /// Expected type, as safetensors names it.
         expected: String,
-        /// Type that it has.
+        /// Type in the file.
         found: String,
     },
-    /// A tensor of another shape.
+    /// A tensor has the wrong shape.
     #[error("{part}: expected shape {expected:?}, found {found:?}")]
     Shape {
-        /// The tensor.
+        /// Name of the tensor.
         part: String,
         /// Shape that fits the other parts.
         expected: Vec<usize>,
-        /// Shape that it has.
+        /// Shape of the tensor.
         found: Vec<usize>,
     },
-    /// A number that is not finite.
+    /// A number is not finite.
     #[error("{part}: expected finite numbers, found {value} at index {index}")]
     NotFinite {
-        /// The tensor or the key of the card.
+        /// Name of the tensor, or key of the card.
         part: String,
-        /// Position of the number.
+        /// Index of the number.
         index: usize,
-        /// The number.
+        /// The number that is infinite or NaN.
         value: f64,
     },
-    /// A part that cannot be.
+    /// A part has an impossible value.
     #[error("{part}: expected {expected}, found {found}")]
     Parts {
-        /// The tensor or the key of the card.
+        /// Name of the tensor, or key of the card.
         part: String,
-        /// What is expected.
+        /// Expected value.
         expected: String,
-        /// What was found.
+        /// Found value.
         found: String,
     },
     /// The card cannot be read.
     #[error("the network's card (metadata key {key}): {reason}")]
     Card {
-        /// Key of the metadata.
+        /// Key of the card in the metadata.
         key: &'static str,
-        /// What was expected and found.
+        /// Expected and found content.
         reason: String,
     },
-    /// A file of another version.
+    /// The file has another version of the format.
     #[error("the network is written in format {found}, and only format {expected} is known")]
     Format {
-        /// The known format.
+        /// Known version.
         expected: u32,
-        /// What was found.
+        /// Version of the file.
         found: u64,
     },
-    /// The contents are not those that were written.
+    /// The checksum does not match the contents.
     #[error("the network is damaged: its checksum is not that of its contents")]
     Damaged,
-    /// Trained for another finger.
+    /// The network was trained for another finger.
     #[error(
         "the network was trained for another finger: its fingerprint is {trained:.8}..., that of this finger {found:.8}..."
     )]
     AnotherFinger {
-        /// Fingerprint of the finger that it was trained for, in hexadecimal digits.
+        /// Fingerprint of the training's finger, in hexadecimal digits.
         trained: String,
-        /// Fingerprint of the finger at hand.
+        /// Fingerprint of the given finger, in hexadecimal digits.
         found: String,
     },
-    /// Trained for other contacts.
+    /// The network was trained for other contacts.
     #[error("the network was trained for {trained}, not for {asked}")]
     OtherContacts {
-        /// The contacts that it was trained for.
+        /// Contacts of the training.
         trained: String,
-        /// The contacts asked for.
+        /// Requested contacts.
         asked: String,
     },
-    /// A measured node that the network does not know.
+    /// A measured node is not a marker of the network.
     #[error("node {node} is none of the {known} markers that the network was trained on: leave it out")]
     UnknownMarker {
         /// The measured node.
         node: NodeId,
-        /// Number of markers that it knows.
+        /// Number of markers of the network.
         known: usize,
     },
-    /// Too few markers for a network that cannot fill in what is hidden.
+    /// Too few markers are measured for a network that cannot fill in hidden ones.
     #[error(
         "the network needs all of its {expected} markers, found {found}: only one whose inputs are principal directions \
          can fill in hidden ones"
     )]
     HiddenMarkers {
-        /// Markers that it was trained on.
+        /// Number of markers of the network.
         expected: usize,
-        /// Markers that were measured.
+        /// Number of measured markers.
         found: usize,
     },
-    /// Other markers than those that the estimator was prepared for.
+    /// The markers differ from those for which the estimator is prepared.
     #[error("the measured markers are not those that the estimator was prepared for, in their order")]
     OtherMarkers,
-    /// Markers that count differently.
+    /// A marker has a weight other than 1.
     #[error(
         "node {node} has the weight {weight}: the network was trained on markers that all count alike, with weight 1"
     )]
     Weighted {
-        /// The marker.
+        /// Node of the marker.
         node: NodeId,
-        /// Its weight.
+        /// Weight of the marker, dimensionless.
         weight: f64,
     },
-    /// Displacements or forces of a wrong number.
+    /// The number of displacements or forces is wrong.
     #[error("expected {expected} {what}, found {found}")]
     Length {
-        /// What was counted.
+        /// Name of the counted items.
         what: &'static str,
-        /// How many there must be.
+        /// Expected number.
         expected: usize,
-        /// How many there are.
+        /// Found number.
         found: usize,
     },
-    /// A shape unlike those that the network has seen.
+    /// The shape is unlike those of the training.
     #[error(
         "the shape is unlike those that the network was trained on: its input {input} is {value:.2}, where training reached \
          {largest:.2} (forces up to {largest_total_n} N in all)"
@@ -142,14 +142,14 @@ pub enum NetworkError {
     OutsideTraining {
         /// Number of the input, from 1.
         input: usize,
-        /// |z_i|.
+        /// Absolute value of the input, dimensionless.
         value: f64,
-        /// Largest |z_i| met in training.
+        /// Largest absolute value in training, dimensionless.
         largest: f64,
         /// Largest sum of the forces in training, N.
         largest_total_n: f64,
     },
-    /// A force that training never had.
+    /// A force is outside the range of the training.
     #[error(
         "contact {contact}: {force_n:.3} N lies beyond the forces that the network was trained on, {least_n} to {largest_n} N: \
          something else pushes, or the contacts are others"
@@ -157,29 +157,29 @@ pub enum NetworkError {
     ForceOutsideTraining {
         /// Number of the contact, from 1.
         contact: usize,
-        /// The force that the network gives, N.
+        /// Estimated force, N.
         force_n: f64,
-        /// Least force in training, N.
+        /// Smallest force in training, N.
         least_n: f64,
         /// Largest force in training, N.
         largest_n: f64,
     },
-    /// Errors that all estimators share.
+    /// An error that all estimators share.
     #[error(transparent)]
     Sensing(#[from] SensingError),
 }
 
 impl NetworkError {
-    /// [`NetworkError::Parts`].
+    /// Makes a [`NetworkError::Parts`].
     pub(super) fn of_part(part: &str, expected: &str, found: impl ToString) -> NetworkError {
         NetworkError::Parts { part: part.to_owned(), expected: expected.to_owned(), found: found.to_string() }
     }
 }
 
-/// Refuses a tensor that does not fit.
+/// Refuses a tensor of the wrong shape.
 ///
 /// # Errors
-/// [`NetworkError::Shape`].
+/// [`NetworkError::Shape`] if the shapes differ.
 pub(super) fn require_shape(part: &str, expected: &[usize], found: &[usize]) -> Result<(), NetworkError> {
     if expected == found {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Sensing with a network: forces in microseconds, with what is known of their error.
+//! Estimates forces with a network in microseconds, with their known errors.
 
 use super::forward::{Forward, Instructions};
 use super::hidden::{Filling, directions, filling};
@@ -12,17 +12,17 @@ use crate::sensing::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Positions that differ by less than this share of the plate, and angles by less than this many degrees, are the same.
+/// Largest difference between equal contacts: of positions, as a share of the plate, and of angles, degrees.
 const SAME_CONTACT: f64 = 1e-9;
-/// An input may exceed those of training by this factor and so many standard deviations: samples miss the largest.
+/// An input may exceed the largest of the training by this factor and this many standard deviations, because samples miss the extremes.
 const RANGE_FACTOR: f64 = 1.1;
 const RANGE_SIGMAS: f64 = 4.0;
 
-/// Senses forces with a network, for the contacts and markers that it was prepared for.
+/// Estimates forces with a network, for the contacts and markers for which it is prepared.
 ///
 /// # Requirements
-/// The finger and the contacts that the network was trained for: all of them in any order, or with
-/// [`ContactSet::AnyOf`] any of them, those that touch. Markers may be hidden if the inputs are principal directions.
+/// The finger and contacts of the training: all contacts in any order, or for [`ContactSet::AnyOf`] the touching ones. Markers may be hidden if the
+/// inputs are principal directions.
 #[derive(Debug, Clone)]
 pub struct NetworkEstimator {
     forward: Forward,
@@ -30,11 +30,11 @@ pub struct NetworkEstimator {
     markers: Vec<NodeId>,
     /// Mean displacement of the seen coordinates, mm.
     mean: DVector<f64>,
-    /// Orthonormal columns that span what the principal directions are on the seen coordinates.
+    /// Orthonormal columns that span the principal directions on the seen coordinates.
     span: DMatrix<f64>,
-    /// Covariance of the inputs from hidden markers.
+    /// Covariance of the inputs due to hidden markers, dimensionless.
     hidden_covariance: DMatrix<f64>,
-    /// Largest inputs met in training, and the standard deviation of each per mm of noise.
+    /// Largest inputs in training, dimensionless; `input_noise` is the standard deviation of each input per mm of noise, 1/mm.
     largest: Vec<f64>,
     input_noise: Vec<f64>,
     clean_rms_n: Vec<f64>,
@@ -44,10 +44,10 @@ pub struct NetworkEstimator {
 }
 
 impl NetworkEstimator {
-    /// Prepares a network for contacts and for the markers of a measurement, whose displacements are not used yet.
+    /// Prepares a network for contacts and for the markers of a measurement. Does not use the displacements yet.
     ///
     /// # Errors
-    /// [`NetworkError`] for a finger, contacts or markers that it was not trained for, or fewer coordinates than forces.
+    /// [`NetworkError`] for a finger, contacts or markers other than those of the training, or for fewer coordinates than forces.
     pub fn new(
         network: &Network,
         finger: &Finger,
@@ -57,10 +57,10 @@ impl NetworkEstimator {
         NetworkEstimator::with_instructions(network, finger, contacts, markers, Instructions::Detected)
     }
 
-    /// As [`NetworkEstimator::new`], on given instructions.
+    /// As [`NetworkEstimator::new`], with given instructions.
     ///
     /// # Errors
-    /// As [`NetworkEstimator::new`].
+    /// [`NetworkError`] as from [`NetworkEstimator::new`].
     pub fn with_instructions(
         network: &Network,
         finger: &Finger,
@@ -84,7 +84,7 @@ impl NetworkEstimator {
         }
         let Filling { matrix, missed } = filling(network, &seen).ok_or(hidden_markers)?;
         let mut prepared = Prepared::new(network, &selected);
-        // P (mean + F (x_s - mean_s)) + offset, of which P F x_s is left to compute.
+        // The inputs are P (mean + F (x_s - mean_s)) + offset; all but P F x_s is constant.
         let all_mean = DVector::from_column_slice(&network.inputs.mean);
         let mean = all_mean.select_rows(&seen);
         let constant = &prepared.projection * (&all_mean - &matrix * &mean);
@@ -98,7 +98,7 @@ impl NetworkEstimator {
             prepared,
             markers,
             mean,
-            // With as many directions as coordinates, they span everything.
+            // As many directions as coordinates span all coordinates.
             span: seen_directions.qr().q(),
             hidden_covariance,
             largest: network.inputs.largest.clone(),
@@ -110,16 +110,16 @@ impl NetworkEstimator {
         })
     }
 
-    /// Number of contacts that it was prepared for.
+    /// Number of contacts for which it is prepared.
     pub fn contact_count(&self) -> usize {
         self.prepared.outputs()
     }
 
-    /// Forces of one frame, N, in the order of the contacts, from the displacements ux, uy of each marker in the order of
-    /// the markers, mm. Nothing is allocated and nothing is judged; what is not a number gives forces that are none.
+    /// Estimates the forces of one frame. `displacements` holds ux, uy of each marker in the order of the markers, mm. `forces_n` receives the forces in the
+    /// order of the contacts, N. It allocates nothing and checks no ranges: displacements that are NaN give forces that are NaN.
     ///
     /// # Errors
-    /// [`NetworkError::Length`].
+    /// [`NetworkError::Length`] if a slice has the wrong length.
     pub fn forces(&mut self, displacements: &[f64], forces_n: &mut [f64]) -> Result<(), NetworkError> {
         require_length("displacements", self.forward.coordinates(), displacements.len())?;
         require_length("forces", self.prepared.outputs(), forces_n.len())?;
@@ -127,10 +127,10 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Forces of many frames, as [`forces`](NetworkEstimator::forces), one frame after the other in both slices.
+    /// Estimates the forces of many frames, as [`forces`](NetworkEstimator::forces) does, frame after frame in both slices.
     ///
     /// # Errors
-    /// [`NetworkError::Length`].
+    /// [`NetworkError::Length`] if a slice has the wrong length.
     pub fn forces_of_many(&mut self, displacements: &[f64], forces_n: &mut [f64]) -> Result<(), NetworkError> {
         let (coordinates, outputs) = (self.forward.coordinates(), self.prepared.outputs());
         let frames = displacements.len() / coordinates;
@@ -140,14 +140,14 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Forces with their standard deviations: from noise and hidden markers through the network's derivatives, and from the
-    /// network's own error on held-out samples. `noise_mm` is the standard deviation of one coordinate; without it, or where
-    /// the residual contradicts it, it is estimated from the residual.
+    /// Estimates forces with their standard deviations. These include noise and hidden markers, through the network's derivatives, and the network's own error
+    /// on held-out samples. `noise_mm` is the standard deviation of one coordinate, mm. If it is `None`, or if the residual contradicts it, it is
+    /// estimated from the residual.
     ///
-    /// The residual is outside the principal directions; the singular values are those of the inverse of its derivatives.
+    /// The residual is the part outside the principal directions. The singular values are those of the inverse of the derivatives.
     ///
     /// # Errors
-    /// [`NetworkError`] for other or weighted markers (training counts all alike), and shapes unlike its training.
+    /// [`NetworkError`] for other markers, for weights other than 1, and for shapes or forces outside the training.
     pub fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Estimate, NetworkError> {
         if !measurement.markers().iter().map(|marker| marker.node).eq(self.markers.iter().copied()) {
             return Err(NetworkError::OtherMarkers);
@@ -184,7 +184,7 @@ impl NetworkEstimator {
         })
     }
 
-    /// Chi-squared test of the part outside the principal directions, against the stated noise.
+    /// Tests the part of displacements `x`, mm, outside the principal directions against the stated noise (chi-squared).
     fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<Residual, SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;
@@ -206,9 +206,9 @@ impl NetworkEstimator {
         })
     }
 
-    /// Refuses inputs beyond those of the training.
+    /// Refuses inputs outside the range of the training.
     fn require_range(&self, z: &[f64], noise_mm: f64) -> Result<(), NetworkError> {
-        // Unknown noise excuses nothing.
+        // Unknown noise widens the range no more than the noise of the training does.
         let noise_mm = if noise_mm.is_finite() { noise_mm } else { self.noise_mm };
         for (i, (&largest, per_mm)) in self.largest.iter().zip(&self.input_noise).enumerate() {
             let value = z[i].abs();
@@ -220,7 +220,7 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Refuses forces beyond those of the training: shapes that other contacts bend give such.
+    /// Refuses forces outside the range of the training, which shapes under other contacts cause.
     fn require_trained_forces(&self, forces_n: &[f64], sigmas_n: &[f64]) -> Result<(), NetworkError> {
         let [least_n, largest_n] = self.force_range_n;
         for (i, (&force_n, sigma_n)) in forces_n.iter().zip(sigmas_n).enumerate() {
@@ -233,13 +233,13 @@ impl NetworkEstimator {
     }
 }
 
-/// The part of a measurement outside the principal directions, which no training sample had.
+/// Part of a measurement outside the principal directions, which no training sample has.
 struct Residual {
-    /// Standard deviation of one coordinate that standard deviations rest on, mm.
+    /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow.
     noise_mm: f64,
-    /// Its root mean square, mm.
+    /// Root mean square of the residual, mm.
     rms_mm: f64,
-    /// Whether it is more than noise.
+    /// Warning if the residual is more than noise.
     warning: Option<Warning>,
 }
 
@@ -248,16 +248,16 @@ fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(
 }
 
 impl Network {
-    /// Checks that it was trained for a finger and for contacts: all in any order, or with [`ContactSet::AnyOf`] any.
+    /// Checks that the network was trained for a finger and for contacts: all in any order, or any of them for [`ContactSet::AnyOf`].
     ///
     /// # Errors
-    /// [`NetworkError::AnotherFinger`], [`NetworkError::OtherContacts`].
+    /// [`NetworkError::AnotherFinger`] or [`NetworkError::OtherContacts`] if the network was trained for others.
     pub fn check_made_for(&self, finger: &Finger, contacts: &[Contact]) -> Result<(), NetworkError> {
         selection(self, finger, contacts).map(|_| ())
     }
 }
 
-/// Positions of the contacts in the network's list.
+/// Indices of the contacts in the network's list.
 fn selection(network: &Network, finger: &Finger, contacts: &[Contact]) -> Result<Vec<usize>, NetworkError> {
     let found = Fingerprint::of(finger);
     if found != network.card.finger {
@@ -289,7 +289,7 @@ fn listed(contacts: &[Contact]) -> String {
     contacts.iter().map(Contact::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// Positions of the measured coordinates in the network's displacements.
+/// Indices of the measured coordinates among the network's coordinates.
 fn seen_coordinates(network: &Network, markers: &[NodeId]) -> Result<Vec<usize>, NetworkError> {
     let known = &network.card.markers;
     let mut seen = Vec::with_capacity(2 * markers.len());

@@ -1,4 +1,4 @@
-//! The file of a network: safetensors, with the card as JSON in its metadata and a checksum over everything.
+//! File of a network: safetensors, with the card as JSON in its metadata and a checksum over all contents.
 //!
 //! | tensor | type | shape |
 //! |---|---|---|
@@ -8,7 +8,7 @@
 //! | `layers.K.weight` | F32 | outputs, inputs |
 //! | `layers.K.bias` | F32 | outputs |
 //! | `skip` | F32 | contacts, p; left out without a skip branch |
-//! | `compliance` | F64 | n, contacts; for contact sets of which any may touch |
+//! | `compliance` | F64 | n, contacts; only for sets of which any contacts may touch |
 //! | `sha256` | U8 | 32: of the card and of names, shapes and contents of the other tensors in order of their names |
 
 use super::card::{FORMAT, NetworkCard};
@@ -25,10 +25,10 @@ const CARD: &str = "finray_network";
 const CHECKSUM: &str = "sha256";
 
 impl Network {
-    /// The network as a safetensors file: the same network gives the same bytes.
+    /// Writes the network as a safetensors file. Equal networks give equal bytes.
     ///
     /// # Errors
-    /// [`NetworkError`] for a network whose parts do not fit together.
+    /// [`NetworkError`] if the parts of the network do not fit together.
     pub fn to_bytes(&self) -> Result<Vec<u8>, NetworkError> {
         self.check()?;
         let card = serde_json::to_string(&self.card).map_err(|error| card_error(&error))?;
@@ -58,7 +58,7 @@ impl Network {
         }
         let sum = checksum(&card, &views);
         views.insert(CHECKSUM, TensorView::new(Dtype::U8, vec![sum.len()], &sum).map_err(|e| unreadable(&e))?);
-        // One key alone: a map of several has no order of its own.
+        // A map of several keys has no fixed order, so there is only one key.
         let metadata = HashMap::from([(CARD.to_owned(), card)]);
         safetensors::serialize(views, Some(metadata)).map_err(|error| unreadable(&error))
     }
@@ -66,7 +66,7 @@ impl Network {
     /// Reads a network from the bytes of its file.
     ///
     /// # Errors
-    /// [`NetworkError`] naming the tensor or key that is missing, wrong or damaged, and what was expected.
+    /// [`NetworkError`] naming the missing, wrong or damaged tensor or key, with the expected content.
     pub fn from_bytes(bytes: &[u8]) -> Result<Network, NetworkError> {
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(|error| unreadable(&error))?;
         let file = SafeTensors::deserialize(bytes).map_err(|error| unreadable(&error))?;
@@ -106,12 +106,12 @@ impl Network {
             return Err(NetworkError::Unexpected(format!("the tensor {name}")));
         }
         let network = Network::new(card, inputs, layers, skip, compliance)?;
-        // Last, so that whatever can be named is named.
+        // The checksum is compared last, so that errors name the wrong part where possible.
         if stored_sum == sum { Ok(network) } else { Err(NetworkError::Damaged) }
     }
 }
 
-/// Reads the card; its version first, as other versions have other keys.
+/// Reads the card. Checks its version first, because other versions have other keys.
 fn read_card(text: &str) -> Result<NetworkCard, NetworkError> {
     let value: serde_json::Value = serde_json::from_str(text).map_err(|error| card_error(&error))?;
     let Some(found) = value.get("format").and_then(serde_json::Value::as_u64) else {
@@ -161,7 +161,7 @@ fn matrix_shape(name: &str, tensor: &TensorView) -> Result<[usize; 2], NetworkEr
     shape.try_into().map_err(|_| NetworkError::of_part(name, "a matrix", format!("the shape {shape:?}")))
 }
 
-/// Takes a tensor out of those that were read.
+/// Removes a tensor from the tensors of a file, and checks its type.
 fn take<'d>(
     tensors: &mut BTreeMap<&str, TensorView<'d>>,
     name: &str,

@@ -1,4 +1,4 @@
-//! Which finger a network belongs to, whatever its scene file calls it.
+//! Fingerprint of the finger that a network belongs to, independent of names in the scene file.
 
 use crate::Finger;
 use crate::finger::{Joints, MarkerPoints, NodeId, Part, Plate};
@@ -7,19 +7,19 @@ use sha2::{Digest, Sha256};
 use std::fmt;
 use std::str::FromStr;
 
-/// Significant digits that count: ribs by number and at the same positions by hand differ by rounding.
+/// Significant digits that count. Ribs stated by number and by their positions differ by rounding.
 const DIGITS: i32 = 10;
 
-/// SHA-256 over the numbers of a finger: key nodes, rigid arms, clips and ends, rigidities, joints, brackets with what markers are on, zones. Neither
-/// names, nor order of zones, nor the way the ribs were written, nor what a scene says besides the finger takes part.
+/// SHA-256 over the numbers of a finger. They cover key nodes, rigid arms, clips and ends, rigidities, tapers, rib thicknesses, joints, brackets with the
+/// points of markers, and zones. Names, the order of zones, the notation of the ribs, and other tables of the scene have no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fingerprint([u8; 32]);
 
 impl Fingerprint {
-    /// The fingerprint of a finger. Numbers that agree to ten significant digits are the same.
+    /// Fingerprint of a finger. Numbers that agree to ten significant digits give the same fingerprint.
     pub fn of(finger: &Finger) -> Fingerprint {
         let mut numbers = Numbers(Sha256::new());
-        // Coordinates may vanish: they are rounded to a share of the longer plate.
+        // Coordinates may be zero, so they are rounded to a share of the longer plate.
         let longest_mm = f64::max(finger.plate_length_mm(Plate::Front), finger.plate_length_mm(Plate::Back));
         let step_mm = 10_f64.powi(longest_mm.log10().floor() as i32 + 1 - DIGITS);
         numbers.number("step_mm", step_mm);
@@ -84,7 +84,7 @@ impl Fingerprint {
     }
 }
 
-/// What goes into the hash, an entry a line.
+/// Input of the hash: one entry per line.
 struct Numbers(Sha256);
 
 impl Numbers {
@@ -108,7 +108,7 @@ impl Numbers {
     }
 }
 
-/// A number with the digits that count; plus and minus zero are the same.
+/// Formats a number with the digits that count. Plus and minus zero give the same text.
 fn rounded(value: f64) -> String {
     format!("{:.*e}", DIGITS as usize - 1, value + 0.0)
 }
@@ -119,7 +119,7 @@ impl fmt::Display for Fingerprint {
     }
 }
 
-/// Text that is no fingerprint.
+/// The text is not a fingerprint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("expected a fingerprint of 64 hexadecimal digits")]
 pub struct NoFingerprint;

@@ -1,22 +1,22 @@
-//! The fast evaluation of a network: without allocation, on the registers that the machine has.
+//! Fast evaluation of a network: without allocation, with the SIMD registers of the machine.
 
 use super::prepared::Prepared;
 use finray_numerics::dense::{Aligned, Linear, Tanh, Weights, padded, tanh_all, tile_frames, tiled};
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
-/// Which instructions evaluate a network.
+/// Instruction set that evaluates a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Instructions {
-    /// The best that the machine has, found out at run time.
+    /// The best instructions of the machine, detected at run time.
     Detected,
-    /// Those that every machine has.
+    /// Instructions that every machine has.
     Portable,
 }
 
-/// A prepared network in the order in which the kernels read it, with room for what lies between its layers.
+/// A prepared network in the order in which the kernels read it, with buffers between its layers.
 #[derive(Debug, Clone)]
 pub(super) struct Forward {
-    /// `None` for portable instructions.
+    /// Detected instructions of the machine. `None`: portable instructions.
     arch: Option<Arch>,
     plan: Plan,
     one: Between,
@@ -33,10 +33,10 @@ struct Plan {
     skip: Option<Weights<f32>>,
 }
 
-/// What lies between the layers for one frame, or for a tile of frames: a row of frames for each number.
+/// Buffers between the layers for one frame, or for a tile of frames with one row per number and one column per frame.
 #[derive(Debug, Clone)]
 struct Between {
-    /// Of a tile; those of one frame are read where they are.
+    /// Displacements of a tile, mm. Empty for one frame, which is read in place.
     displacements: Aligned<f64>,
     projected: Aligned<f64>,
     inputs: Aligned<f32>,
@@ -52,18 +52,18 @@ impl Forward {
         dispatch(arch, Arrange { prepared, arch })
     }
 
-    /// Length of a frame.
+    /// Number of displacement coordinates of a frame.
     pub(super) fn coordinates(&self) -> usize {
         self.plan.coordinates
     }
 
-    /// Forces of one frame. Lengths must be those of the network.
+    /// Forces of one frame, N, from its displacements, mm. Lengths must be those of the network.
     pub(super) fn forces(&mut self, displacements: &[f64], forces_n: &mut [f64]) {
         let Forward { arch, plan, one, .. } = self;
         dispatch(*arch, EvaluateOne { plan, between: one, displacements, forces_n });
     }
 
-    /// Forces of many frames, one after the other. Lengths must be multiples of those of the network.
+    /// Forces of many frames, N, from their displacements, mm, frame after frame. Lengths must be multiples of those of the network.
     pub(super) fn forces_of_many(&mut self, displacements: &[f64], forces_n: &mut [f64]) {
         let Forward { arch, plan, many, .. } = self;
         dispatch(*arch, EvaluateMany { plan, between: many, displacements, forces_n });
@@ -78,7 +78,7 @@ fn dispatch<Op: WithSimd>(arch: Option<Arch>, op: Op) -> Op::Output {
     }
 }
 
-/// Brings a network into order.
+/// Arranges a network for the kernels.
 struct Arrange<'a> {
     prepared: &'a Prepared,
     arch: Option<Arch>,

@@ -1,21 +1,22 @@
-//! Markers that are not seen, filled in by what the training shapes say of them.
+//! Fills in the displacements of hidden markers from the training shapes.
 //!
-//! Training shapes are x = mean + V^T c + noise, with independent coefficients c of the stored variances L along the principal directions V. Given
-//! the seen coordinates d = x_s - mean_s, the expected coordinates are mean + F d, F the identity on seen ones and S_hs S_ss^-1 on hidden ones, with
-//! S = V^T L V + noise^2 (Rasmussen and Williams, Gaussian Processes for Machine Learning, eq. (A.6)). With everything seen, F is the identity.
+//! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c of the stored variances L. The seen
+//! coordinates are d = x_s - mean_s. The expected coordinates are mean + F d, with F the identity for seen coordinates and S_hs S_ss^-1 for hidden ones. The
+//! covariance is S = V^T L V + noise^2 (Rasmussen and Williams, Gaussian Processes for Machine Learning, eq. (A.6)). If all coordinates are seen, F is the
+//! identity.
 
 use super::Network;
 use nalgebra::DMatrix;
 
-/// Networks trained without noise get this share of the shapes' spread: what seen markers determine is then estimated.
+/// Noise of networks that were trained without noise, as a share of the shapes' standard deviation. It keeps S_ss invertible.
 const LEAST_NOISE: f64 = 1e-6;
 
-/// How seen coordinates become all of them.
+/// Linear map from seen coordinates to all coordinates.
 #[derive(Debug, Clone)]
 pub(super) struct Filling {
-    /// F, coordinates of the network x seen coordinates.
+    /// F, dimensionless: coordinates of the network x seen coordinates.
     pub(super) matrix: DMatrix<f64>,
-    /// Covariance of what F d misses of V^T c before noise, mm^2; zero if all is seen.
+    /// Covariance of the difference between F d and the shape without noise, mm^2. Zero if all coordinates are seen.
     pub(super) missed: DMatrix<f64>,
 }
 
@@ -31,7 +32,7 @@ pub(super) fn directions(network: &Network) -> DMatrix<f64> {
     directions
 }
 
-/// The filling for the seen coordinates, in their order; `None` if they leave the noise-free shapes undefined.
+/// Filling for the seen coordinates (indices), in their order. `None` if they do not determine the shapes without noise.
 pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<Filling> {
     let n = network.inputs.coordinate_count();
     let mut matrix = DMatrix::zeros(n, seen.len());
@@ -51,7 +52,7 @@ pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<Filling> {
     for hidden in (0..n).filter(|coordinate| !seen.contains(coordinate)) {
         matrix.row_mut(hidden).copy_from(&filled.column(hidden).transpose());
     }
-    // What the seen coordinates say of c is multiplied by F, the rest of the shape is missed.
+    // F maps the seen part of a shape; the rest of the shape is missed.
     let mut selection = DMatrix::zeros(seen.len(), n);
     for (row, &coordinate) in seen.iter().enumerate() {
         selection[(row, coordinate)] = 1.0;

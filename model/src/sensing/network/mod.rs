@@ -1,8 +1,8 @@
-//! Sensing by a neural network: what it is, its file, and its fast evaluation.
+//! Sensing by a neural network: its definition, its file, and its fast evaluation.
 //!
-//! A network turns the measured displacements x (mm: ux, uy of each of its markers) into inputs z = P (x - mean) and these into forces (N). With
-//! [`ContactSet::Fixed`], f = skip z + MLP(z). With [`ContactSet::AnyOf`] and the contacts S that touch, ridge forces r = G_S x on the linear finger
-//! come first, and f_S = r_S + MLP_S([z, mask, r / prior]). Hidden layers of the MLP end in tanh, the last one is linear.
+//! A network maps measured displacements x (mm: ux, uy of each marker) to inputs z = P (x - mean), and the inputs to forces f (N). For
+//! [`ContactSet::Fixed`], f = skip z + MLP(z). For [`ContactSet::AnyOf`] with touching contacts S, the linear finger first gives ridge forces r = G_S x;
+//! then f_S = r_S + MLP_S([z, mask, r / prior]). Hidden layers of the MLP end in tanh, the last layer is linear.
 
 mod card;
 mod error;
@@ -23,26 +23,26 @@ pub(crate) use prepared::ridge_gain;
 use error::require_shape;
 use nalgebra::DMatrix;
 
-/// How displacements become inputs: z = P (x - mean), with n coordinates and p <= n inputs.
+/// Conversion of displacements to inputs: z = P (x - mean), with n coordinates and p <= n inputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inputs {
-    /// Mean displacement of the training shapes, n, mm.
+    /// Mean displacement of the training shapes, length n, mm.
     pub mean: Vec<f64>,
-    /// P, p x n, 1/mm. [`Scaling::Principal`]: orthogonal rows of length 1 / sqrt(variance_i + noise^2); else diagonal.
+    /// P, p x n, 1/mm. For [`Scaling::Principal`], orthogonal rows of length 1 / sqrt(variance_i + noise^2); otherwise diagonal.
     pub projection: DMatrix<f64>,
-    /// Variance of the training shapes without noise along the direction of each row, p, mm^2.
+    /// Variance of the training shapes without noise along the direction of each row, length p, mm^2.
     pub variances: Vec<f64>,
-    /// Largest |z_i| met in training, p.
+    /// Largest |z_i| in training, length p, dimensionless.
     pub largest: Vec<f64>,
 }
 
 impl Inputs {
-    /// Number of displacements' coordinates, n.
+    /// Number of displacement coordinates, n.
     pub fn coordinate_count(&self) -> usize {
         self.mean.len()
     }
 
-    /// Number of inputs that they become, p.
+    /// Number of inputs, p.
     pub fn count(&self) -> usize {
         self.projection.nrows()
     }
@@ -55,35 +55,35 @@ pub struct Dense {
     pub inputs: usize,
     /// Length of y.
     pub outputs: usize,
-    /// W by rows, outputs x inputs.
+    /// W by rows, outputs x inputs. N in the last layer, dimensionless in the others.
     pub weights: Vec<f32>,
-    /// b.
+    /// b, length outputs. N in the last layer, dimensionless in the others.
     pub bias: Vec<f32>,
 }
 
 /// A trained network.
 ///
-/// The fields are open to be read and to be built from; what evaluates or stores a network checks it again.
+/// All fields are public. Functions that evaluate or store a network check it again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
-    /// Its purpose and errors.
+    /// Purpose, training and errors of the network.
     pub card: NetworkCard,
-    /// How displacements become inputs.
+    /// Conversion of displacements to inputs.
     pub inputs: Inputs,
-    /// The layers of the MLP, at least one, all but the last with tanh. The first takes the p inputs, and for
-    /// [`ContactSet::AnyOf`] a mask (0 or 1) and ridge force / prior of each contact after them; the last: forces, N.
+    /// Layers of the MLP, at least one, all but the last with tanh. The first layer takes the p inputs. For [`ContactSet::AnyOf`], a mask (0 or 1) and the
+    /// ridge force / prior of each contact follow. The last layer returns forces, N.
     pub layers: Vec<Dense>,
-    /// The skip branch by rows, contacts x p, N; empty if there is none, as for [`ContactSet::AnyOf`].
+    /// Skip branch by rows, contacts x p, N. Empty without a skip branch, as for [`ContactSet::AnyOf`].
     pub skip: Vec<f32>,
-    /// Displacements of the linear finger under 1 N at each contact, n x contacts, mm/N, for [`ContactSet::AnyOf`] alone.
+    /// Displacements of the linear finger under 1 N at each contact, n x contacts, mm/N. Only for [`ContactSet::AnyOf`].
     pub compliance: Option<DMatrix<f64>>,
 }
 
 impl Network {
-    /// Puts a network together.
+    /// Assembles a network from its parts and checks it.
     ///
     /// # Errors
-    /// As [`Network::check`].
+    /// [`NetworkError`] as from [`Network::check`].
     pub fn new(
         card: NetworkCard,
         inputs: Inputs,
@@ -113,7 +113,7 @@ impl Network {
     /// Checks that all parts fit together and that every number is finite.
     ///
     /// # Errors
-    /// [`NetworkError`] naming the part that does not fit, what was expected and what was found.
+    /// [`NetworkError`] naming the part that does not fit, with the expected and the found value.
     pub fn check(&self) -> Result<(), NetworkError> {
         self.card.check()?;
         let (contacts, p) = (self.contact_count(), self.inputs.count());

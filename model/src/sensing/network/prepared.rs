@@ -1,11 +1,11 @@
-//! A network made ready for the contacts that touch and the markers that are seen.
+//! A network prepared for the touching contacts and the visible markers.
 
 use super::{ContactSet, Dense, Network};
 use crate::sensing::linear::Inverse;
 use nalgebra::DMatrix;
 
-/// Gain G (contacts x n, N/mm) of the ridge forces r = G x of the contacts that touch, (C^T C + ridge^2)^-1 C^T with the columns of the compliance (n
-/// x contacts, mm/N) that belong to them; rows of the others are zero. `ridge` is the noise of a coordinate by the forces' standard deviation, mm/N.
+/// Gain G (contacts x n, N/mm) of the ridge forces r = G x of the touching contacts: (C^T C + ridge^2)^-1 C^T. C has the columns of these contacts from the
+/// compliance (n x contacts, mm/N). Rows of other contacts are zero. `ridge` is the noise of a coordinate over the forces' standard deviation, mm/N.
 pub(crate) fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> DMatrix<f64> {
     let those: Vec<usize> = (0..touching.len()).filter(|&i| touching[i]).collect();
     let inverse = Inverse::of(&compliance.select_columns(&those), ridge);
@@ -16,24 +16,24 @@ pub(crate) fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f6
     gain
 }
 
-/// z = P x + offset, f = skip z + MLP(z): one form for both kinds of contact sets.
+/// Common form of both kinds of contact sets: z = P x + offset, f = skip z + MLP(z).
 #[derive(Debug, Clone)]
 pub(super) struct Prepared {
     /// P, inputs x coordinates, 1/mm.
     pub(super) projection: DMatrix<f64>,
-    /// What is added to P x.
+    /// Vector added to P x.
     pub(super) offset: Vec<f64>,
     /// The layers of the MLP.
     pub(super) layers: Vec<Dense>,
-    /// The skip branch by rows, outputs x inputs; empty if there is none.
+    /// Skip branch by rows, outputs x inputs, N. Empty without a skip branch.
     pub(super) skip: Vec<f32>,
 }
 
 impl Prepared {
-    /// Prepares a network for some of its contacts, by their positions in its list: those that touch, where any may.
+    /// Prepares a network for some of its contacts, by their indices in its list: the touching ones if any may touch.
     ///
-    /// The mask of these contacts is constant and goes into the bias of the first layer; their ridge forces
-    /// G_S x / prior, G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T, become further inputs, which skip to the outputs.
+    /// The mask of these contacts is constant and becomes part of the bias of the first layer. Their ridge forces
+    /// G_S x / prior, G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T, become further inputs with a skip to the outputs.
     pub(super) fn new(network: &Network, selected: &[usize]) -> Prepared {
         let (p, m) = (network.inputs.count(), network.contact_count());
         let mut layers = network.layers.clone();
@@ -70,13 +70,13 @@ impl Prepared {
         self.layers.last().map_or(0, |layer| layer.outputs)
     }
 
-    /// The inputs z of a frame.
+    /// Inputs z of a frame, dimensionless, from its displacements, mm.
     pub(super) fn inputs(&self, displacements: &[f64]) -> Vec<f64> {
         let projected = &self.projection * nalgebra::DVectorView::from_slice(displacements, displacements.len());
         projected.iter().zip(&self.offset).map(|(z, offset)| z + offset).collect()
     }
 
-    /// Derivatives of forces by inputs at z, outputs x inputs, N: W_L D_{L-1} ... D_1 W_1 + skip with D = 1 - tanh^2.
+    /// Derivatives of the forces with respect to the inputs at z, outputs x inputs, N: W_L D_{L-1} ... D_1 W_1 + skip with D = 1 - tanh^2.
     pub(super) fn derivatives(&self, z: &[f64]) -> DMatrix<f64> {
         let mut activations = vec![z.to_vec()];
         for (k, layer) in self.layers.iter().enumerate().take(self.layers.len() - 1) {
@@ -110,7 +110,7 @@ impl Prepared {
 }
 
 impl Dense {
-    /// W x + b.
+    /// Output of the layer without its tanh: W x + b.
     fn applied(&self, x: &[f64]) -> Vec<f64> {
         let sums = self.weights.chunks_exact(self.inputs).zip(&self.bias);
         sums.map(|(weights, bias)| {
@@ -120,7 +120,7 @@ impl Dense {
     }
 }
 
-/// Some rows of a matrix of `columns` columns; of an empty one, none.
+/// Selected rows of a matrix of `columns` columns. An empty matrix gives none.
 fn rows(matrix: &[f32], columns: usize, selected: &[usize]) -> Vec<f32> {
     if matrix.is_empty() {
         return Vec::new();
@@ -128,7 +128,7 @@ fn rows(matrix: &[f32], columns: usize, selected: &[usize]) -> Vec<f32> {
     selected.iter().flat_map(|&row| &matrix[row * columns..(row + 1) * columns]).copied().collect()
 }
 
-/// The first layer once it is known which contacts touch: from [z, mask, ridge forces] to [z, ridge forces of those].
+/// First layer for given touching contacts: its inputs [z, mask, ridge forces] become [z, ridge forces of these contacts].
 fn with_mask(layer: &Dense, p: usize, contacts: usize, selected: &[usize]) -> Dense {
     let by_row = || layer.weights.chunks_exact(layer.inputs);
     let kept = |row: &[f32]| -> Vec<f32> {

@@ -1,4 +1,4 @@
-//! Discretisation error of sensed forces, from a finer mesh.
+//! Discretisation error of estimated forces, from a finer mesh.
 
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::Kinematics;
@@ -7,34 +7,34 @@ use crate::mesh::Mesh;
 use crate::sensing::{Contact, Pad, SensingError, Warning};
 use crate::statics::{Ladder, Statics};
 
-/// Into how many parts elements are divided for the finer mesh; where some members are single elements, whose errors do not
-/// fall with the square of their length yet, into more.
+/// Number of parts of each element in the finer mesh. Members of a single element need more parts, because their errors do not yet decrease with the
+/// square of the element length.
 const DIVISIONS: usize = 2;
 const DIVISIONS_OF_SINGLE: usize = 4;
-/// What was found for forces that differ by less than this share of the largest, at positions and directions that differ by
-/// less than these, is taken again: the error is known to about a third of itself anyway.
+/// Largest differences at which a stored error is reused: of forces (share of the largest), positions (share of the plate) and directions. The error
+/// itself is known to about a third.
 const SAME_FORCE: f64 = 0.12;
 const SAME_POSITION: f64 = 0.02;
 const SAME_ANGLE_DEG: f64 = 3.0;
-/// Errors that are kept.
+/// Largest number of stored errors.
 const MOST_KEPT: usize = 256;
 
-/// The error of a mesh, by comparison with a finer one.
+/// Error of a mesh, by comparison with a finer one.
 ///
 /// # Requirements
 /// An estimator on a mesh of the same finger, and its last estimate.
 ///
 /// # Reference
-/// Under the sensed forces the finer mesh bends further by d; the coarse one needs A^+ d more force to explain that, A
-/// the derivatives of its shape by the unknowns. Errors of co-rotational beams fall with the square of the element length,
-/// so Richardson's extrapolation makes it n^2 / (n^2 - 1) times that, n the elements of the finer mesh to one of the other.
+/// Under the estimated forces the finer mesh bends further by d. The coarse mesh needs additional forces A^+ d to explain this, with A the derivatives of
+/// its shape with respect to the unknowns. Errors of co-rotational beams decrease with the square of the element length. Richardson's extrapolation
+/// therefore multiplies A^+ d by n^2 / (n^2 - 1), for n elements of the finer mesh per element of the coarse one.
 #[derive(Debug, Clone)]
 pub struct Discretisation<'m> {
     finer: &'m Mesh,
-    /// The whole error over the difference of the two meshes.
+    /// Ratio of the whole error to the difference between the two meshes.
     extrapolated: f64,
     statics: Statics<Ladder<'m>>,
-    /// Forces and contacts with the error that was found for them, N.
+    /// Stored errors, N, with their forces and contacts.
     known: Vec<Known>,
 }
 
@@ -46,7 +46,7 @@ struct Known {
 }
 
 impl<'m> Discretisation<'m> {
-    /// A mesh that is fine enough to show the error of another.
+    /// A mesh fine enough to show the error of another.
     pub fn finer(mesh: &Mesh) -> Mesh {
         mesh.refined(if mesh.has_single_elements() { DIVISIONS_OF_SINGLE } else { DIVISIONS })
     }
@@ -63,10 +63,10 @@ impl<'m> Discretisation<'m> {
         }
     }
 
-    /// Adds the mesh's error to the standard deviations of the estimator's last estimate, and warns where it is the larger part.
+    /// Adds the error of the mesh to the standard deviations of the estimator's last estimate. Warns if it exceeds the error due to noise.
     ///
     /// # Errors
-    /// [`SensingError`] if the finer mesh has no equilibrium under the sensed forces, or there was no estimate.
+    /// [`SensingError`] if the finer mesh has no equilibrium under the estimated forces, or there is no last estimate.
     pub fn widen(
         &mut self,
         estimator: &mut NonlinearEstimator,
@@ -103,7 +103,7 @@ impl<'m> Discretisation<'m> {
             && known.contacts.iter().zip(&state.contacts).all(same_contact)
     }
 
-    /// The error of each force at a state, N.
+    /// Error of each force at a state, N.
     fn error(&mut self, pad: Pad, state: &mut State, measurement: &Measurement) -> Result<Vec<f64>, SensingError> {
         let contacts = state.contacts.iter().zip(&state.forces_n).zip(&state.plate_turns_rad);
         let loads = contacts.flat_map(|((c, f), turn_rad)| pad.loads(self.finer, c, *f, *turn_rad));
@@ -111,7 +111,7 @@ impl<'m> Discretisation<'m> {
         let coarse = &state.motion.displacements;
         let further = |node: usize| fine.displacements[node] - coarse[node];
         let explained = state.linearised.explained(measurement, further)?;
-        // Forces come first among the unknowns.
+        // Forces are the first unknowns.
         Ok(explained[..state.forces_n.len()].iter().map(|force| self.extrapolated * force).collect())
     }
 }

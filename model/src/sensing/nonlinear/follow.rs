@@ -1,24 +1,24 @@
-//! Where a step leads: the equilibria on its way, from small shares of it to the whole.
+//! Follows a step through equilibria, from small shares of it to the whole.
 
 use super::{NonlinearEstimator, Posed, State};
 use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::statics::StaticsError;
 
-/// An equilibrium on the way of a step with so many times the misfit of its start ends the step.
+/// Factor on the misfit of a step's start: an equilibrium on the path with a larger misfit ends the step.
 const WORSE: f64 = 2.0;
-/// A step ends where the finger was seen to carry it so far when so many shorter ones were rejected on its way.
+/// Number of rejected shorter steps after which a step ends at the largest share that the finger carried.
 const MOST_REJECTED: usize = 2;
 
-/// A step as the finger answers it.
+/// Result of following a step.
 pub(super) struct Followed {
-    /// Misfit at its end, mm^2, or else the share of it that the finger carries.
+    /// Misfit at the end of the step, mm^2, or else the share of the step that the finger carries.
     pub misfit_mm2: Result<f64, f64>,
-    /// The best equilibrium on the way.
+    /// Equilibrium with the smallest misfit on the path.
     pub best: Option<OnTheWay>,
 }
 
-/// An equilibrium under a share of a step's change of loads.
+/// Equilibrium under a share of a step's change of loads.
 pub(super) struct OnTheWay {
     share: f64,
     misfit_mm2: f64,
@@ -32,8 +32,8 @@ pub(super) struct PartOfStep {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Follows the equilibrium to the loads of the next state, which gets the motion that is found there. Shapes are compared under the weights of the
-    /// current state, whose misfit is given: reweighting is not progress.
+    /// Follows the equilibrium to the loads of the state `next`, which receives the motion. Misfits use the weights of the current state, whose misfit is
+    /// `current_mm2`: reweighting is not progress.
     pub(super) fn follow(
         &mut self,
         state: &State,
@@ -68,8 +68,8 @@ impl NonlinearEstimator<'_> {
         Followed { misfit_mm2, best }
     }
 
-    /// The state after a share of the step, in the equilibrium that is near one on the way; `None` if there is none, or it is
-    /// worse than the current state, whose misfit is given.
+    /// State after a share of the step, at the equilibrium near one on the path. `None` if no equilibrium is near, or if its misfit exceeds `current_mm2`,
+    /// that of the current state.
     pub(super) fn part_of_step(
         &mut self,
         state: &State,

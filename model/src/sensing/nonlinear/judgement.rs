@@ -13,24 +13,24 @@ use crate::sensing::{
 };
 use nalgebra::DMatrix;
 
-/// A direction known to less than this, degrees, or a position to less than this share of the plate, is not known.
+/// Largest standard deviation of an identifiable direction, degrees, and of an identifiable position, as a share of the plate.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 const LARGEST_POSITION_SIGMA: f64 = 0.25;
-/// Another minimum counts as an explanation as good as the best if its misfit, in squared standard deviations, is larger
-/// by no more than this, and as another answer if a force differs by more than this many standard deviations.
+/// Another minimum explains the data equally well if its misfit, in squared standard deviations, exceeds the smallest by no more than this. It is another
+/// answer if a force differs by more than `ANOTHER_ANSWER_SIGMAS` standard deviations.
 const AS_GOOD: f64 = 9.0;
 const ANOTHER_ANSWER_SIGMAS: f64 = 5.0;
-/// Without noise, forces that differ by no more than this share of the largest are the same.
+/// Without noise, forces are equal if they differ by no more than this share of the largest.
 const SAME_ANSWER: f64 = 1e-3;
-/// Measured coordinates a force that confirm an answer by fitting it.
+/// Number of measured coordinates per force whose fit confirms an answer.
 const CONFIRMING_COORDINATES: usize = 4;
 
 impl NonlinearEstimate {
-    /// Refuses an estimate that claims a force where no force at all explains the data as well: noise has been read as the
-    /// onset of buckling, where a little moves much.
+    /// Refuses an estimate that claims a force if zero force explains the data equally well. Near buckling, where a small force moves much, noise looks like
+    /// such a force.
     ///
     /// # Errors
-    /// [`SensingError::Ambiguous`].
+    /// [`SensingError::Ambiguous`] for the first force that differs from zero.
     pub(super) fn check_against_nothing(&self, misfit: f64, misfit_at_rest: f64) -> Result<(), SensingError> {
         let Estimate { forces_n, sigmas_n, noise_mm, .. } = &self.forces;
         if misfit_at_rest - misfit > AS_GOOD * noise_mm * noise_mm {
@@ -40,11 +40,11 @@ impl NonlinearEstimate {
         claimed.map_or(Ok(()), |i| Err(SensingError::Ambiguous { contact: i + 1, force_n: forces_n[i], other_n: 0.0 }))
     }
 
-    /// Refuses an estimate beside which other forces explain the data as well, though they are no minimum: where the finger answers linearly,
-    /// forces whose misfit is no larger than [`AS_GOOD`] allows are within three standard deviations. `others` holds misfits and forces.
+    /// Refuses an estimate if other forces, which need not be a minimum, explain the data equally well. On a linear finger, forces whose misfit is within
+    /// [`AS_GOOD`] are within three standard deviations. `others` holds misfits, mm^2, and forces, N.
     ///
     /// # Errors
-    /// [`SensingError::Ambiguous`].
+    /// [`SensingError::Ambiguous`] for the first force that differs.
     pub(super) fn check_other_forces<'s>(
         &self,
         misfit: f64,
@@ -56,11 +56,11 @@ impl NonlinearEstimate {
         Ok(())
     }
 
-    /// Refuses several forces that leave no coordinate to confirm them, where they are others than those of the linear finger: any number of
-    /// equilibria may then explain the measurement exactly. `starts` begins with the linear forces, if the search did.
+    /// Refuses several forces without coordinates that confirm them, if they differ from the forces of the linear finger. Many equilibria may then explain the
+    /// measurement exactly. The first of `starts` has the linear forces, if the search started from them.
     ///
     /// # Errors
-    /// [`SensingError::Unconfirmed`].
+    /// [`SensingError::Unconfirmed`] for such forces.
     pub(super) fn check_unconfirmed(
         &self,
         coordinates: usize,
@@ -71,10 +71,10 @@ impl NonlinearEstimate {
         if count > 1 && coordinates <= count && is_far { Err(SensingError::Unconfirmed) } else { Ok(()) }
     }
 
-    /// Whether other forces, whose misfit is larger by `excess`, are the same answer.
+    /// Whether other forces, N, whose misfit is larger by `excess`, mm^2, are the same answer.
     ///
     /// # Errors
-    /// [`SensingError::Ambiguous`] if they are another one that explains the data as well.
+    /// [`SensingError::Ambiguous`] if the other forces are another answer that explains the data equally well.
     fn is_confirmed_by(&self, other_n: &[f64], excess: f64) -> Result<bool, SensingError> {
         match self.other_answer(other_n) {
             Some(i) if excess <= AS_GOOD * self.forces.noise_mm.powi(2) => {
@@ -85,7 +85,7 @@ impl NonlinearEstimate {
         }
     }
 
-    /// The first force that differs from this estimate's by more than its standard deviation allows.
+    /// Index of the first force that differs from this estimate's by more than its standard deviation allows.
     fn other_answer(&self, other_n: &[f64]) -> Option<usize> {
         let Estimate { forces_n, sigmas_n, .. } = &self.forces;
         let largest = forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
@@ -93,11 +93,11 @@ impl NonlinearEstimate {
         (0..forces_n.len()).find(|&i| (forces_n[i] - other_n[i]).abs() > same(i))
     }
 
-    /// Refuses an estimate beside which another minimum explains the data as well, and one from few coordinates, far from
-    /// the linear forces, to which one start alone has led. `minima` holds misfit and forces of each minimum that was found.
+    /// Refuses an estimate if another minimum explains the data equally well. Also refuses one from few coordinates, far from the linear forces, to which only
+    /// one start leads. `minima` holds misfit, mm^2, and forces, N, of each minimum.
     ///
     /// # Errors
-    /// [`SensingError::Ambiguous`] and [`SensingError::Unconfirmed`].
+    /// [`SensingError::Ambiguous`] for another minimum, [`SensingError::Unconfirmed`] for an estimate that nothing confirms.
     pub(super) fn check_rivals(
         &self,
         misfit: f64,
@@ -109,14 +109,14 @@ impl NonlinearEstimate {
         for (other_misfit, other_n) in minima {
             confirmations += usize::from(self.is_confirmed_by(other_n, other_misfit - misfit)?);
         }
-        // One of them is the estimate itself. Many coordinates that all fit confirm it as well.
+        // One of the minima is the estimate itself. Many coordinates that all fit confirm it as well.
         let confirmed =
             near || confirmations >= 2 || coordinates >= CONFIRMING_COORDINATES * self.forces.forces_n.len();
         if confirmed { Ok(()) } else { Err(SensingError::Unconfirmed) }
     }
 }
 
-/// A contact as it was found: its direction as it was given, else between -180 and 180 degrees.
+/// An estimated contact with its given direction, if any, between -180 and 180 degrees.
 fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
     let angle_deg = match question.direction {
         Direction::Angle(angle_deg) => angle_deg,
@@ -126,7 +126,8 @@ fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
 }
 
 impl NonlinearEstimator<'_> {
-    /// A lean that was sought, from the covariances of all forces with the force across its own, N^2, and the variance of that.
+    /// An estimated lean. `covariance_n2` gives the covariance of each force with the force across the lean's contact, N^2, `variance_n2` the variance of the
+    /// latter.
     fn found_lean(
         &self,
         state: &State,
@@ -147,7 +148,7 @@ impl NonlinearEstimator<'_> {
         })
     }
 
-    /// Refuses positions and directions whose standard deviation, by unknown, is too large.
+    /// Refuses positions and directions whose standard deviation is too large. `sigma` gives it for each unknown.
     fn require_determined(&self, forces_n: &[f64], sigma: impl Fn(usize) -> f64) -> Result<(), SensingError> {
         for (j, unknown) in self.unknowns.iter().enumerate() {
             let (what, contact, sigma, limit, unit) = match *unknown {
@@ -168,10 +169,10 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Standard deviations and refusals.
+    /// Computes the standard deviations of an estimate, and refuses estimates without identifiable unknowns.
     ///
     /// # Errors
-    /// [`SensingError`] for unknowns that are not identifiable.
+    /// [`SensingError`] if an unknown is not identifiable, or the shape does not explain the measurement.
     pub(super) fn judged(
         &self,
         state: &mut State,
@@ -190,7 +191,7 @@ impl NonlinearEstimator<'_> {
         let known = self.priors.count() + self.object.as_ref().map_or(0, Touching::row_count);
         let degrees_of_freedom = coordinates + known - count;
         let test = ResidualTest::new(noise_mm, misfit, degrees_of_freedom);
-        // What the stated noise does not explain is uncertainty too.
+        // A residual that the stated noise does not explain adds to the uncertainty.
         let noise_mm = noise_of(test, noise_mm, misfit, degrees_of_freedom);
         self.rescale(state);
         let parts = state.linearised.singular_parts(measurement)?;
@@ -201,8 +202,8 @@ impl NonlinearEstimator<'_> {
         }
         let scales = &state.linearised.scales;
         let linear = |i: usize, j: usize| scales[i] * scales[j] * parts.covariance(i, j) * noise_mm * noise_mm;
-        // What a force has across its direction adds to it by second order, b^2 / (2 f), of mean square 3 s^4 / (4 f^2): all
-        // there is of it where a direction is known to some degrees only.
+        // A force b across the direction adds b^2 / (2 f) to the force, to second order, with mean square 3 s^4 / (4 f^2). Higher orders are negligible if
+        // the direction is known to some degrees.
         let by_direction = |i: usize| {
             let across = self.unknowns.iter().position(|unknown| *unknown == Unknown::Across(i));
             across.map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))

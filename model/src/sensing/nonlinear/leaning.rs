@@ -1,38 +1,38 @@
-//! What a lean that is hardly known leaves of a force, beyond the finger linearised at the estimate.
+//! Uncertainty of a force due to an uncertain lean, beyond the linearisation at the estimate.
 //!
-//! Markers that hardly tell how a force leans let a lean of some degrees more go with a contact elsewhere and another force, and the further it leans
-//! the more: the tangent at the estimate may show half of that.
+//! Markers that barely constrain the direction let it trade off against contact position and magnitude. The effect grows with the lean; the tangent at the
+//! estimate may show only half of it.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::measurement::Measurement;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
 
-/// How far from the estimate a lean is tried, in its standard deviations: the outer points of Gauss-Hermite's quadrature of three, and the ends of a
-/// range whose values are all alike.
+/// Distance from the estimate at which a lean is tried, in standard deviations: outer points of three-point Gauss-Hermite quadrature, and ends of a
+/// uniform distribution.
 pub(crate) const REACH: f64 = 1.732_050_807_568_877_2;
-/// A lean that makes up less than this share of every standard deviation is not tried: curved or not, it hardly counts.
+/// Share of a standard deviation below which the contribution of a lean is negligible. Such a lean is not tried.
 pub(crate) const COUNTS: f64 = 0.3;
 
-/// How a lean was found.
+/// An estimated lean.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FoundLean {
-    /// Position of its contact in the list, from 0.
+    /// Index of its contact, from 0.
     pub contact: usize,
     /// The lean and its standard deviation, degrees.
     pub lean_deg: f64,
     pub sd_deg: f64,
-    /// Change of each force per degree, with all other unknowns as they then are best, N.
+    /// Derivative of each force with respect to the lean, with all other unknowns at their optimum, N per degree.
     pub by_lean_n: Vec<f64>,
-    /// What its second order adds to the variance of its own force already, N^2.
+    /// Contribution of second order, N^2, already in the variance of the force that leans.
     pub second_order_n2: f64,
 }
 
 impl NonlinearEstimator<'_> {
-    /// Widens standard deviations to the mean square of how far the forces are from the estimate where a lean is at either end of what is left of it.
+    /// Widens standard deviations to the mean square difference between the estimate and the forces at both ends of an uncertain lean.
     ///
     /// # Errors
-    /// [`SensingError::Undetermined`] where no finger answers either end.
+    /// [`SensingError::Undetermined`] if neither end has an answer.
     pub(super) fn widen_by_leans(
         &self,
         state: &State,
@@ -46,7 +46,7 @@ impl NonlinearEstimator<'_> {
             if !estimate.forces.sigmas_n.iter().enumerate().any(counts) {
                 continue;
             }
-            // Where no finger answers one end, the other counts.
+            // If one end has no answer, the other counts alone.
             let ends = [-REACH, REACH]
                 .map(|reach| self.leaning_at(state, &found, reach * found.sd_deg, measurement, noise_mm).ok());
             let answered = ends.iter().flatten().count();
@@ -66,10 +66,10 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// The forces that explain a measurement best if one of them leans by so many degrees more.
+    /// Forces, N, that explain a measurement best if one of them leans by `more_deg` further.
     ///
     /// # Errors
-    /// [`SensingError`] if there are none.
+    /// [`SensingError`] if the search finds no such forces.
     fn leaning_at(
         &self,
         state: &State,
@@ -87,7 +87,7 @@ impl NonlinearEstimator<'_> {
         let mut estimator = self.asking(&questions)?;
         estimator.expect(measurement, noise_mm)?;
         let start = estimator.resumed(state, measurement, noise_mm)?;
-        // There is no way to meet.
+        // An empty history has no path at which the search could end.
         let found = estimator.minimum_near(start, measurement, noise_mm, &mut SearchHistory::default())?;
         Ok(found.ok_or(SensingError::NoContact)?.state.forces_n)
     }

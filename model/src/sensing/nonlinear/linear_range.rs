@@ -1,4 +1,4 @@
-//! Validity of a standard deviation: it is that of the finger linearised at the estimate.
+//! Checks whether the finger linearised at the estimate gives valid standard deviations.
 
 use super::linearised::Posed;
 use super::minima::MANY_COORDINATES;
@@ -9,26 +9,26 @@ use crate::sensing::SensingError;
 use crate::statics::StaticsError;
 use nalgebra::DVectorView;
 
-/// A force known to within this share of itself is far from where its standard deviation would mislead.
+/// Relative standard deviation up to which a force needs no check.
 const WELL_KNOWN: f64 = 0.3;
-/// One standard deviation more or less of a force must move the markers as the linearised finger has it, but for this
-/// share (Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature).
+/// Largest relative difference between nonlinear and linearised motion of the markers when a force changes by one standard deviation. See Bates and Watts,
+/// Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
 const LARGEST_DEPARTURE: f64 = 0.5;
 
-/// A confidence region this small against the forces is as the linearised finger has it; on data without noise its ends differ by rounding alone.
+/// Size of a confidence region, relative to the largest force, below which it needs no check. Without noise its ends differ only by rounding.
 const STRAIGHT: f64 = 1e-6;
-/// Ends of the confidence region where it is tried, in standard deviations.
+/// Distance of the checked ends of a confidence region from the estimate, in standard deviations.
 const REACH: f64 = 3.0;
-/// A misfit that has grown by less than this at an end, in squared standard deviations, leaves the force unknown: 9 where the finger answers
-/// linearly.
+/// Smallest growth of the misfit at an end, in squared standard deviations, for which the force is identifiable. It is 9 for a linear
+/// finger.
 const LEAST_GROWTH: f64 = 1.0;
 
 impl NonlinearEstimator<'_> {
-    /// Widens standard deviations where the misfit grows less from the estimate to the ends of its confidence region than it does for a finger that
-    /// answers linearly. For forces at known contacts from few coordinates.
+    /// Widens standard deviations where the misfit grows less towards the ends of the confidence region than for a linear finger. For forces at known contacts
+    /// from few coordinates.
     ///
     /// # Errors
-    /// [`SensingError::Undetermined`] where it hardly grows.
+    /// [`SensingError::Undetermined`] if the misfit hardly grows.
     pub(super) fn widen_by_curvature(
         &mut self,
         state: &State,
@@ -51,14 +51,14 @@ impl NonlinearEstimator<'_> {
             if sd_n <= STRAIGHT * state.forces_n.iter().fold(0.0, |largest: f64, force_n| largest.max(force_n.abs())) {
                 continue;
             }
-            // By the end towards which the misfit grows less: the true force may be there.
+            // The end with the smaller growth counts, because the true force may be there.
             let mut widened = 0.0_f64;
             for reach in [-REACH, REACH] {
                 let forces_n: Vec<f64> = state.forces_n.iter().zip(&axis).map(|(f, a)| f + reach * sd_n * a).collect();
-                // A finger that does not carry the forces does not have them.
+                // Forces that the finger does not carry are impossible.
                 let Some(end) = self.state_under(&state.contacts, &forces_n, Some(state)) else { continue };
                 let shape = Posed { nuisances: &state.nuisances, ..end.posed() };
-                // The region may be bent: the misfit is less beside the axis.
+                // The region may be curved, with a smaller misfit beside the axis.
                 let beside = axes.eigenvectors.column_iter().enumerate().filter(|(j, _)| *j != i);
                 let explained = |(_, other): (usize, DVectorView<f64>)| {
                     end.linearised.explained_along(other.iter().copied(), shape, measurement)
@@ -86,11 +86,11 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Refuses forces that the noise leaves so open that the finger answers differently, or not at all, within their
-    /// standard deviations: as where a plate is pushed along itself, which moves nothing until it buckles.
+    /// Refuses forces so uncertain that the finger responds nonlinearly, or not at all, within one standard deviation. A force along a plate is an example: it
+    /// moves nothing until the plate buckles.
     ///
     /// # Errors
-    /// [`SensingError::Undetermined`] for the first such force.
+    /// [`SensingError::Undetermined`] for the first force that is so uncertain.
     pub(super) fn require_linear_range(
         &mut self,
         state: &State,
@@ -110,7 +110,7 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Whether the markers move with a force as the linearised finger has it.
+    /// Whether the markers follow a change of a force, N, as the linearised finger predicts.
     fn answers_linearly(
         &mut self,
         state: &State,
@@ -132,7 +132,7 @@ impl NonlinearEstimator<'_> {
         };
         let (mut departure, mut linear) = (0.0, 0.0);
         for marker in measurement.markers() {
-            // Key nodes come first in a frame.
+            // Key nodes are the first nodes of a frame.
             let node = marker.node.0 - 1;
             let moved: Vector = motion.displacements[node] - state.motion.displacements[node];
             let expected = state.linearised.rate(contact, node) * change_n;

@@ -1,4 +1,4 @@
-//! The problem linearised at a state: the residual, and its derivatives by the unknowns.
+//! The problem linearised at a state: residuals, and their derivatives with respect to the unknowns.
 
 use super::nuisances::{Nuisances, PriorRow, Priors};
 use super::touch_rows::TouchRows;
@@ -13,53 +13,53 @@ use crate::optimise::{GramSchmidt, Prediction, SingularParts};
 use crate::sensing::{Contact, Direction, LARGEST_SPAN, SensingError};
 use nalgebra::{DMatrix, Point2, UnitComplex};
 
-/// Markers off by more than this many standard deviations count less (Cauchy's weight beyond it).
+/// Number of standard deviations beyond which a marker is down-weighted (Cauchy's weight).
 const OUTLIER_SIGMAS: f64 = 4.5;
 /// Ratio of the median of a Rayleigh distribution to the standard deviation of one coordinate.
 const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;
 
 const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 };
 
-/// Derivatives of the shape and the weights of the markers; by key node, so that they serve whatever is seen next.
+/// Derivatives of the shape and weights of the markers, stored by key node so that they suit any set of markers.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
-    /// What each marker moves with.
+    /// Point of the mesh to which each marker belongs.
     marker_points: Vec<MarkerPoint>,
-    /// Displacements of all key nodes per unit of the first unknown, of the second and so on.
+    /// Displacements of all key nodes per unit of each unknown, one unknown after the other.
     rates: Vec<Vector>,
-    /// Room for displacements of all key nodes.
+    /// Buffer for displacements of all key nodes.
     across: Vec<Vector>,
-    /// Robust weight of a marker, beside its own: 1, and less for an outlier.
+    /// Robust weight of each marker beside its own: 1, or less for an outlier.
     weights: Vec<f64>,
-    /// What is known beforehand, and its rows where the derivatives were taken.
+    /// The priors; `prior_rows` are their rows at the linearised state.
     pub priors: Priors,
     prior_rows: Vec<PriorRow>,
-    /// What geometry asks of contacts with an object where the derivatives were taken.
+    /// Conditions of contacts with an object at the linearised state.
     touch_rows: TouchRows,
     /// Scale of each unknown.
     pub scales: Vec<f64>,
-    /// How many of the unknowns are forces, which come first.
+    /// Number of forces, which are the first unknowns.
     forces: usize,
-    /// The last step, in the unknowns' units.
+    /// The last step, in the units of the unknowns.
     pub step: Vec<f64>,
-    /// Room for the distances whose median is sought, and for the problem that a step solves.
+    /// Buffer for the distances whose median is needed; `problem` is the least-squares problem of a step.
     distances: Vec<f64>,
     problem: GramSchmidt,
-    /// Length of each column of the derivatives by the scaled unknowns, mm.
+    /// Length of each column of the derivatives with respect to the scaled unknowns, mm.
     lengths_mm: Vec<f64>,
 }
 
-/// What a marker moves with.
+/// Point of the mesh to which a marker belongs.
 #[derive(Debug, Clone, Copy)]
 struct MarkerPoint {
     node: NodeIndex,
-    /// Its key node, counted from 0.
+    /// Index of its key node, from 0.
     key_node: usize,
-    /// Where it is undeformed, finger frame, mm.
+    /// Undeformed position, finger frame, mm.
     rest: Vector,
 }
 
-/// A shape of the finger: its deformation, the forces that go with it, and where its base is.
+/// A shape of the finger: its deformation, its forces, and the pose of its base.
 #[derive(Clone, Copy)]
 pub(super) struct Posed<'s> {
     pub motion: &'s FrameMotion,
@@ -67,17 +67,17 @@ pub(super) struct Posed<'s> {
     pub nuisances: &'s Nuisances,
 }
 
-/// Distance of a marker from where a shape has it, times its own weight.
+/// Measured minus computed displacement of a marker, times its own weight, mm.
 fn distance(points: &[MarkerPoint], marker: &Marker, shape: Posed) -> Vector {
     (marker.displacement - points[marker.node.0 - 1].displacement(shape)) * marker.weight
 }
 
 impl MarkerPoint {
-    /// Its displacement as the measurement would have it.
+    /// Displacement of the marker, mm, as a measurement with the expected base shows it.
     fn displacement(&self, shape: Posed) -> Vector {
         let base = &shape.nuisances.base;
         let displaced = shape.motion.displacements[self.node];
-        // What is left of the position by the base's turn; exactly zero for a base that is where it should be.
+        // The part due to the motion of the base is exactly zero for a base at its expected pose.
         let by_base = base.translation.vector + (base.rotation * (self.rest + displaced) - (self.rest + displaced));
         displaced + by_base + shape.nuisances.shared_mm(self.key_node)
     }
@@ -111,7 +111,7 @@ impl Linearised {
         }
     }
 
-    /// Takes over derivatives that are differences of two states an unknown: what geometry asks in them, and by how much the unknown is off.
+    /// Sets the derivatives with respect to one unknown from two states and the violations of their contact conditions. `by` is the change of the unknown.
     pub(super) fn take_differences(&mut self, unknown: usize, [before, after]: [(Posed, &[f64]); 2], by: f64) {
         let key_nodes = self.marker_points.len();
         for (rate, point) in self.rates[unknown * key_nodes..].iter_mut().zip(&self.marker_points) {
@@ -124,32 +124,32 @@ impl Linearised {
         );
     }
 
-    /// Takes over by how much a state misses what geometry asks of it, and how priors pull there.
+    /// Sets the violations of the contact conditions at a state, mm, and the rows of the priors.
     pub(super) fn take_misses(&mut self, misses_mm: Vec<f64>, nuisances: &Nuisances, forces_n: &[f64]) {
         self.touch_rows.reset(misses_mm, self.scales.len());
         self.prior_rows.clear();
         self.prior_rows.extend(self.priors.rows(nuisances, forces_n));
     }
 
-    /// Displacement of a key node's marker in a shape, as a measurement has it.
+    /// Displacement of a key node's marker in a shape, mm, as a measurement shows it.
     pub(super) fn seen_displacement(&self, key_node: usize, shape: Posed) -> Vector {
         self.marker_points[key_node].displacement(shape)
     }
 
     /// Displacement of a key node per unit of an unknown.
     pub(super) fn rate(&self, unknown: usize, key_node: usize) -> Vector {
-        // As many weights as key nodes.
+        // There is one weight per key node.
         self.rates[unknown * self.weights.len() + key_node]
     }
 
-    /// Weights of the markers by how far they are off: 1, beyond a limit the square root of Cauchy's weight.
+    /// Weights the markers by their distances: 1, or limit / distance beyond a limit (square root of Cauchy's weight for large distances).
     pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {
         let markers = measurement.markers();
         self.distances.clear();
         self.distances.extend(markers.iter().map(|marker| distance(&self.marker_points, marker, shape).norm()));
         let middle = self.distances.len() / 2;
         let median = *self.distances.select_nth_unstable_by(middle, f64::total_cmp).1;
-        // The median also stands for what the model itself cannot explain.
+        // The median also accounts for the error of the model.
         let limit = OUTLIER_SIGMAS * noise_mm.unwrap_or(0.0).max(median / RAYLEIGH_MEDIAN);
         for marker in markers {
             let off = distance(&self.marker_points, marker, shape).norm();
@@ -157,21 +157,21 @@ impl Linearised {
         }
     }
 
-    /// Sum of the squared weighted differences between what was measured and a shape, and of those between what is known beforehand
-    /// and the shape, mm^2.
+    /// Misfit of a shape, mm^2: sum of the squared weighted differences from the measurement, and of the squared deviations from the
+    /// priors.
     pub(super) fn misfit(&self, shape: Posed, measurement: &Measurement) -> f64 {
         let weighted = |marker: &Marker| distance(&self.marker_points, marker, shape) * self.weights[marker.node.0 - 1];
         let markers: f64 = measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum();
         markers + self.priors.misfit(shape.nuisances, shape.forces_n)
     }
 
-    /// The same without loads: the misfit of the finger at rest.
+    /// Misfit of the finger at rest to the markers, mm^2.
     pub(super) fn misfit_at_rest(&self, measurement: &Measurement) -> f64 {
         let weighted = |m: &Marker| m.displacement * (m.weight * self.weights[m.node.0 - 1]);
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
     }
 
-    /// By how much forces that change along a direction, in proportion to `shares`, can decrease a shape's misfit of the markers, mm^2.
+    /// Largest decrease of a shape's misfit of the markers, mm^2, by a change of the forces in proportion to `shares`.
     pub(super) fn explained_along(
         &self,
         shares: impl Iterator<Item = f64> + Clone,
@@ -190,7 +190,7 @@ impl Linearised {
         if squares > 0.0 { along * along / squares } else { 0.0 }
     }
 
-    /// Finds the Levenberg-Marquardt step for a damping; its decrease is in mm^2, its reach in mm.
+    /// Computes the Levenberg-Marquardt step for a damping. The prediction has its decrease in mm^2 and its reach in mm.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
@@ -229,12 +229,12 @@ impl Linearised {
         self.step.clear();
         self.step.extend(solution.iter().zip(&self.scales).map(|(x, scale)| x * scale));
         let reach_mm2: f64 = solution.iter().zip(&self.lengths_mm).map(|(x, length_mm)| (x * length_mm).powi(2)).sum();
-        // |b|^2 - |b - A x|^2, from the problem with the damping's rows below.
+        // |b|^2 - |b - A x|^2, from the problem that has the rows of the damping at its end.
         let decrease_mm2 = self.problem.explained() + damping * reach_mm2;
         Ok(Prediction { decrease: decrease_mm2, reach: reach_mm2.sqrt() })
     }
 
-    /// Changes of the unknowns, in their units, that explain a further displacement of the key nodes best.
+    /// Changes of the unknowns, in their units, that best explain a further displacement of the key nodes, mm.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
@@ -253,7 +253,7 @@ impl Linearised {
         Ok(solution.iter().zip(&self.scales).map(|(x, scale)| x * scale).collect())
     }
 
-    /// Singular parts of the weighted derivatives by the scaled unknowns.
+    /// Singular values and vectors of the weighted derivatives with respect to the scaled unknowns.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
@@ -264,7 +264,7 @@ impl Linearised {
         Ok(SingularParts::of(triangle))
     }
 
-    /// Sets up the columns of the derivatives, markers first, then priors, then what an object asks, with zero rows below them.
+    /// Fills the columns of the derivatives: markers, priors, conditions of an object, and zero rows.
     fn pose(&mut self, measurement: &Measurement, rows_below: usize) {
         let markers = measurement.markers();
         let coordinates = measurement.coordinate_count();
@@ -295,7 +295,7 @@ impl Linearised {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Derivatives of the shape by the unknowns, from the tangent that is factored.
+    /// Computes the derivatives of the shape with respect to the unknowns from the factored tangent.
     pub(super) fn differentiate(&mut self, state: &mut State) -> Result<(), SensingError> {
         let finger = self.finger();
         self.rescale(state);
@@ -321,7 +321,7 @@ impl NonlinearEstimator<'_> {
                     let of_contact = self.pad.loads(self.mesh, &along, 1.0, plate_turns_rad[i]);
                     add_up(of_contact, rates, across, |load, out| ladder.added_load(motion, load, out))?;
                 }
-                // Without an object there is none.
+                // There is no such unknown without an object.
                 Unknown::Object(_) => continue,
                 Unknown::Shared(k) => {
                     rates.copy_from_slice(&self.shared_errors[k]);
@@ -336,7 +336,7 @@ impl NonlinearEstimator<'_> {
                             BaseMotion::Turn => Vector::new(-position.y, position.x),
                         };
                     }
-                    // A force whose direction is known turns the other way as the finger has it.
+                    // In the frame of the turned finger, a force of known direction turns the opposite way.
                     let held =
                         self.questions.iter().enumerate().filter(|(_, q)| matches!(q.direction, Direction::Angle(_)));
                     for (i, _) in held.filter(|_| way == BaseMotion::Turn) {
@@ -359,7 +359,7 @@ impl NonlinearEstimator<'_> {
     }
 }
 
-/// Adds up what each of some loads does to the key nodes; `room` is for one of them.
+/// Sums the effects of some loads on the key nodes. `room` is a buffer for one load.
 fn add_up(
     loads: impl Iterator<Item = Result<FrameLoad, LoadError>>,
     rates: &mut [Vector],

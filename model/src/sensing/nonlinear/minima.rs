@@ -1,8 +1,8 @@
-//! All minima of the misfit that are found from several starts, and the least of them.
+//! Finds the minima of the misfit from several starts, and the smallest of them.
 //!
-//! Most measurements have one minimum, and the first start leads to it. Few markers, few ribs and plates that buckle leave several. Then the
-//! search starts from multiples of the linear forces and, for forces at known contacts, from every minimum among all equilibria that the finger
-//! has under such forces ([`scan`](super::scan)). Minima between the curves of a surface may still be missed.
+//! Most measurements have one minimum, to which the first start leads. Few markers, few ribs and buckling plates cause several. The search then also starts
+//! from multiples of the linear forces. For forces at known contacts it starts from every minimum among all equilibria of the finger under such forces
+//! ([`scan`](super::scan)). It may miss minima between the curves of a surface.
 
 use super::scan::{ScannedPoint, least};
 use super::search_history::SearchHistory;
@@ -12,34 +12,34 @@ use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
 
-/// A minimum that leaves more than this share of the displacements, or this many standard deviations, unexplained may
-/// be a wrong one: the search starts again from the linear forces times other factors, and the best minimum counts.
+/// Share of the displacements and number of standard deviations. A minimum whose residual exceeds both may be wrong: the search starts again from multiples
+/// of the linear forces, and the best minimum counts.
 const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
 
-/// Measured coordinates from which on a minimum that explains them all, and to which the first start leads, is the only one: of one force, and
-/// of several.
+/// Number of measured coordinates from which a minimum counts as unique, for one force and for several. The minimum must explain all coordinates, and the
+/// first start must lead to it.
 pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
-/// With so many times as many coordinates, a minimum that explains them all, or in which two searches end, is taken for the only one, whatever
-/// way led to it; where forces alone are sought. Of 8000 random fingers none was wrong in silence with it (test `random_fingers`).
+/// Multiple of [`MANY_COORDINATES`] from which a minimum counts as unique if it explains all coordinates or two searches end in it. It applies if only
+/// forces are unknown. Of 8000 random fingers none had an undetected error (test `random_fingers`).
 const VERY_MANY: usize = 2;
 
-/// The least minimum, and what else was met.
+/// The smallest minimum, and the other results of the searches.
 pub(super) struct Minima {
     pub best: Found,
-    /// Misfit, mm^2, and forces of all minima.
+    /// Misfit, mm^2, and forces, N, of all minima.
     pub all: Vec<(f64, Vec<f64>)>,
-    /// Forces and shapes from which they were sought.
+    /// Forces, N, and shapes from which the searches started.
     pub starts: Vec<(Vec<f64>, FrameMotion)>,
-    /// Points of a scan, by curve; none where nothing was scanned.
+    /// Points of a scan by curve. Empty if nothing was scanned.
     pub scanned: Vec<Vec<ScannedPoint>>,
 }
 
-/// A search for all minima.
+/// State of the search for all minima.
 struct Search<'s> {
     measurement: &'s Measurement,
     noise_mm: Option<f64>,
-    /// Whether forces alone are sought, and the measurement has [`VERY_MANY`] times as many coordinates as are many.
+    /// Whether only forces are unknown and the measurement has [`VERY_MANY`] times [`MANY_COORDINATES`] coordinates.
     has_very_many: bool,
     history: SearchHistory,
     best: Option<Found>,
@@ -48,15 +48,15 @@ struct Search<'s> {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Finds the minima.
+    /// Finds the minima of the misfit.
     ///
     /// # Errors
-    /// [`SensingError`] if there is none, or an explanation leaves the unknowns open.
+    /// [`SensingError`] if there is no minimum, or the unknowns of a good one are not identifiable.
     pub(super) fn minima(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Minima, SensingError> {
         let coordinates = measurement.coordinate_count();
         let moved: f64 = measurement.markers().iter().map(|m| m.displacement.norm_squared()).sum();
         let moved_rms_mm = (moved / coordinates as f64).sqrt();
-        // Priors rest on the noise, and leave more than one minimum within a small share of what the markers moved.
+        // Priors depend on the noise, and leave several minima within a small share of the displacements.
         let share = if self.priors.count() == 0 { POOR_FIT } else { 0.0 };
         let poor = (share * moved_rms_mm).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
         let largest_misfit = poor * poor * coordinates as f64;
@@ -75,14 +75,14 @@ impl NonlinearEstimator<'_> {
         let is_at_hand = is_good(&best, self);
         let many = MANY_COORDINATES[usize::from(self.questions.len() > 1)];
         let has_many = coordinates >= many;
-        // Positions, directions and a base that are sought too make a scan coarse and its points many: few markers alone are worth it.
+        // Unknown positions, directions or a base make a scan coarse and its points numerous, which pays only for few markers.
         let is_coarse = self.unknowns.len() > self.questions.len();
         let has_very_many = !is_coarse && !self.follows_plate() && coordinates >= VERY_MANY * many;
         let (failure, all) = (None, Vec::new());
         let mut search = Search { measurement, noise_mm, has_very_many, history, best, failure, all };
         let starts = self.search_from_starts(&mut search, largest_misfit)?;
         let fits = search.best.as_ref().is_some_and(|it| self.misfit(&it.state, measurement) <= largest_misfit);
-        // Many markers show which is the only one, too, where searches agree that none explains them.
+        // Many markers also show that a minimum is unique if searches agree that none explains the measurement.
         let is_only_one = has_very_many && (fits || search.history.agree())
             || has_many && (is_good(&search.best, self) || search.history.agree_on_none());
         let is_worth_it = !is_coarse || self.priors.count() == 0 && !has_many;
@@ -93,7 +93,7 @@ impl NonlinearEstimator<'_> {
         Ok(Minima { best, all, starts, scanned })
     }
 
-    /// Searches from multiples of the linear forces, until a good minimum is found; returns the forces and shapes of the starts.
+    /// Searches from multiples of the linear forces until a good minimum is found. Returns the forces and shapes of the starts.
     fn search_from_starts(
         &mut self,
         search: &mut Search,
@@ -109,10 +109,10 @@ impl NonlinearEstimator<'_> {
                 if is_only_one || matches!(start, Start::Towards(_) | Start::FromMovedBase | Start::Held) {
                     break;
                 }
-                // An explanation that leaves the unknowns open is reason enough to refuse.
+                // A good explanation whose unknowns are not identifiable is a reason to refuse.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
-            // The linear forces lead nowhere else; other directions and another base may.
+            // The linear forces lead to no other minimum; other directions or another base may.
             let are_settled = search.history.agree_on_none() || search.has_very_many && search.history.agree();
             if matches!(start, Start::Times(_)) && are_settled {
                 continue;
@@ -124,7 +124,7 @@ impl NonlinearEstimator<'_> {
         Ok(starts)
     }
 
-    /// Searches from the minima of a scan; returns its points.
+    /// Searches from the minima of a scan. Returns the points of the scan.
     fn search_from_scan(&mut self, search: &mut Search) -> Vec<Vec<ScannedPoint>> {
         if self.scan.is_none() {
             self.scan = Some(self.scanned());
@@ -140,7 +140,7 @@ impl NonlinearEstimator<'_> {
         scanned
     }
 
-    /// Takes over where one search has ended.
+    /// Records the result of a search.
     fn take(&self, search: &mut Search, found: Result<Option<Found>, SensingError>) {
         let misfit = |found: &Found| self.misfit(&found.state, search.measurement);
         match found {
@@ -158,15 +158,15 @@ impl NonlinearEstimator<'_> {
         }
     }
 
-    /// The equilibrium at a point of the scan, linearised for a measurement.
+    /// Equilibrium at a point of the scan, linearised for a measurement.
     fn state_of(&mut self, point: &ScannedPoint, measurement: &Measurement, noise_mm: Option<f64>) -> Option<State> {
         let before = self.scan.as_ref()?.as_ref()?.state_before(point).clone();
         let state = self.state_under(&before.contacts, &point.forces_n, Some(&before))?;
         self.resumed(state, measurement, noise_mm).ok()
     }
 
-    /// The minimum nearest to a start, the careful way if it is not near; `None` if the search for it comes upon a search of the `history`.
-    /// Adds the start's forces and shape to `starts`.
+    /// Minimum nearest to a start, found by the trust-region search unless the start is near. `None` if the search meets a path of `history`. Adds the start's
+    /// forces and shape to `starts`.
     pub(super) fn searched(
         &mut self,
         measurement: &Measurement,
@@ -183,7 +183,7 @@ impl NonlinearEstimator<'_> {
         self.minimum_near(start, measurement, noise_mm, history)
     }
 
-    /// The minimum nearest to a state, the careful way if it is not near; `None` if the search for it comes upon a search of the `history`.
+    /// Minimum nearest to a state, found by the trust-region search unless the state is near. `None` if the search meets a path of `history`.
     pub(super) fn minimum_near(
         &mut self,
         start: State,

@@ -1,8 +1,8 @@
 //! Sensing with the co-rotational finger: Gauss-Newton on forces, positions and directions.
 //!
-//! An estimate starts from least squares on the linear finger ([`start`]) or from the estimate before it. Where the minimum of the difference between
-//! measured and computed shape ([`linearised`]) is near, forces and shape are corrected together ([`simultaneous`]); otherwise every step goes to an
-//! equilibrium ([`search`]). What is found is judged before it is handed out ([`judgement`]).
+//! An estimate starts from least squares on the linear finger ([`start`]) or from the last estimate. Near the minimum of the difference between measured
+//! and computed shape ([`linearised`]), forces and shape are corrected together ([`simultaneous`]). Elsewhere every step leads to an equilibrium
+//! ([`search`]). Each result is tested before it is returned ([`judgement`]).
 
 mod discretisation;
 mod follow;
@@ -45,28 +45,28 @@ use scan::Scan;
 use touching::Touching;
 use unknowns::Unknown;
 
-/// Turn of a deformed normal in one step, degrees, below which it counts as settled: worth 1e-6 of the force.
+/// Turn of a deformed normal in one step, degrees, below which it has settled. It corresponds to 1e-6 of the force.
 const SETTLED_ANGLE_DEG: f64 = 1e-4;
 
-/// Residual, root mean square over the coordinates, up to which a measurement counts as explained under some noise.
+/// Largest residual that a noise explains, mm, root mean square over the coordinates.
 fn largest_explained_rms_mm(noise_mm: f64, moved_rms_mm: f64) -> f64 {
     f64::max(UNEXPLAINED_SIGMAS * noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
 }
 
-/// Sensed forces with the positions and directions that go with them.
+/// Estimated forces with the positions and directions of their contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NonlinearEstimate {
-    /// Forces, their standard deviations and what these rest on.
+    /// Forces with their standard deviations, noise and residual.
     pub forces: Estimate,
-    /// Covariance of the forces, N^2, in the order of the contacts; unknown positions and directions are allowed for.
+    /// Covariance of the forces, N^2, in the order of the contacts. Includes the uncertainty of estimated positions and directions.
     pub covariance_n2: DMatrix<f64>,
-    /// Position and direction of each contact as given or found.
+    /// Position and direction of each contact, given or estimated.
     pub contacts: Vec<Contact>,
-    /// Gauss-Newton steps taken.
+    /// Number of Gauss-Newton steps.
     pub steps: usize,
-    /// Errors that markers share, in their standard deviations.
+    /// Errors that all markers share, in their standard deviations.
     pub shared_errors: Vec<f64>,
-    /// Leans that were sought.
+    /// Estimated leans.
     leans: Vec<FoundLean>,
 }
 
@@ -79,17 +79,17 @@ impl NonlinearEstimate {
     }
 }
 
-/// Senses forces with the co-rotational finger of one mesh; each estimate starts from the one before it, if there is one, as a stream of camera
-/// frames wants it. For a batch of unrelated measurements, [`reset`](NonlinearEstimator::reset) before each, and give every thread a clone.
+/// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the last one, as suits a stream of camera
+/// frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each, and give every thread a clone.
 ///
 /// # Requirements
-/// At least as many measured coordinates as unknowns (a force a contact, and one more for each unknown position or
-/// direction), singular values that span at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
+/// At least as many measured coordinates as unknowns (one force per contact, and one for each unknown position or direction), and singular values that
+/// span at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
 ///
 /// # Reference
 /// Minimises |W (u - u(f, s, angle))|^2 by the Levenberg-Marquardt method (Nocedal and Wright, Numerical Optimization,
-/// sec. 10.3), u() the equilibrium of the co-rotational finger, its derivatives from the factored tangent. Markers that
-/// are wildly off are weighted down (iteratively reweighted least squares).
+/// sec. 10.3). u() is the equilibrium of the co-rotational finger, with derivatives from the factored tangent. Outlying
+/// markers are down-weighted (iteratively reweighted least squares).
 #[derive(Debug, Clone)]
 pub struct NonlinearEstimator<'m> {
     mesh: &'m Mesh,
@@ -97,52 +97,52 @@ pub struct NonlinearEstimator<'m> {
     pad: Pad,
     object: Option<Touching>,
     unknowns: Vec<Unknown>,
-    /// Errors that the markers of the measurement share.
+    /// Errors that all markers of the measurement share.
     shared_errors: Vec<SharedError>,
     priors: Priors,
     statics: Statics<Ladder<'m>>,
     last: Option<State>,
-    /// Where estimates start after a [`reset`](NonlinearEstimator::reset).
+    /// State from which estimates start after a [`reset`](NonlinearEstimator::reset).
     held: Option<State>,
-    /// Whether the minimum near the last estimate was chosen among all, on a coarser mesh.
+    /// Whether the minimum near the last estimate was chosen among all minima on a coarser mesh.
     is_chosen: bool,
-    /// Equilibria of all forces; the inner option is empty where they are not scanned, the outer one until somebody asks.
+    /// Equilibria of all forces. The outer option is `None` until they are needed, the inner one where they cannot be scanned.
     scan: Option<Option<Scan>>,
 }
 
-/// Unknowns, the equilibrium that belongs to them and the problem linearised there.
+/// Unknowns with their equilibrium and the problem linearised there.
 #[derive(Debug, Clone)]
 struct State {
     forces_n: Vec<f64>,
     contacts: Vec<Contact>,
     nuisances: Nuisances,
-    /// By how much the plate is turned under the pad at each contact, rad.
+    /// Turn of the plate under the pad at each contact, rad.
     plate_turns_rad: Vec<f64>,
-    /// Of the first contact, then of the second and so on, as many as the pad makes of each.
+    /// Loads of the first contact, then of the second and so on. Each contact has `Pad::load_count` loads.
     loads: Vec<FrameLoad>,
     motion: FrameMotion,
     linearised: Linearised,
 }
 
 impl State {
-    /// Its shape.
+    /// Shape of the state.
     fn posed(&self) -> Posed<'_> {
         Posed { motion: &self.motion, forces_n: &self.forces_n, nuisances: &self.nuisances }
     }
 
-    /// Its shape, and the problem linearised there.
+    /// Shape of the state, and the problem linearised there.
     fn split(&mut self) -> (Posed<'_>, &mut Linearised) {
         let shape = Posed { motion: &self.motion, forces_n: &self.forces_n, nuisances: &self.nuisances };
         (shape, &mut self.linearised)
     }
 
-    /// Weighs the markers by how far they are off its shape.
+    /// Weights the markers by their distances from the shape.
     fn weigh(&mut self, measurement: &Measurement, noise_mm: Option<f64>) {
         let (shape, linearised) = self.split();
         linearised.weigh(shape, measurement, noise_mm);
     }
 
-    /// Finds the step for a damping.
+    /// Computes the step for a damping.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
@@ -151,13 +151,13 @@ impl State {
         linearised.solve(shape, measurement, damping)
     }
 
-    /// Its misfit of what is measured and known beforehand, mm^2.
+    /// Misfit of the measurement and the priors, mm^2.
     fn misfit(&self, measurement: &Measurement) -> f64 {
         self.linearised.misfit(self.posed(), measurement)
     }
 }
 
-/// A minimum, the steps to it, and whether it was near or the way to it straight: then it is the only one about, otherwise there may be others.
+/// A minimum and the number of steps to it. `near`: the start was near or the path straight, so the minimum is locally unique. Otherwise there may be others.
 struct Found {
     state: State,
     steps: usize,
@@ -165,16 +165,16 @@ struct Found {
 }
 
 impl<'m> NonlinearEstimator<'m> {
-    /// Prepares a mesh for contacts.
+    /// Prepares the estimator for contacts on a mesh.
     ///
     /// # Errors
-    /// [`SensingError`] for contacts that are not on the free front plate or the same twice.
+    /// [`SensingError`] if no contact is given, a contact is not on the free front plate, or two contacts are equal.
     pub fn new(mesh: &'m Mesh, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
         let finger = mesh.finger();
         if questions.is_empty() {
             return Err(SensingError::NoContact);
         }
-        // What is known of each contact must be possible; an unknown direction or position takes any value for that.
+        // Checks the known part of each contact; a valid value stands for an unknown direction or position.
         for question in questions {
             let angle_deg = if let Direction::Angle(angle) = question.direction { angle } else { 0.0 };
             let position = question.position.unwrap_or(ContactPosition::Node(finger.tip()));
@@ -200,7 +200,7 @@ impl<'m> NonlinearEstimator<'m> {
         })
     }
 
-    /// The same with a pad between objects and the plate; before an object.
+    /// This estimator with a pad between objects and the plate. It precedes [`with_object`](NonlinearEstimator::with_object).
     pub fn with_pad(mut self, pad: Pad) -> NonlinearEstimator<'m> {
         self.pad = pad;
         self.scan = None;
@@ -208,32 +208,32 @@ impl<'m> NonlinearEstimator<'m> {
         self
     }
 
-    /// Forgets the last estimate: the next one starts from the one that is held, else from least squares.
+    /// Forgets the last estimate. The next one starts from the held estimate, or else from least squares.
     pub fn reset(&mut self) {
         self.last.clone_from(&self.held);
     }
 
-    /// Holds the last estimate: after a [`reset`](NonlinearEstimator::reset) estimates start from it. For measurements that differ by noise alone.
+    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from it. For measurements that differ only by noise.
     pub fn hold(&mut self) {
         self.held.clone_from(&self.last);
     }
 
-    /// Holds the equilibrium under forces that are known: after a [`reset`](NonlinearEstimator::reset) estimates start from it. For what is
-    /// asked at known forces, as a bound is. Nothing is held where positions or directions are sought, or the finger does not carry the forces.
+    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from it. Serves error bounds at known forces.
+    /// Holds nothing if positions or directions are unknown, or the finger does not carry the forces.
     pub fn hold_at(&mut self, forces_n: &[f64]) {
         let before = self.held.take();
         self.forget();
         self.held = self.state_at(forces_n, before);
     }
 
-    /// Begins at forces that a coarser mesh has chosen among all minima: the minimum near them counts, and no others are sought.
+    /// Starts at forces, N, that a coarser mesh has chosen among all minima. The estimator then seeks only the minimum near them.
     fn refine_from(&mut self, forces_n: &[f64]) {
         self.hold_at(forces_n);
         self.reset();
         self.is_chosen = self.held.is_some();
     }
 
-    /// The state under known forces, followed from another one or else from rest.
+    /// State under known forces, N, followed from another state, or else from rest.
     fn state_at(&mut self, forces_n: &[f64], from: Option<State>) -> Option<State> {
         self.object.is_none().then_some(())?;
         let contacts: Vec<Contact> = self.questions.iter().map(ContactQuestion::known).collect::<Option<_>>()?;
@@ -241,7 +241,7 @@ impl<'m> NonlinearEstimator<'m> {
         near.or_else(|| self.state_under(&contacts, forces_n, None))
     }
 
-    /// The state under forces at contacts, followed from another state; from rest without one.
+    /// State under forces, N, at contacts, followed from another state. `None`: from rest.
     fn state_under(&mut self, contacts: &[Contact], forces_n: &[f64], from: Option<&State>) -> Option<State> {
         let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
         let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;
@@ -260,7 +260,7 @@ impl<'m> NonlinearEstimator<'m> {
         Some(state)
     }
 
-    /// Forgets the last estimate and the one that is held.
+    /// Forgets the last estimate and the held one.
     pub fn forget(&mut self) {
         (self.last, self.held, self.is_chosen) = (None, None, false);
     }
@@ -269,11 +269,11 @@ impl<'m> NonlinearEstimator<'m> {
         self.mesh.finger()
     }
 
-    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate; without it, or where the residual
-    /// contradicts it, it is estimated from the residual.
+    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate, mm. If it is `None`, or if the residual contradicts it, it is estimated
+    /// from the residual.
     ///
     /// # Errors
-    /// [`SensingError`] if the unknowns are not identifiable, or no equilibrium explains them.
+    /// [`SensingError`] if the unknowns are not identifiable, no equilibrium explains the measurement, or the search does not converge.
     pub fn estimate(
         &mut self,
         measurement: &Measurement,
@@ -281,7 +281,7 @@ impl<'m> NonlinearEstimator<'m> {
     ) -> Result<NonlinearEstimate, SensingError> {
         self.expect(measurement, noise_mm)?;
         let coordinates = measurement.coordinate_count();
-        // What is known beforehand is as good as measured.
+        // Priors and conditions of an object count as measured coordinates.
         let known = self.priors.count() + self.object.as_ref().map_or(0, Touching::row_count);
         let unknowns = self.unknowns.len().saturating_sub(known);
         if unknowns > coordinates {
@@ -293,12 +293,12 @@ impl<'m> NonlinearEstimator<'m> {
         let mut estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
         estimate.check_against_nothing(least_misfit, state.linearised.misfit_at_rest(measurement))?;
         self.require_linear_range(&state, measurement, &estimate.forces.sigmas_n)?;
-        // With several unknown positions, answers may differ in their order alone.
+        // With several unknown positions, answers may differ only in their order.
         if self.questions.iter().filter(|question| question.position.is_none()).count() <= 1 {
             let is_confirmed = near || !scanned.is_empty();
             estimate.check_unconfirmed(coordinates, &starts)?;
             estimate.check_rivals(least_misfit, &all, is_confirmed, coordinates)?;
-            // A start pushes along the undeformed normal where the deformed one is asked for: it is no answer then.
+            // A start along the undeformed normal is no answer to a question about the deformed normal.
             if !self.follows_plate() {
                 let expected = Nuisances::expected(self.questions.len(), &self.shared_errors);
                 let starts = starts.iter().map(|(forces_n, motion)| {
@@ -315,10 +315,10 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(estimate)
     }
 
-    /// Takes over what a measurement leaves open of the base, errors that its markers share, and how noisy it is.
+    /// Adopts the uncertain base, the shared errors and the noise of a measurement.
     ///
     /// # Errors
-    /// [`SensingError::NoiseNotStated`].
+    /// [`SensingError::NoiseNotStated`] if a prior or an object needs a noise, [`SensingError::NoObject`] if a direction needs an object.
     fn expect(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<(), SensingError> {
         self.require_object()?;
         let is_base_sought = measurement.base().is_some();
@@ -338,7 +338,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// Lists the unknowns anew, and forgets what was estimated of others.
+    /// Lists the unknowns and forgets estimates of earlier ones.
     fn list_unknowns(&mut self, is_base_sought: bool) {
         let object = self.object.as_ref().map(|touching| &touching.object);
         self.unknowns = Unknown::of(&self.questions, is_base_sought, object, self.shared_errors.len());

@@ -1,8 +1,9 @@
-//! What is unknown beside forces and positions, but not quite: where the base is, by how much friction turns a force, where an object is, and
-//! errors that markers share.
+//! Nuisance parameters beside forces and positions: poses of the base and of an object, leans of forces, and errors that
+//! all markers share.
 //!
-//! Each has a Gaussian prior, which stands below the markers as one more row of the least squares problem: the deviation from what is expected, in
-//! its standard deviations, times the noise of a coordinate. A base that gives way is expected to turn with the forces, and as much less surely.
+//! Each has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected value, in
+//! standard deviations, times the noise of a coordinate. A compliant base is expected to turn with the forces, and the uncertainty of its turn grows with
+//! them.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;
@@ -10,22 +11,22 @@ use crate::measurement::{Measurement, SharedError};
 use crate::sensing::{ContactQuestion, Direction, TouchedObject};
 use nalgebra::Isometry2;
 
-/// Values of the nuisances.
+/// Values of the nuisance parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Nuisances {
-    /// Where the base is, in the finger frame of the measurement.
+    /// Motion of the base from its expected pose, in the finger frame of the measurement, mm and rad.
     pub base: Isometry2<f64>,
-    /// How much further than its mean each force leans, degrees.
+    /// Difference between the lean of each force and the mean lean, degrees.
     pub further_leans_deg: Vec<f64>,
-    /// By how much the object is off where it is thought to be: mm, mm and rad.
+    /// Deviation of the object from its stated pose: x, mm, y, mm, and turn, rad.
     pub object: [f64; 3],
-    /// Errors that markers share, in their standard deviations, and by how much they displace each key node's marker together, mm.
+    /// Errors that all markers share, in standard deviations; `shared_mm` is their total displacement of each key node's marker, mm.
     pub shared: Vec<f64>,
     shared_mm: Vec<Vector>,
 }
 
 impl Nuisances {
-    /// All as expected.
+    /// All parameters at their expected values.
     pub fn expected(contacts: usize, shared_errors: &[SharedError]) -> Nuisances {
         Nuisances {
             base: Isometry2::identity(),
@@ -36,18 +37,18 @@ impl Nuisances {
         }
     }
 
-    /// By how much the errors that markers share displace a key node's, mm.
+    /// Displacement of a key node's marker by the errors that all markers share, mm.
     pub fn shared_mm(&self, key_node: usize) -> Vector {
         self.shared_mm.get(key_node).copied().unwrap_or_default()
     }
 
-    /// Lets a shared error grow by so many of its standard deviations.
+    /// Changes a shared error by `by` of its standard deviations.
     pub fn share(&mut self, index: usize, error: &SharedError, by: f64) {
         self.shared[index] += by;
         self.shared_mm.iter_mut().zip(error).for_each(|(all, of_error)| *all += of_error * by);
     }
 
-    /// What is expected to be zero, or to grow with the forces: a motion of the base or an object in mm and rad, or a lean in degrees.
+    /// Value to which the prior of an unknown applies, in mm, rad, degrees or standard deviations.
     fn value(&self, unknown: Unknown) -> f64 {
         match unknown {
             Unknown::Base(BaseMotion::X) => self.base.translation.x,
@@ -64,28 +65,28 @@ impl Nuisances {
 /// The prior of one unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Prior {
-    /// Place among the unknowns.
+    /// Index among the unknowns.
     index: usize,
     unknown: Unknown,
-    /// Standard deviation of [`Nuisances::value`], without forces.
+    /// Standard deviation of [`Nuisances::value`] without forces.
     sd: f64,
-    /// What is expected of it, and a standard deviation of its own, for each newton of all forces together.
+    /// Expected value per newton of the sum of all forces, and its standard deviation.
     per_n: f64,
     sd_per_n: f64,
 }
 
 impl Prior {
-    /// Its standard deviation under forces of a sum.
+    /// Standard deviation under forces with the sum `sum_n`, N.
     fn sd_under(&self, sum_n: f64) -> f64 {
         self.sd.hypot(self.sd_per_n * sum_n)
     }
 
-    /// By how much a value is off what is expected under them, in standard deviations.
+    /// Deviation of a value from its expected value under forces with the sum `sum_n`, N, in standard deviations.
     fn deviation(&self, value: f64, sum_n: f64) -> f64 {
         (value - self.per_n * sum_n) / self.sd_under(sum_n)
     }
 
-    /// Change of that deviation with each force, 1/N.
+    /// Derivative of the deviation with respect to each force, 1/N.
     fn deviation_by_force(&self, value: f64, sum_n: f64) -> f64 {
         if self.per_n == 0.0 && self.sd_per_n == 0.0 {
             return 0.0;
@@ -96,20 +97,20 @@ impl Prior {
     }
 }
 
-/// A prior as a row of the least squares problem.
+/// A prior as a row of the least-squares problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PriorRow {
-    /// The unknown that it holds.
+    /// Index of the unknown with this prior.
     pub index: usize,
-    /// By the unknown, mm to its unit.
+    /// Derivative with respect to the unknown, mm per its unit.
     pub by_unknown: f64,
-    /// By each force, mm/N, where what is expected, or its standard deviation, grows with the forces; otherwise zero.
+    /// Derivative with respect to each force, mm/N. Zero unless the expected value or its standard deviation depends on the forces.
     pub by_force: f64,
-    /// What is left, mm.
+    /// Right-hand side of the row, mm.
     pub left_mm: f64,
 }
 
-/// All priors, in mm of the measurement's noise.
+/// All priors, scaled by the measurement's noise, mm.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Priors {
     priors: Vec<Prior>,
@@ -117,7 +118,7 @@ pub(super) struct Priors {
 }
 
 impl Priors {
-    /// Those of some questions, of a measurement's base and of an object.
+    /// Priors of the unknowns of some questions, a measurement's base, an object, and errors that all markers share.
     pub fn new(
         unknowns: &[Unknown],
         questions: &[ContactQuestion],
@@ -150,30 +151,30 @@ impl Priors {
         }
     }
 
-    /// Standard deviation of a measured coordinate against which they are weighed, mm.
+    /// Standard deviation of a measured coordinate that scales the priors, mm.
     pub fn noise_mm(&self) -> f64 {
         self.noise_mm
     }
 
-    /// How many there are.
+    /// Number of priors.
     pub fn count(&self) -> usize {
         self.priors.len()
     }
 
-    /// Sum of the squared deviations, mm^2.
+    /// Sum of the squared deviations, scaled by the noise, mm^2.
     pub fn misfit(&self, nuisances: &Nuisances, forces_n: &[f64]) -> f64 {
         let sum_n = forces_n.iter().sum();
         let off = |prior: &Prior| self.noise_mm * prior.deviation(nuisances.value(prior.unknown), sum_n);
         self.priors.iter().map(|prior| off(prior).powi(2)).sum()
     }
 
-    /// The rows below those of the markers.
+    /// Rows of the priors, below those of the markers.
     pub fn rows<'p>(&'p self, nuisances: &'p Nuisances, forces_n: &'p [f64]) -> impl Iterator<Item = PriorRow> + 'p {
         let sum_n = forces_n.iter().sum();
         self.priors.iter().map(move |prior| {
             let value = nuisances.value(prior.unknown);
             let by_unknown = match prior.unknown {
-                // A lean is an angle, its unknown a force across another.
+                // The prior applies to the angle; the unknown is a force across the direction.
                 Unknown::Across(i) => (1.0 / forces_n[i]).to_degrees(),
                 _ => 1.0,
             };

@@ -1,4 +1,4 @@
-//! Sensing on ever finer meshes.
+//! Estimates on successively finer meshes.
 
 use super::{NonlinearEstimate, NonlinearEstimator};
 use crate::Finger;
@@ -6,22 +6,22 @@ use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::sensing::{ContactQuestion, Meeting, SensingError, Warning};
 
-/// Refinement ends where, between a mesh and one twice as fine, no force changes by more than this share of the largest, nor by more than this
-/// many of its own standard deviations, unless that is less than the smaller share.
+/// Refinement ends when doubling the mesh changes no force by more than this share of the largest and `REFINEMENT_SIGMAS` of its standard deviations. A
+/// change by the share `NEGLIGIBLE` is always small enough.
 const REFINEMENT_TOLERANCE: f64 = 2e-3;
 const REFINEMENT_SIGMAS: f64 = 0.5;
 const NEGLIGIBLE: f64 = 1e-4;
-/// Errors fall with the square of the element length: of the last change, a third is still to come (Richardson).
+/// Share of the last change that remains as an error, because errors decrease with the square of the element length (Richardson).
 const REMAINS: f64 = 1.0 / 3.0;
-/// Elements a member at which refinement begins and ends.
+/// Beam elements per member at the start and at the end of refinement.
 const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
-/// Refinement begins with this number of elements at least, so that the mesh of a finger of few ribs distinguishes minima as a fine one does.
+/// Smallest number of elements at the start, so that the mesh of a finger with few ribs separates minima as a fine mesh does.
 const LEAST_ELEMENTS: usize = 40;
 
-/// Senses on ever finer meshes until doubling the mesh changes no force by more than half of its standard deviation (and 0.2 % of the
-/// largest force; 0.01 % is enough); what the last mesh still gets wrong is part of the standard deviations.
+/// Refines the mesh until doubling it changes no force by more than half of its standard deviation and 0.2 % of the largest force. A change of 0.01 % is
+/// always small enough. The standard deviations include the remaining error of the last mesh.
 ///
-/// Small changes alone show no convergence: near a limit load, and of loads between nodes, they are small by chance, and grow again.
+/// Small changes alone do not prove convergence: near a limit load, and for loads between nodes, they may be small by chance and grow again.
 ///
 /// # Errors
 /// [`SensingError`] from the estimate on any of the meshes.
@@ -33,7 +33,7 @@ pub fn sense_refining<'o>(
     noise_mm: Option<f64>,
 ) -> Result<NonlinearEstimate, SensingError> {
     let Meeting { pad, object } = meeting.into();
-    // A finer mesh begins at the forces of the coarser one.
+    // A finer mesh starts at the forces of the coarser one.
     let on = |elements, near: Option<&NonlinearEstimate>| {
         let mesh = Mesh::with_elements_per_member(finger, elements);
         let mut estimator = NonlinearEstimator::new(&mesh, questions)?.with_pad(pad).with_object(object);

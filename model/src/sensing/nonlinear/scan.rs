@@ -1,9 +1,9 @@
-//! Equilibria under all forces that the finger carries, to start a search near every minimum that they show.
+//! Scans the equilibria under all forces that the finger carries, to start a search near every minimum.
 //!
-//! One force with a known position and direction leaves one curve of equilibria, through rest. Two leave a surface, which is covered by
-//! curves of the second force, one from each point of the curve of the first. Of one force whose position or direction is sought, curves at
-//! some positions and directions lead near every minimum. Misfits between the points of a curve follow from the
-//! displacements and their derivatives at its points (cubic Hermite interpolation).
+//! One force of known position and direction has one curve of equilibria, through rest. Two forces have a surface, covered by curves of the second force from
+//! each point of the first force's curve. For one force of unknown position or direction, curves at several positions and directions pass near
+//! every minimum. Misfits between the points of a curve follow from the displacements and their derivatives at its points (cubic Hermite
+//! interpolation).
 
 use super::{NonlinearEstimator, State};
 use crate::Vector;
@@ -12,52 +12,54 @@ use crate::frame::FrameMotion;
 use crate::measurement::{Marker, Measurement};
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 
-/// Largest change of a displacement, as a share of the front plate, and of a rotation, rad, from point to point: of the curve of a single
-/// force, and of the curves that cover a surface.
+/// Largest change between points of a curve: of a displacement, as a share of the front plate, and of a rotation, rad. The first row is for the curve of a
+/// single force, the second for curves that cover a surface.
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
-/// A step that changes more than this share of that is repeated shorter.
+/// Multiple of the largest change from which a step is repeated shorter.
 const TOO_LONG: f64 = 1.5;
-/// A curve ends where displacements, as a share of the front plate, or rotations, rad, exceed what a finger that grasps shows.
+/// A curve ends at these displacements, as a share of the front plate, and rotations, rad, which exceed those of a grasping finger.
 const ENDS: [f64; 2] = [0.5, 1.5];
-/// A step that led to no equilibrium is repeated with this share of its length: [`Statics::tried`](crate::statics::Statics) has tried longer ones.
+/// A step without equilibrium is repeated with this share of its length. [`Statics::tried`](crate::statics::Statics) has tried longer ones.
 const SHORTER: f64 = 0.125;
-/// A curve ends where so many such steps in a row led to none.
+/// Number of such failed steps in a row at which a curve ends.
 const MOST_FAILED: usize = 2;
-/// First steps from rest may be far too long: a plate pushed along itself moves little until it buckles.
+/// Number of failed steps at which a curve ends at rest. The first step may be far too long: a plate pushed along its axis moves little until it buckles.
 const MOST_FAILED_AT_REST: usize = 5;
-/// Most points of one curve on either side of its start.
+/// Largest number of points of a curve on either side of its start.
 const MOST_POINTS: usize = 200;
-/// Points between two of a curve at which the misfit is taken.
+/// Number of intervals between two points of a curve at which the misfit is evaluated.
 const BETWEEN: usize = 8;
-/// Where equilibria are scanned of a force whose position is sought, as shares of the front plate, and whose direction is sought, degrees.
+/// Scanned positions, as shares of the front plate, and directions, degrees, where these are unknown.
 const POSITIONS: [f64; 6] = [0.15, 0.35, 0.5, 0.65, 0.8, 0.95];
 const ANGLES_DEG: [f64; 3] = [0.0, -40.0, 40.0];
 
 /// Equilibria under one varying force, from the most negative to the most positive.
 #[derive(Debug, Clone)]
 struct Curve {
-    /// Position of the force in the list of contacts.
+    /// Index of the varying force.
     varying: usize,
     points: Vec<State>,
 }
 
-/// Curves of equilibria that hold all forces which the finger carries.
+/// Curves of equilibria that cover all forces which the finger carries.
 #[derive(Debug, Clone)]
 pub(super) struct Scan {
     curves: Vec<Curve>,
 }
 
-/// A point of a curve where the misfit of a measurement is known.
+/// A point of a curve with its misfit for a measurement.
 #[derive(Debug, Clone)]
 pub(super) struct ScannedPoint {
+    /// Misfit at the point, mm^2.
     pub misfit_mm2: f64,
+    /// Forces at the point, N.
     pub forces_n: Vec<f64>,
     curve: usize,
-    /// The point of the curve before it.
+    /// Index of the preceding point of the curve.
     before: usize,
 }
 
-/// Size of the change from one motion to another, where a step of full length has one.
+/// Size of the change between two motions, relative to that of a step of full length.
 fn change(from: &FrameMotion, to: &FrameMotion, length_mm: f64, step: [f64; 2]) -> f64 {
     let moved = from.displacements.iter().zip(&to.displacements).map(|(a, b)| (b - a).norm_squared());
     let turned = from.rotations.iter().zip(&to.rotations).map(|(a, b)| (b - a).abs());
@@ -66,8 +68,8 @@ fn change(from: &FrameMotion, to: &FrameMotion, length_mm: f64, step: [f64; 2]) 
 }
 
 impl NonlinearEstimator<'_> {
-    /// Scans the equilibria of all forces at the contacts; nothing of more than two forces, of two whose positions or directions are sought, and where
-    /// an object is touched.
+    /// Scans the equilibria of all forces at the contacts. `None` for more than two forces, for two of unknown position or direction, and for contacts with an
+    /// object.
     pub(super) fn scanned(&mut self) -> Option<Scan> {
         if self.object.is_some() {
             return None;
@@ -94,8 +96,8 @@ impl NonlinearEstimator<'_> {
         Some(Scan { curves })
     }
 
-    /// Contacts at which equilibria are scanned: the contact that is asked for, along the undeformed normal where its direction follows the plate, or
-    /// some positions and directions where they are sought.
+    /// Contacts at which equilibria are scanned. A direction that follows the plate is fixed to the undeformed normal; an unknown position or direction has
+    /// several values.
     fn scanned_contacts(&self, question: &ContactQuestion) -> Vec<Contact> {
         let length_mm = self.finger().plate_length_mm(Plate::Front);
         let positions = match question.position {
@@ -111,7 +113,7 @@ impl NonlinearEstimator<'_> {
         positions.into_iter().flat_map(at).collect()
     }
 
-    /// The curve through a point along which one force varies.
+    /// Curve through a point along which one force varies.
     fn curve(&mut self, start: State, varying: usize, step: [f64; 2]) -> Curve {
         let [mut less, more] = [-1.0, 1.0].map(|sign| self.half_curve(&start, varying, sign, step));
         less.reverse();
@@ -120,7 +122,7 @@ impl NonlinearEstimator<'_> {
         Curve { varying, points: less }
     }
 
-    /// The points on one side of the start.
+    /// Points of a curve on one side of its start.
     fn half_curve(&mut self, start: &State, varying: usize, sign: f64, step: [f64; 2]) -> Vec<State> {
         let length_mm = self.finger().plate_length_mm(Plate::Front);
         let ends = |motion: &FrameMotion| {
@@ -162,7 +164,7 @@ impl NonlinearEstimator<'_> {
         points
     }
 
-    /// The force that moves a key node by a length, mm, by the tangent at the start.
+    /// Change of a force, N, that moves the fastest key node by `by_mm`, according to the tangent at the start.
     fn first_step_n(&self, start: &State, varying: usize, by_mm: f64) -> Option<f64> {
         let rate = |key_node| start.linearised.rate(varying, key_node).norm();
         let fastest = (0..self.finger().key_node_count()).map(rate).fold(0.0, f64::max);
@@ -194,7 +196,7 @@ impl Curve {
     }
 }
 
-/// Displacement of a key node between two points of a curve.
+/// Displacement of a key node between two points of a curve, mm.
 fn interpolated(ends: &[State], varying: usize, key_node: usize, by_n: f64, share: f64) -> Vector {
     let [from, to] = [&ends[0], &ends[1]].map(|end| end.linearised.seen_displacement(key_node, end.posed()));
     let [from_rate, to_rate] = [&ends[0], &ends[1]].map(|end| end.linearised.rate(varying, key_node) * by_n);
@@ -203,18 +205,18 @@ fn interpolated(ends: &[State], varying: usize, key_node: usize, by_n: f64, shar
 }
 
 impl Scan {
-    /// All points with their misfits.
+    /// All points with their misfits, by curve.
     pub fn misfits(&self, measurement: &Measurement) -> Vec<Vec<ScannedPoint>> {
         self.curves.iter().enumerate().map(|(i, curve)| curve.misfits(measurement, i)).collect()
     }
 
-    /// The equilibrium nearest to a point.
+    /// Equilibrium that precedes a point on its curve.
     pub fn state_before(&self, point: &ScannedPoint) -> &State {
         &self.curves[point.curve].points[point.before]
     }
 }
 
-/// Points whose misfit is less than that of their neighbours on the curve and on those beside it, the least first.
+/// Points whose misfit is smaller than that of their neighbours on the same curve and on adjacent curves, in order of misfit.
 pub(super) fn least(scanned: &[Vec<ScannedPoint>]) -> Vec<&ScannedPoint> {
     let of_curves: Vec<Vec<&ScannedPoint>> = scanned.iter().map(|points| least_of_curve(points)).collect();
     let varying_n = |point: &ScannedPoint| point.forces_n.last().copied().unwrap_or_default();

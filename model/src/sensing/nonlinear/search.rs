@@ -1,8 +1,8 @@
-//! The way to the nearest minimum, from any start: the method of Levenberg and Marquardt with a trust region.
+//! Search for the nearest minimum from any start: the Levenberg-Marquardt method with a trust region.
 //!
-//! The finger answers a force along a plate hardly at all, until the plate buckles: a step that is good for the linearised
-//! finger may lead far away, or where no equilibrium is. So steps reach only as far as the last ones were right, and a
-//! step is given up on the way where an equilibrium is worse than its start ([`follow`](super::follow)).
+//! The finger hardly responds to a force along a plate until the plate buckles. A step that suits the linearised finger may
+//! lead far away, or to no equilibrium. The trust region therefore limits steps to the range in which predictions held. A
+//! step also ends at an equilibrium with a larger misfit than its start ([`follow`](super::follow)).
 
 use super::follow::{Followed, PartOfStep};
 use super::search_history::SearchHistory;
@@ -12,55 +12,55 @@ use crate::optimise::{Convergence, Prediction, TrustRegion};
 use crate::sensing::SensingError;
 use crate::statics::StaticsError;
 
-/// Most steps that are tried; a good start needs three.
+/// Largest number of steps; a good start needs three.
 const MAX_STEPS: usize = 60;
-/// Steps have converged when they change every unknown by less than this share of its scale, or when no combination of the
-/// unknowns is further from its best value than a hundredth of its standard deviation.
+/// Steps have converged when they change every unknown by less than this share of its scale. They have also converged when
+/// every combination of unknowns is within a hundredth of its standard deviation of the optimum.
 const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, step: 1e-7 };
-/// Where the finger does not explain the data, markers are weighed anew in every step, and these converge slowly. After
-/// [`MAX_STEPS`], changes of less than this share are small enough: no camera would see them.
+/// Largest accepted change after [`MAX_STEPS`], as a share of each unknown's scale: no camera resolves it. If the finger does not explain the data, the
+/// weights of the markers change in every step and converge slowly.
 const SMALL_ENOUGH: f64 = 1e-5;
-/// After a step that changes every unknown by less than this share, the minimum may be near; if it was not, after one
-/// that changes them by a tenth of it.
+/// Change of the unknowns by a step, as a share of their scales, below which the minimum may be near. If it is not, a tenth of that change is the next
+/// limit.
 const MAY_BE_NEAR: f64 = 0.03;
-/// A step may be worse than its start by this share: rounding, and while directions turn that follow the plate. A turning normal may
-/// make a good step look worse; the next corrects its residual.
+/// Largest accepted relative increase of the misfit in a step: for rounding, and while directions follow a turning plate. A turning normal may make a
+/// good step look worse; the next step corrects its residual.
 const SETTLED_SLACK: f64 = 1e-12;
 const TURNING_SLACK: f64 = 0.5;
 
-/// One search.
+/// One search for a minimum.
 struct Search<'s, 'm> {
     estimator: &'s mut NonlinearEstimator<'m>,
     measurement: &'s Measurement,
     noise_mm: Option<f64>,
     history: &'s mut SearchHistory,
-    /// Where it is.
+    /// Current state.
     state: State,
-    /// How far a step may move the markers, mm.
+    /// Largest motion of the markers in a step, mm.
     reach: TrustRegion,
-    /// Whether the last step left directions that follow the plate where they were.
+    /// Whether the last step left directions that follow the plate unchanged.
     is_settled: bool,
-    /// Largest relative change of an unknown by the last step, and that below which the minimum may be near.
+    /// Largest relative change of an unknown in the last step; `near` is the change below which the minimum may be near.
     last_change: f64,
     near: f64,
-    /// Whether every step was whole and as good as predicted.
+    /// Whether every step was complete and as good as predicted.
     is_straight: bool,
 }
 
-/// Where a search ends.
+/// End of a search.
 enum End {
-    /// At a minimum, after so many further steps.
+    /// At a minimum, after a number of further steps.
     Minimum(usize),
-    /// On the way of another search.
+    /// On the path of another search.
     Met,
 }
 
 impl NonlinearEstimator<'_> {
-    /// Gauss-Newton steps, each to the equilibrium that belongs to it, shortened where they do not help. The minimum is near if the way was straight:
-    /// every step was whole and as good as predicted. `None` where it comes upon one of the `history` before.
+    /// Searches by Gauss-Newton steps, each to its equilibrium, shortened where they do not help. The minimum is near if every step was complete and as good
+    /// as predicted. `None` if the search meets an earlier path of `history`.
     ///
     /// # Errors
-    /// [`SensingError`] if the unknowns are not identifiable, or the steps do not settle.
+    /// [`SensingError`] if the unknowns are not identifiable, or the steps do not converge.
     pub(super) fn search(
         &mut self,
         mut state: State,
@@ -86,7 +86,7 @@ impl NonlinearEstimator<'_> {
         search.run()
     }
 
-    /// Factors the tangent at a state and derives the shape by the unknowns.
+    /// Factors the tangent at a state and computes the derivatives of the shape with respect to the unknowns.
     fn linearise(&mut self, state: &mut State) -> Result<(), SensingError> {
         if !self.statics.linearise(&state.motion, &state.loads) {
             return Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 }));
@@ -128,7 +128,7 @@ impl Search<'_, '_> {
         self.estimator.misfit(&self.state, self.measurement)
     }
 
-    /// Whether the search ends at the current state, whose next step is predicted.
+    /// Whether the search ends at the current state. `next` predicts its next step.
     fn end_at(&mut self, misfit_mm2: f64, next: Prediction) -> Option<End> {
         if self.is_settled && self.history.ends_far(misfit_mm2, next.decrease) {
             self.history.reach(&self.state);
@@ -148,7 +148,7 @@ impl Search<'_, '_> {
         is_there.then_some(End::Minimum(0))
     }
 
-    /// Corrects forces and shape together, where the minimum is near enough for that.
+    /// Corrects forces and shape together, if the minimum is near enough.
     fn corrected(&mut self) -> Option<End> {
         let mut corrected = self.state.clone();
         let steps = self.estimator.correct(&mut corrected, self.measurement, self.noise_mm)?;
@@ -157,7 +157,7 @@ impl Search<'_, '_> {
         Some(End::Minimum(steps))
     }
 
-    /// Takes the next step, part of it, or none and lets the following reach less far. `whole` is what the step is predicted to do without damping.
+    /// Takes the next step or part of it, or rejects it and shrinks the trust region. `whole` predicts the step without damping.
     fn step(&mut self, misfit_mm2: f64, whole: Prediction) -> Result<Option<End>, SensingError> {
         let prediction = self.within_reach(whole)?;
         let change = self.estimator.relative_change(&self.state);
@@ -184,7 +184,7 @@ impl Search<'_, '_> {
         Ok(None)
     }
 
-    /// The step that reaches no further than it may.
+    /// Computes a step within the trust region.
     fn within_reach(&mut self, whole: Prediction) -> Result<Prediction, SensingError> {
         if self.reach.contains(whole) {
             return Ok(whole);
@@ -193,7 +193,7 @@ impl Search<'_, '_> {
         self.reach.shortened(|damping| self.state.solve(self.measurement, damping))
     }
 
-    /// Takes a whole step.
+    /// Accepts a complete step.
     fn take(
         &mut self,
         next: State,

@@ -1,59 +1,59 @@
-//! Ways that searches have taken, so that another search that comes upon one of them ends there: it would go the same way on.
+//! Paths of searches. A search that meets an earlier path ends there, because it would continue along this path.
 //!
-//! Where contacts and directions are known, forces alone say where a search is. Where they are sought as well, two searches may pass each other
-//! and end elsewhere: those go on.
+//! With known contacts and directions, forces alone describe the state of a search. With unknown ones, two searches may pass the same forces and end
+//! elsewhere, so their paths are not recorded.
 //!
-//! A minimum that is far from explaining the measurement need not be found to the last digit, and where two searches agree on it the others
-//! that start from multiples of the linear forces are left out.
+//! A minimum far from explaining the measurement does not need full accuracy. If two searches agree on it, the other multiples of the linear forces are
+//! skipped as starts.
 
 use super::State;
 use super::unknowns::Unknown;
 use crate::sensing::{ContactQuestion, Direction};
 
-/// A way is met where no force is further from it than this share of the largest.
+/// Largest distance of each force from a path, as a share of the largest force, at which a search meets the path.
 const MET: f64 = 0.01;
 
-/// A minimum is far from explaining a measurement where its residual is so many times as large as what is still explained ...
+/// Ratio of a minimum's residual to the largest explained one above which the minimum is far from explaining a measurement.
 const FAR: f64 = 1.25;
-/// ... and is as good as found where no step is predicted to decrease its misfit by more than this share.
+/// Predicted decrease, as a share of the misfit, at which the search for such a minimum ends.
 const NEARLY: f64 = 0.01;
-/// Two searches agree where their misfits differ by no more than this share, and their forces by no more than this share of the largest.
+/// Largest relative difference of misfits, and of forces as a share of the largest, at which two searches agree.
 const AGREE: f64 = 0.05;
 
-/// A way that a search has taken, by the forces of each step, and where it ended: misfit and forces of the minimum, or `None` without one.
+/// Path of a search: the forces of each step, N, and misfit, mm^2, and forces of the minimum at its end. `None`: it ended without a minimum.
 #[derive(Debug, Clone)]
 struct SearchPath {
     points: Vec<Vec<f64>>,
     end: Option<(f64, Vec<f64>)>,
 }
 
-/// All ways so far.
+/// Paths of all searches.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SearchHistory {
-    /// Whether forces alone are sought.
+    /// Whether paths are recorded, because only forces are unknown.
     are_kept: bool,
     ended: Vec<SearchPath>,
     current: Vec<Vec<f64>>,
-    /// Which of those that ended the current one has met.
+    /// Index of the ended path that the current one has met.
     met: Option<usize>,
     /// Misfit above which a minimum is far from explaining the measurement, mm^2; `None` if any may explain it.
     far_mm2: Option<f64>,
 }
 
 impl SearchHistory {
-    /// None yet, for some unknowns of some questions.
+    /// An empty history for the unknowns of some questions.
     pub(super) fn of(unknowns: &[Unknown], questions: &[ContactQuestion]) -> SearchHistory {
         let forces_alone = unknowns.iter().all(|unknown| matches!(unknown, Unknown::Force(_)));
         let follows = |question: &ContactQuestion| matches!(question.direction, Direction::Leaning(_));
         SearchHistory { are_kept: forces_alone && !questions.iter().any(follows), ..SearchHistory::default() }
     }
 
-    /// The same, towards minima that explain a measurement up to a misfit, mm^2.
+    /// This history with the largest misfit, mm^2, that explains the measurement. `None`: any misfit may explain it.
     pub(super) fn explaining_up_to(self, misfit_mm2: Option<f64>) -> SearchHistory {
         SearchHistory { far_mm2: misfit_mm2.map(|misfit_mm2| FAR * FAR * misfit_mm2), ..self }
     }
 
-    /// Whether a misfit that can be decreased by so much is as good as a minimum far from explaining the measurement.
+    /// Whether a search may end at `misfit_mm2`, far from explaining the measurement, because it can only decrease by `decrease_mm2`.
     pub(super) fn ends_far(&self, misfit_mm2: f64, decrease_mm2: f64) -> bool {
         self.is_far(misfit_mm2) && decrease_mm2 <= NEARLY * misfit_mm2
     }
@@ -80,33 +80,33 @@ impl SearchHistory {
         self.ended.iter().filter_map(|way| way.end.as_ref())
     }
 
-    /// Begins another way.
+    /// Starts another path.
     pub(super) fn begin(&mut self) {
         self.current.clear();
         self.met = None;
     }
 
-    /// Goes on to a state; whether one of the ways before leads past it to a minimum.
+    /// Adds a state to the current path. Returns whether an earlier path passes it and ends at a minimum.
     pub(super) fn meets(&mut self, state: &State) -> bool {
         self.met = self.passing(&state.forces_n);
         self.reach(state);
         self.met.is_some()
     }
 
-    /// Goes on to the state where the way ends.
+    /// Adds the last state to the current path.
     pub(super) fn reach(&mut self, state: &State) {
         if self.are_kept {
             self.current.push(state.forces_n.clone());
         }
     }
 
-    /// A way that leads past forces to a minimum.
+    /// Index of an ended path that passes some forces and ends at a minimum.
     fn passing(&self, forces_n: &[f64]) -> Option<usize> {
         let passes = |way: &SearchPath| way.points.windows(2).any(|ends| is_between(forces_n, [&ends[0], &ends[1]]));
         self.ended.iter().position(|way| way.end.is_some() && passes(way))
     }
 
-    /// Ends the current way; returns the end of the one that it has met instead, if it has.
+    /// Ends the current path. Returns its end, or the end of the path that it has met.
     pub(super) fn end(&mut self, end: Option<(f64, Vec<f64>)>) -> Option<(f64, Vec<f64>)> {
         let end = self.met.map_or(end, |met| self.ended[met].end.clone());
         self.ended.push(SearchPath { points: std::mem::take(&mut self.current), end: end.clone() });
@@ -114,14 +114,14 @@ impl SearchHistory {
     }
 }
 
-/// Whether a minimum, by misfit and forces, is another one.
+/// Whether two minima, each misfit and forces, agree.
 fn agree(one: &(f64, Vec<f64>), other: &(f64, Vec<f64>)) -> bool {
     let largest = other.1.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
     let mut forces = one.1.iter().zip(&other.1);
     (one.0 - other.0).abs() <= AGREE * other.0 && forces.all(|(a, b)| (a - b).abs() <= AGREE * largest)
 }
 
-/// Whether forces are on the straight line between two others.
+/// Whether forces lie on the straight line between two others.
 fn is_between(forces_n: &[f64], [from, to]: [&[f64]; 2]) -> bool {
     let along = |n: &[f64]| n.iter().zip(from).zip(to).map(|((x, a), b)| (x - a) * (b - a)).sum::<f64>();
     let whole = along(to);

@@ -1,29 +1,29 @@
-//! The way to a minimum that is near: forces and shape corrected together.
+//! Simultaneous correction of forces and shape, for a near minimum.
 //!
-//! Each step factors the tangent once. It corrects the shape by Newton's method, then the forces by Gauss and Newton's
-//! with the derivatives that the same tangent gives: these lag one correction behind, and both still converge
-//! quadratically. A frame of a stream costs three or four linearisations instead of a solution for every trial.
+//! Each step factors the tangent once. It corrects the shape by Newton's method, then the forces by the Gauss-Newton method
+//! with derivatives from the same tangent. These lag one correction behind; both methods still converge quadratically. A frame
+//! of a stream needs three or four linearisations instead of an equilibrium for every trial.
 
 use super::{NonlinearEstimator, SETTLED_ANGLE_DEG, State};
 use crate::measurement::Measurement;
 
-/// Most steps; from frame to frame there are three or four.
+/// Largest number of steps; from frame to frame there are three or four.
 const MAX_STEPS: usize = 12;
 /// Turn of a node in the first correction, rad, above which the minimum is not near.
 const LARGEST_TURN: f64 = 0.3;
-/// All later corrections together may turn nodes by this share of the first, as in a load step of the statics: a
-/// smooth path is predicted by its tangent, a snap to another branch is not.
+/// Largest turn of nodes in all later corrections together, as a share of the first, as in a load step of the statics. The
+/// tangent predicts a smooth path, but not a snap to another branch.
 const LATER_TURNS: f64 = 0.5;
-/// Turn, rad, that counts as none in that comparison.
+/// Negligible turn in this comparison, rad.
 const TURN_NOISE: f64 = 1e-4;
-/// Last step, as a share of each unknown's scale. The derivatives lag, so it is wrong by about a hundredth of itself.
+/// Largest last step, as a share of each unknown's scale. The derivatives lag, so the step is wrong by about a hundredth.
 const SETTLED_STEP: f64 = 1e-8;
-/// Last correction of the shape, as a share of the largest rotation. The residual error of the shape is of the order
-/// of its square, and the derivatives lag by it.
+/// Largest last correction of the shape, as a share of the largest rotation. The remaining error of the shape is of second
+/// order, and the derivatives lag by this correction.
 const SETTLED_TURN: f64 = 1e-5;
 
 impl NonlinearEstimator<'_> {
-    /// Corrects a state whose derivatives are there; `None` if the minimum is not near, the state then being anywhere. Otherwise the number of steps.
+    /// Corrects a state with known derivatives, and returns the number of steps. `None` if the minimum is not near; the state is then arbitrary.
     pub(super) fn correct(
         &mut self,
         state: &mut State,
@@ -31,7 +31,7 @@ impl NonlinearEstimator<'_> {
         noise_mm: Option<f64>,
     ) -> Option<usize> {
         let (mut first_turn, mut later_turns) = (0.0, 0.0);
-        // The state is in equilibrium.
+        // The given state is in equilibrium.
         let mut turn = 0.0;
         for steps in 1..=MAX_STEPS {
             state.solve(measurement, 0.0).ok()?;

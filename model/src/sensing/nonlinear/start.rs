@@ -1,4 +1,4 @@
-//! Where the search begins: least squares on the linear finger.
+//! Starts of the search: least squares on the linear finger.
 
 use super::linearised::Linearised;
 use super::nuisances::Nuisances;
@@ -17,23 +17,23 @@ use std::borrow::Cow;
 /// A start of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Start {
-    /// The linear forces times a factor.
+    /// The forces of the linear finger times a factor.
     Times(f64),
-    /// The linear forces with all unknown directions at this angle from the undeformed inward normal, degrees.
+    /// The forces of the linear finger with all unknown directions at this angle, degrees from the undeformed inward normal.
     Towards(f64),
-    /// The linear forces of what is left when the base is where it alone explains the measurement best.
+    /// The forces of the linear finger after the rigid motion of the base that alone explains the measurement best.
     FromMovedBase,
-    /// What explains the measurement best while directions that follow the plate are held where they are from the undeformed normal.
+    /// The minimum for directions that do not follow the plate but keep their angle from the undeformed normal.
     Held,
 }
 
 const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(0.3), Start::Times(-0.3)];
-/// Unknown directions from which the search starts as well where none of these explains the measurement: forces nearly along
-/// a plate that has buckled.
+/// Unknown directions, degrees, that are tried as well if no multiple explains the measurement: forces nearly along a buckled
+/// plate.
 const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
 
 impl NonlinearEstimator<'_> {
-    /// The minimum near the last estimate, or near what markers alone make of the measurement where an object is touched.
+    /// Minimum near the last estimate, or near the estimate from markers alone for contacts with an object.
     pub(super) fn minimum_at_hand(
         &mut self,
         measurement: &Measurement,
@@ -51,12 +51,12 @@ impl NonlinearEstimator<'_> {
         Ok(self.minimum_near(start, measurement, noise_mm, &mut SearchHistory::default()).ok().flatten())
     }
 
-    /// Whether a direction is asked for that follows the plate.
+    /// Whether a direction follows the plate.
     pub(super) fn follows_plate(&self) -> bool {
         self.questions.iter().any(|question| matches!(question.direction, Direction::Leaning(_)))
     }
 
-    /// Where searches begin, in their order.
+    /// Starts in the order of the searches.
     pub(super) fn starts(&self, is_base_sought: bool) -> impl Iterator<Item = Start> + use<> {
         let is_direction_sought = self.questions.iter().any(|question| question.direction == Direction::Auto);
         let moved_base = is_base_sought.then_some(Start::FromMovedBase);
@@ -65,7 +65,7 @@ impl NonlinearEstimator<'_> {
         STARTS.into_iter().chain(moved_base).chain(by_direction).chain(held)
     }
 
-    /// Least squares on the linear finger, at the position along the plate where it explains the measurement best.
+    /// A start by least squares on the linear finger, at the position along the plate that explains the measurement best.
     pub(super) fn start(
         &mut self,
         measurement: &Measurement,
@@ -82,7 +82,7 @@ impl NonlinearEstimator<'_> {
         }
         let from_base = seen_from(self.finger(), measurement, &nuisances.base);
         let finger = self.finger();
-        // A contact of unknown position is tried at every node; several of them are tried one after the other.
+        // An unknown position is tried at every contact node; several unknown positions are tried one after the other.
         let mut positions: Vec<Option<ContactPosition>> = self.questions.iter().map(|q| q.position).collect();
         for i in 0..positions.len() {
             if positions[i].is_some() {
@@ -103,7 +103,7 @@ impl NonlinearEstimator<'_> {
             positions[i] = Some(ContactPosition::Node(best.map_or(finger.tip(), |(node, _)| node)));
         }
         let (contacts, estimate) = self.linear_start(&positions, towards_deg, &from_base)?;
-        // A position that moves is a distance along the plate, not a node.
+        // A variable position is a distance along the plate, not a node.
         let contacts: Vec<Contact> = contacts
             .iter()
             .zip(&self.questions)
@@ -116,7 +116,7 @@ impl NonlinearEstimator<'_> {
             })
             .collect();
         let mut forces_n: Vec<f64> = estimate.forces_n.iter().map(|f| f * factor).collect();
-        // Linear forces may be beyond what the finger carries: halve them until it stands.
+        // The finger may not carry the linear forces; they are halved until it does.
         let rest = self.statics.equations().at_rest();
         for _ in 0..30 {
             let loads = contacts.iter().zip(&forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
@@ -140,7 +140,7 @@ impl NonlinearEstimator<'_> {
         Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 0.0 }))
     }
 
-    /// A force that follows the plate may lead the search astray where the plate turns much; one that does not, less often.
+    /// A start with directions that do not follow the plate. A force that follows a strongly turning plate misleads the search more often.
     fn held_start(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<State, SensingError> {
         let held = |question: &ContactQuestion| match question.direction {
             Direction::Leaning(lean) => ContactQuestion { direction: Direction::Angle(lean.angle_deg), ..*question },
@@ -151,14 +151,14 @@ impl NonlinearEstimator<'_> {
         estimator.expect(measurement, noise_mm)?;
         let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
         let found = estimator.searched(measurement, noise_mm, Start::Times(1.0), &mut starts, &mut history)?;
-        // There is no way to meet.
+        // An empty history has no path at which the search could end.
         self.resumed(found.ok_or(SensingError::NoContact)?.state, measurement, noise_mm)
     }
 
-    /// A state of an estimator with other unknowns, linearised for these.
+    /// A state of an estimator with other unknowns, linearised for the unknowns of this one.
     ///
     /// # Errors
-    /// [`SensingError`] never in practice: its contacts are on the plate.
+    /// [`SensingError`] if loads that follow an object have no equilibrium.
     pub(super) fn resumed(
         &mut self,
         state: State,
@@ -176,8 +176,8 @@ impl NonlinearEstimator<'_> {
         Ok(state)
     }
 
-    /// Least squares with two components where the direction is unknown, turned into one force and its angle; or with the
-    /// unknown directions at an angle.
+    /// Linear least squares. An unknown direction has two components, which are then combined to one force and its angle, or the angle `towards_deg` if it is
+    /// given.
     fn linear_start(
         &self,
         positions: &[Option<ContactPosition>],
@@ -199,8 +199,8 @@ impl NonlinearEstimator<'_> {
             }
         }
         let estimator = LinearEstimator::new(finger, &components, measurement)?;
-        // Where few markers hardly distinguish forces, large ones that cancel are no start. The prior is the force that alone
-        // would move the finger as far, and weighs little otherwise.
+        // If few markers hardly separate forces, large forces that cancel are a bad start. The prior is the force that alone would move the finger as far;
+        // it has little effect otherwise.
         let moved: f64 = measurement.markers().iter().map(|m| (m.displacement * m.weight).norm_squared()).sum();
         let prior = Prior::Gaussian { force_n: moved.sqrt() / estimator.singular_values()[0] };
         let mut estimate = estimator.estimate(measurement, None, prior);
@@ -225,7 +225,7 @@ impl NonlinearEstimator<'_> {
     }
 }
 
-/// Where the base is if nothing bends the finger: the rigid motion that brings its markers nearest to where they are seen.
+/// Pose of the base if nothing bends the finger: the rigid motion that best fits its markers to their measured positions, mm and rad.
 ///
 /// # Reference
 /// Umeyama, IEEE Transactions on Pattern Analysis and Machine Intelligence 13 (1991), in the plane.
@@ -246,7 +246,7 @@ fn rigid_motion(finger: &Finger, measurement: &Measurement) -> Isometry2<f64> {
     Isometry2::from_parts((to - rotation * from).into(), rotation)
 }
 
-/// The displacements as a base elsewhere has them.
+/// Displacements relative to another pose of the base, mm.
 fn seen_from<'m>(finger: &Finger, measurement: &'m Measurement, base: &Isometry2<f64>) -> Cow<'m, Measurement> {
     if *base == Isometry2::identity() {
         return Cow::Borrowed(measurement);

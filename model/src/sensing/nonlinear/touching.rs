@@ -1,7 +1,7 @@
-//! Contacts with an object of known shape: the plate, with what lies between, touches its outline, and along it.
+//! Contacts with an object of known shape: the plate, or the pad on it, touches the object's outline tangentially.
 //!
-//! For each, two rows stand below the markers and the priors: the point of the outline that faces the plate as the contact's does is there, neither off
-//! the plate nor along it. They fix position and direction as far as it is known where the object is.
+//! Each contact adds two rows below the markers and the priors. The outline's point that faces the plate must be at the contact, both off the plate and
+//! along it. The rows determine position and direction as accurately as the object's pose is known.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
@@ -13,28 +13,28 @@ use crate::sensing::{Contact, ContactQuestion, Direction, Lean, Normal, SensingE
 use crate::statics::StaticsError;
 use nalgebra::Point2;
 
-/// How exactly a contact closes, off the plate and along it, mm: far better than outlines are known, no better than a mesh has the plate and its turn.
+/// Standard deviation of a closed contact off the plate and along it, mm: far more accurate than outlines, but not more than a mesh.
 const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
-/// Steps of differences, as a share of each unknown's scale. What they are taken of is linear in the step but for turns.
+/// Step of differences, as a share of each unknown's scale. The differenced quantities are linear in the step except for turns.
 const STEP: f64 = 1e-5;
-/// Times that loads follow the shape which they bend: direction and lever of a load depend on it.
+/// Number of times that loads are updated for the bent shape, which determines their directions and levers.
 const FOLLOWED: usize = 3;
-/// Times that a state may follow until it has settled: each takes away most of what is left.
+/// Largest number of updates until a state has settled. Each removes most of the remaining change.
 const SETTLINGS: usize = 12;
-/// A gap of so many standard deviations is no contact.
+/// Number of standard deviations from which a gap is no contact.
 const LARGEST_GAP_SIGMAS: f64 = 6.0;
-/// Markers leave the shape of the plate between them open by about so many times their noise.
+/// Uncertainty of the plate's shape between markers, as a multiple of the markers' noise.
 const OPEN_BETWEEN_MARKERS: f64 = 2.0;
-/// Points of the plate at which the gap is least, at first.
+/// Number of points of the plate whose distance from the outline is evaluated.
 const PLACES: usize = 400;
 
-/// An object that contacts touch.
+/// An object and the contacts that touch it.
 #[derive(Debug, Clone)]
 pub(super) struct Touching {
     pub object: TouchedObject,
     /// Thickness of the pad, mm.
     pad_mm: f64,
-    /// Which contacts touch it, from 0.
+    /// Indices of the contacts that touch the object, from 0.
     contacts: Vec<usize>,
 }
 
@@ -48,12 +48,12 @@ impl Touching {
         }
     }
 
-    /// Rows that the contacts add.
+    /// Number of rows that the contacts add.
     pub fn row_count(&self) -> usize {
         2 * self.contacts.len()
     }
 
-    /// By how much a shape misses what geometry asks of it, mm of noise.
+    /// Violations of the contact conditions by a shape, in their standard deviations, times the noise, mm.
     fn misses_mm<'t>(
         &'t self,
         mesh: &'t Mesh,
@@ -62,19 +62,19 @@ impl Touching {
         noise_mm: f64,
     ) -> impl Iterator<Item = f64> + 't {
         self.contacts.iter().flat_map(move |&i| {
-            // Contacts were checked: each is on the plate.
+            // Checked contacts are on the plate.
             let s_mm = contacts[i].position_mm(mesh.finger()).unwrap_or(f64::NAN);
             let missed = self.missed_mm(mesh, s_mm, shape).unwrap_or([f64::NAN; 2]);
             [0, 1].map(|way| missed[way] / CLOSED_SD_MM[way] * noise_mm)
         })
     }
 
-    /// Sum of the squares of what a shape misses, mm^2.
+    /// Sum of the squared violations, mm^2.
     pub fn misfit(&self, mesh: &Mesh, contacts: &[Contact], shape: Posed, noise_mm: f64) -> f64 {
         self.misses_mm(mesh, contacts, shape, noise_mm).map(|missed_mm| missed_mm * missed_mm).sum()
     }
 
-    /// How far the plate at a position is from the point of the outline that faces it: the gap, mm, and along the plate, mm.
+    /// Distance of the plate at a position from the outline's facing point, mm: the gap, and the distance along the plate.
     fn missed_mm(&self, mesh: &Mesh, s_mm: f64, shape: Posed) -> Result<[f64; 2], LoadError> {
         let Posed { motion, nuisances, .. } = shape;
         let turn_deg = mesh.normal_turn(motion, &Load::at_position(s_mm, Vector::zeros()), 0.0)?.to_degrees();
@@ -82,7 +82,7 @@ impl Touching {
             [0.0, 90.0].map(|deg| nuisances.base.rotation * mesh.finger().direction(deg + turn_deg));
         let point = nuisances.base * Point2::from(mesh.front_point(motion, s_mm)?);
         let apart = point.coords - self.object.point_facing(inward, nuisances.object);
-        // From the plate's middle line to its outline.
+        // Distance from the plate's middle line to the surface of plate and pad.
         let reach_mm = 0.5 * mesh.finger().thickness_mm(Plate::Front, s_mm) + self.pad_mm;
         Ok([apart.dot(&inward) - reach_mm, apart.dot(&tipward)])
     }
@@ -93,7 +93,7 @@ fn is_of_object(question: &ContactQuestion) -> bool {
 }
 
 impl<'m> NonlinearEstimator<'m> {
-    /// The same for contacts with an object of known shape: those whose direction leans from [`Normal::Object`].
+    /// This estimator with an object of known shape, for contacts whose direction leans from [`Normal::Object`].
     pub fn with_object(mut self, object: Option<&TouchedObject>) -> NonlinearEstimator<'m> {
         let touches = self.questions.iter().any(is_of_object);
         let touching = |object: &TouchedObject| Touching::new(&self.questions, object, self.pad.thickness_mm);
@@ -102,16 +102,16 @@ impl<'m> NonlinearEstimator<'m> {
         self
     }
 
-    /// An estimator with the same pad and object for other questions.
+    /// An estimator with the same mesh, pad and object for other questions.
     pub(super) fn asking(&self, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
         let object = self.object.as_ref().map(|touching| &touching.object);
         Ok(NonlinearEstimator::new(self.mesh, questions)?.with_pad(self.pad).with_object(object))
     }
 
-    /// Refuses directions of an object where there is none.
+    /// Refuses directions that refer to an object if no object is given.
     ///
     /// # Errors
-    /// [`SensingError::NoObject`].
+    /// [`SensingError::NoObject`] for the first such contact.
     pub(super) fn require_object(&self) -> Result<(), SensingError> {
         match self.questions.iter().position(is_of_object).filter(|_| self.object.is_none()) {
             Some(i) => Err(SensingError::NoObject { contact: i + 1 }),
@@ -119,7 +119,7 @@ impl<'m> NonlinearEstimator<'m> {
         }
     }
 
-    /// Sum of the squares of what is missed of what is measured, known beforehand and asked by geometry, mm^2.
+    /// Misfit of the measurement, the priors and the contact conditions, mm^2.
     pub(super) fn misfit(&self, state: &State, measurement: &Measurement) -> f64 {
         let touched = match &self.object {
             None => 0.0,
@@ -131,11 +131,11 @@ impl<'m> NonlinearEstimator<'m> {
         state.misfit(measurement) + touched
     }
 
-    /// As [`differentiate`](NonlinearEstimator::differentiate), by differences of states to first order: directions follow the object, and what they
-    /// do to the shape where they follow it is in it.
+    /// As [`differentiate`](NonlinearEstimator::differentiate), by differences of states to first order. Directions follow the object, and the differences
+    /// include the effect of this on the shape.
     ///
     /// # Errors
-    /// [`SensingError::Statics`] where the tangent is that of no equilibrium.
+    /// [`SensingError::Statics`] if the tangent is not that of an equilibrium.
     pub(super) fn differentiate_by_differences(&mut self, state: &mut State) -> Result<(), SensingError> {
         let Some(touching) = self.object.clone() else { return Ok(()) };
         let noise_mm = self.priors.noise_mm();
@@ -158,7 +158,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// A state after a step of one unknown, with the shape that the tangent gives it and loads that follow it.
+    /// State after a step of one unknown (index and change), with the shape by the tangent and loads that follow it. `None`: no step.
     fn followed(&mut self, state: &State, step: Option<(usize, f64)>) -> Result<State, SensingError> {
         let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
         let mut state = state.clone();
@@ -175,10 +175,10 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(state)
     }
 
-    /// Brings a state to the equilibrium under loads that follow its shape.
+    /// Iterates a state to the equilibrium under loads that follow its shape.
     ///
     /// # Errors
-    /// [`SensingError::Statics`] where there is none.
+    /// [`SensingError::Statics`] if the finger has no such equilibrium.
     pub(super) fn settle(&mut self, state: &mut State) -> Result<(), SensingError> {
         for _ in 0..SETTLINGS {
             let loads = state.loads.clone();
@@ -193,7 +193,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// The same questions without the object: normals are those of the plate.
+    /// An estimator for the same questions without the object. Normals are those of the plate.
     fn without_object(&self) -> Result<NonlinearEstimator<'m>, SensingError> {
         let plain = |question: &ContactQuestion| match question.direction {
             Direction::Leaning(lean) if lean.from == Normal::Object => {
@@ -206,10 +206,10 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(NonlinearEstimator::new(self.mesh, &questions)?.with_pad(self.pad))
     }
 
-    /// What markers alone make of the measurement, as a start; nothing where they do not identify it.
+    /// The estimate from markers alone, as a start. `None` if they do not identify the unknowns.
     ///
     /// # Errors
-    /// [`SensingError::NotTouching`] where the object is elsewhere.
+    /// [`SensingError::NotTouching`] if the object cannot touch the plate.
     pub(super) fn of_markers_alone(
         &mut self,
         measurement: &Measurement,
@@ -239,7 +239,7 @@ impl<'m> NonlinearEstimator<'m> {
         self.resumed(found.state, measurement, noise_mm)
     }
 
-    /// Refuses an object that is further from the plate, or further into it, than can be.
+    /// Refuses an object farther from the plate, or deeper in it, than its uncertainty allows.
     fn require_touch(&self, state: &State, measurement: &Measurement, noise_mm: f64) -> Result<(), SensingError> {
         let Some(touching) = &self.object else { return Ok(()) };
         let length_mm = self.finger().plate_length_mm(Plate::Front);
@@ -252,7 +252,7 @@ impl<'m> NonlinearEstimator<'m> {
             }
         }
         let [gap_mm, along_mm] = nearest_mm;
-        // What is left along the plate between two of the places is none.
+        // A distance along the plate below that of neighbouring points counts as zero.
         let beyond_mm = (along_mm.abs() - length_mm / PLACES as f64).max(0.0);
         let gap_mm = gap_mm.hypot(beyond_mm).copysign(gap_mm);
         let object = &touching.object;

@@ -1,4 +1,4 @@
-//! The unknowns as a list of numbers: forces, then positions, then directions, then the base.
+//! List of the unknowns: forces, positions, directions, the base, the object, and errors that all markers share.
 
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
@@ -6,41 +6,41 @@ use crate::mesh::LoadError;
 use crate::sensing::{ContactPosition, ContactQuestion, Direction, Normal, TouchedObject};
 use nalgebra::{Translation2, UnitComplex};
 
-/// Share of the plate that a position moves in one step at most.
+/// Largest change of a position in one step, as a share of the plate.
 const LONGEST_MOVE: f64 = 0.2;
-/// Share of the plate, from the base, where a position is no longer distinguishable from the clamp.
+/// Smallest distance of a position from the base, as a share of the plate. Closer positions are indistinguishable from the clamp.
 const NEAREST_TO_BASE: f64 = 0.01;
-/// One unit of the base's turn, rad: its tip moves by about as much as a unit of force would move it.
+/// Scale of a turn of the base, rad: it moves the tip about as far as a unit of force does.
 const TURN_UNIT: f64 = 0.01;
 
-/// One unknown: of which contact, and what.
+/// One unknown, with the index of its contact or error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unknown {
     Force(usize),
     Position(usize),
-    /// The part of a force across its current direction, N: with it the direction turns.
+    /// Component of a force across its current direction, N. It turns the direction.
     Across(usize),
-    /// Where the base is, against where the measurement has it.
+    /// Motion of the base from its measured pose.
     Base(BaseMotion),
-    /// Where the object is, against where it is thought to be; it turns about its own origin.
+    /// Motion of the object from its stated pose. It turns about its own origin.
     Object(BaseMotion),
-    /// An error that markers share, in its standard deviations.
+    /// Error that all markers share, in its standard deviations.
     Shared(usize),
 }
 
-/// One of the ways in which a base or an object moves, in the finger frame.
+/// A motion of a base or an object in the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum BaseMotion {
-    /// Along x, mm.
+    /// Translation along x, mm.
     X,
-    /// Along y, mm.
+    /// Translation along y, mm.
     Y,
-    /// About the origin, rad.
+    /// Rotation about the origin, rad.
     Turn,
 }
 
 impl Unknown {
-    /// All unknowns of some questions, of a base that is not known exactly, of an object, and of so many errors that markers share.
+    /// All unknowns of some questions, of an uncertain base, of an object, and of `shared_errors` errors that all markers share.
     pub(super) fn of(
         questions: &[ContactQuestion],
         is_base_sought: bool,
@@ -68,7 +68,7 @@ impl Unknown {
             .collect()
     }
 
-    /// The contact that it belongs to, if to one.
+    /// Index of the contact to which it belongs, if any.
     pub(super) fn contact(self) -> Option<usize> {
         match self {
             Unknown::Force(i) | Unknown::Position(i) | Unknown::Across(i) => Some(i),
@@ -78,7 +78,7 @@ impl Unknown {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Chooses what counts as one unit of each unknown: 1 N, and for positions what moves the finger about as much.
+    /// Sets the scale of each unknown: 1 N, or for a position a length that moves the finger about as far.
     pub(super) fn rescale(&self, state: &mut State) {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
@@ -95,35 +95,35 @@ impl NonlinearEstimator<'_> {
         }
     }
 
-    /// Largest change of an unknown by the state's step: forces against the largest force, positions against the plate.
+    /// Largest relative change of an unknown by the state's step: of forces to the largest force, of positions to the plate.
     pub(super) fn relative_change(&self, state: &State) -> f64 {
         let largest = state.forces_n.iter().fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
         let length = self.finger().plate_length_mm(Plate::Front);
         let change = |(unknown, x): (&Unknown, &f64)| match unknown {
             Unknown::Force(_) | Unknown::Across(_) => x.abs() / largest,
             Unknown::Base(BaseMotion::Turn) | Unknown::Object(BaseMotion::Turn) => x.abs(),
-            // A standard deviation of a shared error moves markers by some tenths of a millimetre.
+            // One standard deviation of a shared error moves markers by some tenths of a millimetre.
             Unknown::Position(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => x.abs() / length,
         };
         self.unknowns.iter().zip(&state.linearised.step).map(change).fold(0.0, f64::max)
     }
 
-    /// Takes the state's step: forces, contacts and loads, but not yet the motion. Returns the largest turn of a
-    /// direction that follows the deformed plate, degrees.
+    /// Applies the state's step to forces, contacts and loads, but not to the motion. Returns the largest turn of a direction
+    /// that follows the deformed plate, degrees.
     ///
     /// # Errors
-    /// [`LoadError`] never in practice: positions are kept on the plate.
+    /// [`LoadError`] if a position is not on the plate, which the limits of positions prevent.
     pub(super) fn advance(&self, state: &mut State) -> Result<f64, LoadError> {
         let finger = self.finger();
         let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised } = state;
         for (unknown, &x) in self.unknowns.iter().zip(&linearised.step) {
             match *unknown {
                 Unknown::Force(i) => forces_n[i] += x,
-                // Forces come first: the part along the direction is up to date.
+                // Forces are the first unknowns, so the component along the direction is current.
                 Unknown::Across(i) => {
                     let turned_deg = x.atan2(forces_n[i]).to_degrees();
                     match self.questions[i].direction {
-                        // A lean is small: a force may be negative.
+                        // A lean is small, so the force keeps its sign, which may be negative.
                         Direction::Leaning(_) => {
                             nuisances.further_leans_deg[i] += (x / forces_n[i]).atan().to_degrees();
                             forces_n[i] = forces_n[i].signum() * forces_n[i].hypot(x);
@@ -150,7 +150,7 @@ impl NonlinearEstimator<'_> {
         }
         let mut largest_turn_deg = 0.0_f64;
         for (i, (contact, question)) in contacts.iter_mut().zip(&self.questions).enumerate() {
-            // What is known of a direction is known where the measurement has the base.
+            // A known direction refers to the measured pose of the base.
             if let Direction::Angle(angle_deg) = question.direction {
                 contact.angle_deg = angle_deg - nuisances.base.rotation.angle().to_degrees();
             }
@@ -159,7 +159,7 @@ impl NonlinearEstimator<'_> {
                     Normal::Deformed { over_mm } => {
                         self.mesh.normal_turn(motion, &contact.unit_load(finger), over_mm)?
                     }
-                    // Where the plate touches an outline it runs along it.
+                    // A plate is tangential to an outline that it touches.
                     Normal::Object => self.mesh.normal_turn(motion, &contact.unit_load(finger), 0.0)?,
                     Normal::Undeformed => 0.0,
                 };
