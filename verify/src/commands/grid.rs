@@ -16,25 +16,25 @@ use std::io::Read;
 pub struct GridArguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Network of `finray train` [default: those that ship]
+    /// Network file of `finray train` [default: the shipped networks]
     #[arg(long, value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Sizes of the force, N, as 1,2,3
+    /// Magnitudes of the force, N, for instance 1,2,3
     #[arg(long, help_heading = "Cells", value_name = "F", value_delimiter = ',', default_values_t = [3.0], value_parser = positive)]
     force_n: Vec<f64>,
-    /// Noise samples of a cell
+    /// Noise samples per cell (position and direction)
     #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: u32,
-    /// First seed of the noise
+    /// Seed of the noise
     #[arg(long, help_heading = "Cells", value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// About how many positions along the front plate
+    /// Approximate number of positions along the front plate
     #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     places: u32,
-    /// Degrees between directions, up to 80 on both sides of the normal; 90: the normal alone
+    /// Angle between directions, degrees; they reach 80 to both sides of the normal; 90: only the normal
     #[arg(long, help_heading = "Cells", value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
     step_deg: f64,
-    /// Compute only share I of N, for `finray merge`
+    /// Compute only share I of N; `finray merge` joins the shares
     #[arg(long, help_heading = "Cells", value_name = "I/N")]
     shard: Option<Shard>,
     /// Result file; - for standard output

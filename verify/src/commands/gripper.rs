@@ -17,19 +17,19 @@ Examples:
 
 Guide: finray guide press-and-grasp";
 
-/// Where a gripper's two fingers stand, from the angle of its motor or from how far it is open.
+/// Compute the poses of a gripper's two fingers from its motor angle or its opening.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML) with a gripper; - for standard input
     scene: PathBuf,
-    /// Motor angles, degrees: one, or FROM:TO:STEP [default: the whole reach in steps of 22.5]
+    /// Motor angle, or a range FROM:TO:STEP, degrees [default: the whole reach in steps of 22.5]
     #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, value_parser = motor_angles, conflicts_with = "opening_mm")]
     motor_deg: Option<MotorAngles>,
-    /// Find the motor angle for this distance between the tips, mm; the one nearest to 0
+    /// Distance between the tips, mm, instead of a motor angle; takes the solution nearest to 0 degrees
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     opening_mm: Option<f64>,
-    /// Errors (standard deviations) of motor angle, play of the screw, and each length
+    /// Standard deviation of the motor angle, backlash of the screw, standard deviation of each length
     #[arg(long, value_name = "DEG,MM,MM", value_parser = linkage_errors)]
     errors: Option<LinkageErrors>,
     /// Result file; - for standard output

@@ -16,11 +16,11 @@ Examples:
   finray guide sense
   finray guide scene";
 
-/// Print a guide: without a topic the list of topics.
+/// Print a guide, or the list of topics.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The topic
+    /// Topic of the guide [default: the list of topics]
     topic: Option<String>,
 }
 

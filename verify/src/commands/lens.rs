@@ -17,14 +17,14 @@ Examples:
 
 Guide: finray guide lens";
 
-/// Find the lens of a camera from images of a plane grid of dots or holes, or of a chessboard.
+/// Calibrate a camera's lens from images of a plane grid of dots or holes, or of a chessboard.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Distance between dots, side of a square, or distance between rows of an asymmetric grid, mm
+    /// Distance between dots, side of a chessboard square, or row spacing of an asymmetric grid, mm
     #[arg(long, value_name = "P", value_parser = positive)]
     grid_mm: f64,
-    /// Image of the grid (PNG, JPEG); several of one camera
+    /// Images of the grid (PNG, JPEG), all from one camera
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     image: Vec<PathBuf>,
     /// Also write the pose of the grid's plane

@@ -15,13 +15,13 @@ const DRAWN_MM: f64 = 3e-4;
 /// Loads and the mesh that carries them.
 #[derive(clap::Args)]
 pub struct Loads {
-    /// Force (N) and moment (N mm) on a key node, finger frame
+    /// Force (N) and optional moment (N mm) on a key node, in the finger frame
     #[arg(long, value_name = "NODE:FX,FY[,M]", value_parser = node_load, num_args = 1.., allow_hyphen_values = false)]
     load: Vec<NodeLoad>,
-    /// Force (N) at a position on the front plate (mm from its base), at an angle from the normal
+    /// Force (N) on the front plate, at S_MM from its base and ANGLE_DEG from the inward normal
     #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = position_load, num_args = 1..)]
     load_at: Vec<PositionLoad>,
-    /// Nodes of the mesh [default: key nodes; `render` refines it]
+    /// Number of mesh nodes [default: the key nodes; `render` refines until the image converges]
     #[arg(long, value_name = "N")]
     mesh_nodes: Option<usize>,
 }

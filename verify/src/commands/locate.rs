@@ -23,16 +23,16 @@ Examples:
 
 Guide: finray guide photographs";
 
-/// Locate the markers of a finger in images: positions and displacements of its nodes.
+/// Locate a finger's markers in images, and compute the displacements of its nodes.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Image of the finger (PNG, JPEG); several in the order they were taken; - for standard input
+    /// Images of the finger (PNG, JPEG), in the order they were taken; - for standard input
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     image: Vec<PathBuf>,
-    /// Image of the unloaded finger: gives the pose, and displacements count from it
+    /// Image of the unloaded finger, from which pose and displacements are measured
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
     /// Result file; - for standard output

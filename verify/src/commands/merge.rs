@@ -19,10 +19,10 @@ Guide: finray guide clusters";
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Files that were written with --shard
+    /// Files written with --shard, in any order
     #[arg(value_name = "SHARD", required = true)]
     shards: Vec<PathBuf>,
-    /// Result file; the figure of a map takes its name with .svg; - for standard output
+    /// Result file; a map also writes its figure, with suffix .svg; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }

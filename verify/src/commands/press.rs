@@ -20,22 +20,22 @@ Examples:
 
 Guide: finray guide press-and-grasp";
 
-/// Press an object onto a finger, and sense the contact forces as it goes.
+/// Simulate an object pressed onto a finger, and sense the contact forces at each step.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML) with an object; - for standard input
     scene: PathBuf,
-    /// Standard deviation of one coordinate of node or outline, mm [default: the scene's, or 0]
+    /// Standard deviation of one coordinate of a node or outline point, mm [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Segments of the lattice in a plate member [default: until no total changes by 0.1 %]
+    /// Lattice segments per plate member [default: doubled until total forces change by under 0.1 %]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=100))]
     fineness: Option<u16>,
-    /// Also write the last shape, as `finray solve` does
+    /// Also write the final shape, in the format of `finray solve`
     #[arg(long, value_name = "FILE")]
     shape: Option<PathBuf>,
     /// Result file; - for standard output

@@ -23,37 +23,37 @@ Examples:
 
 Guide: finray guide reading-the-report";
 
-/// Run every check and map, and write a page that shows them.
+/// Run all checks and maps of a finger, and write them to one HTML page.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input [default: the finger of Xu et al. 2021]
     scene: Option<PathBuf>,
-    /// Folder for the report; made if it does not exist
+    /// Folder for the report; created if missing
     #[arg(long, value_name = "DIR", default_value = "finray-report")]
     out: PathBuf,
-    /// The force that the report is about, N: maps are for F/6, F/3, 2F/3 and F
+    /// Largest force of the report, N; its maps show F/6, F/3, 2F/3 and F
     #[arg(long, value_name = "F", value_parser = positive, default_value_t = ReportForces::PAPER.drawn_n())]
     force_n: f64,
-    /// Coarse maps and fewer cases: a fraction of the time
+    /// Coarser maps and fewer cases, in a fraction of the time
     #[arg(long)]
     quick: bool,
-    /// Folder of criterion's results of the bench `speed_error` [default: target/criterion]
+    /// Folder with Criterion's results of the benchmark `speed_error` [default: target/criterion]
     #[arg(long, help_heading = "Times of other runs", value_name = "DIR")]
     criterion: Option<PathBuf>,
-    /// Times and errors of other programs, as bench/peers writes them (CSV)
+    /// Run times and errors of other programs (CSV, written by bench/peers)
     #[arg(long, help_heading = "Times of other runs", value_name = "FILE")]
     peers: Option<PathBuf>,
-    /// Images of the finger to compare: a file of `finray locate`
+    /// Markers located in your images (file of `finray locate`)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "scene", requires = "forces")]
     measurements: Option<PathBuf>,
-    /// Forces measured in these images: image,fx_n,fy_n (CSV)
+    /// Measured forces, frame of the camera's pose: image,fx_n,fy_n (CSV)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "measurements")]
     forces: Option<PathBuf>,
-    /// Some of these images (PNG, JPEG), to draw the residuals over
+    /// Images (PNG, JPEG) over which the marker residuals are drawn
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", num_args = 1.., requires = "measurements")]
     image: Vec<PathBuf>,
-    /// Open the page in the browser when it is done
+    /// Open the page in the browser when done
     #[arg(long)]
     open: bool,
 }

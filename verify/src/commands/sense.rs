@@ -18,39 +18,39 @@ Examples:
 
 Guide: finray guide sense";
 
-/// Sense contact forces from measured displacements, with their standard deviations.
+/// Estimate contact forces and their standard deviations from measured displacements.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Displacements: node,ux_mm,uy_mm, or a file of `finray locate`; - for standard input
+    /// Displacements (CSV: node,ux_mm,uy_mm, or a file of `finray locate`); - for standard input
     #[arg(long, help_heading = "Input", value_name = "FILE")]
     displacements: PathBuf,
     #[command(flatten, next_help_heading = "Question")]
     contacts: Contacts,
-    /// The estimator
+    /// Estimator of the forces
     #[arg(long, help_heading = "Estimator", value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
-    /// Network of `finray train`; without it, the one that ships for these contacts
+    /// File of `finray train` [default: network shipped for the contacts]
     #[arg(long, help_heading = "Estimator", value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Standard deviation of one measured coordinate, mm
+    /// Standard deviation of one measured coordinate, mm [default: the scene's, else the file's, else from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Largest coefficient of friction, for contacts with standard deviations
+    /// Friction coefficient that bounds the force direction of contacts with +-SD
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
-    /// The image to sense in, of a file of several
+    /// Image to evaluate, if the file holds several
     #[arg(long, help_heading = "Input", value_name = "NAME")]
     image_name: Option<String>,
-    /// Sense in every image of a file of several: a row each
+    /// Evaluate every image of the file, one row per image and contact
     #[arg(long, help_heading = "Input", conflicts_with = "image_name")]
     all_images: bool,
-    /// Measured forces, for the direction `measured`: image,fx_n,fy_n in the frame of the camera's pose
+    /// Measured forces, for the direction `measured` (CSV: image,fx_n,fy_n, in the frame of the camera's pose)
     #[arg(long, help_heading = "Question", value_name = "FILE")]
     forces: Option<PathBuf>,
-    /// Nodes of the nonlinear estimator's mesh
+    /// Mesh nodes, nonlinear estimator [default: refined until converged]
     #[arg(long, help_heading = "Estimator", value_name = "N")]
     mesh_nodes: Option<usize>,
     /// Result file; - for standard output

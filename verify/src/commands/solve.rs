@@ -15,7 +15,7 @@ Examples:
 
 Guide: finray guide your-finger";
 
-/// Deform a finger under loads: displacements and rotations of its key nodes.
+/// Compute displacements and rotations of a finger's key nodes under loads.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {

@@ -13,19 +13,19 @@ Examples:
 
 Guide: finray guide maps-and-sweeps";
 
-/// Map several true fingers, estimators, forces and levels of noise in one table.
+/// Compute maps of several true fingers, estimators, forces and noise levels in one table.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
-    /// The true fingers, joined by commas
+    /// Models of the true finger, comma-separated
     #[arg(long, value_parser = listed::<TruthId>(), value_delimiter = ',', default_values_t = [TruthId::Corotational])]
     truth: Vec<TruthId>,
-    /// The estimators, joined by commas
+    /// Estimators, comma-separated
     #[arg(long, value_parser = listed::<EstimatorId>(), value_delimiter = ',', default_values_t = [EstimatorId::LeastSquares])]
     estimator: Vec<EstimatorId>,
-    /// Standard deviations of one coordinate, mm, as 0,0.067 [default: the scene's, or 0]
+    /// Standard deviations of one coordinate, mm, for instance 0,0.067 [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_delimiter = ',', value_parser = not_negative)]
     noise_mm: Vec<f64>,
 }

@@ -15,9 +15,9 @@ use nalgebra::DMatrix;
 
 /// Below the options.
 const AFTER_HELP: &str = "\
-NAMES for --fit, joined by commas, each perhaps with a prior: modulus, front-modulus, back-modulus,
-bracket, brackets, clip, front-clip, back-clip, ribs, height, base, base-compliance, preload,
-friction, friction-build-up, force-error.
+NAMES for --fit, separated by commas, each optionally with a prior standard deviation (ribs=0.2):
+modulus, front-modulus, back-modulus, bracket, brackets, clip, front-clip, back-clip, ribs, height,
+base, base-compliance, preload, friction, friction-build-up, force-error.
 
 Examples:
   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
@@ -27,7 +27,7 @@ Examples:
 
 Guide: finray guide calibrate";
 
-/// Find moduli, geometry and friction of a finger, from weights or from images of the pressed finger.
+/// Estimate moduli, geometry and friction of a finger from weights or images of the pressed finger.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 #[command(group = clap::ArgGroup::new("several").args(["zones", "located"]).multiple(true))]
@@ -37,22 +37,22 @@ pub struct Arguments {
     /// Shapes under known loads: case,load_node,fx_n,fy_n,node,ux_mm,uy_mm
     #[arg(long, help_heading = "From weights", value_name = "FILE", conflicts_with_all = ["fit", "forces", "calibrated", "images"])]
     measurements: Option<PathBuf>,
-    /// Images of the pressed finger: a file of `finray locate`
+    /// Markers in images of the pressed finger (file of `finray locate`)
     #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with = "measurements", requires = "fit")]
     located: Option<PathBuf>,
-    /// What is unknown (see below), as modulus,ribs=0.2
+    /// Parameters to estimate, see NAMES below; for instance modulus,ribs=0.2
     #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "located")]
     fit: Option<String>,
-    /// Forces measured in some of the images: image,fx_n,fy_n, perhaps object
+    /// Forces measured in some images (CSV: image,fx_n,fy_n[,object])
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     forces: Option<PathBuf>,
-    /// File for the calibrated scene (TOML)
+    /// Write the calibrated scene (TOML) to FILE
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     calibrated: Option<PathBuf>,
-    /// File for the results of each image (CSV)
+    /// Write the results of each image (CSV) to FILE
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     images: Option<PathBuf>,
-    /// Also estimate the factors of the scene's zones: each, or those named; + joins zones
+    /// Also estimate modulus factors of the scene's zones: of all, or of GROUPS (1+2,3: zones 1 and 2 share a factor)
     #[arg(long, help_heading = "From weights", value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
     zones: Option<String>,
     /// Kinematics of the finger
@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Standard deviation of one coordinate, mm [default: the scene's, or from the residual]
     #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// File for the correlations of the results (CSV)
+    /// Write the correlations of the results (CSV) to FILE
     #[arg(long, value_name = "FILE", requires = "several")]
     correlations: Option<PathBuf>,
     /// Result file; - for standard output
