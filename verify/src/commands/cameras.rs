@@ -1,4 +1,4 @@
-//! The camera and markers that a command needs of a scene, which is read from a path.
+//! Camera and markers of a scene, for the commands that need them.
 
 use super::{Failure, bad_input};
 use finray_files::name_of;
@@ -8,19 +8,19 @@ use finray_model::keys::{CAMERA, MARKERS, SceneTable};
 use finray_model::scene::Markers;
 use std::path::Path;
 
-/// What a scene lacks: nothing in it is wrong, so its first line is named, as for a key that is missing.
+/// Failure that names a missing table. The message gives line 1, as for any missing key.
 fn missing(path: &Path, what: &str) -> Failure {
     bad_input(format!("{}: line 1: the scene has no {what}; fixtures/scenes/camera.toml has an example", name_of(path)))
 }
 
-/// The lens, and the pose where the scene has it.
+/// The camera's lens, and its pose if the scene has one.
 pub fn camera_of(path: &Path, scene: &Scene) -> Result<(Lens, Option<Pose>), Failure> {
     let keys = [CAMERA.size_px.name, CAMERA.focal_px.name, CAMERA.principal_point_px.name];
     let camera = scene.camera.ok_or_else(|| missing(path, &CAMERA.with(&keys)))?;
     Ok((camera.lens, camera.pose))
 }
 
-/// The markers.
+/// Markers of the scene.
 pub fn markers_of(path: &Path, scene: &Scene) -> Result<Markers, Failure> {
     scene.markers.ok_or_else(|| missing(path, &MARKERS.outline()))
 }

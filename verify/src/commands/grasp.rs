@@ -1,4 +1,4 @@
-//! `finray grasp`
+//! The command `finray grasp`.
 
 use crate::commands::prelude::*;
 use clap::value_parser;
@@ -11,7 +11,7 @@ use finray_studies::experiments::grasp::{
     Eyes, FINENESS, GraspEnd, GraspError, GraspScene, GraspStep, Summary, finger_name,
 };
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray grasp fixtures/scenes/grasp/disc.toml --out disc
@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
     let name = name_of(&arguments.scene);
     let bad = |error: GraspError| {
-        // What is missing stands on no line: the first is named, as for any other key.
+        // A missing table has no line of its own; the message names line 1, as for any missing key.
         let at = if matches!(error, GraspError::Missing { .. } | GraspError::NotFree) { "line 1: " } else { "" };
         match Failure::from(error) {
             Failure::BadInput(message) => Failure::BadInput(format!("{name}: {at}{message}")),

@@ -1,4 +1,4 @@
-//! Shared by `finray map`, `sweep` and `merge`: the grid, the truths and estimators on it, and the output of the table.
+//! Code shared by `finray map`, `sweep` and `merge`: the grid of cells, the models and estimators evaluated on it, and the output table.
 
 use crate::commands::prelude::*;
 use finray_files::{Reader, Stream, load_network_and_digest, load_scene_and_text};
@@ -42,15 +42,17 @@ pub struct GridArguments {
     out: PathBuf,
 }
 
-/// Truths and estimators to run.
+/// Models of the true finger and estimators to evaluate.
 pub struct Candidates<'a> {
+    /// Models of the true finger.
     pub truths: &'a [TruthId],
+    /// Estimators of the forces.
     pub estimators: &'a [EstimatorId],
-    /// Standard deviations of one measured coordinate, mm; none given: the scene's camera, else no noise.
+    /// Standard deviations of one measured coordinate, mm. If empty, the noise of the scene's camera, or else 0.
     pub noise_mm: &'a [f64],
 }
 
-/// Computes a table and writes it, row by row, with what belongs beside it.
+/// Computes a table and writes it row by row, with the figure of a map beside it.
 pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> Result<(), Failure> {
     if arguments.network.is_some() && !candidates.estimators.contains(&EstimatorId::Network) {
         return Err(bad_input("--network is for --estimator network"));
@@ -98,7 +100,7 @@ fn grid(
     scene: &Scene,
     truths: &[Box<dyn Truth + '_>],
 ) -> Result<Grid, Failure> {
-    // A truth that answers at some positions alone decides where all are asked.
+    // A truth with fixed positions, such as exported data, determines the positions of the whole grid.
     let given = truths.iter().map(|truth| truth.positions(&arguments.force_n)).collect::<Result<Vec<_>, _>>()?;
     let (positions_mm, angles_deg) = given
         .into_iter()
@@ -125,7 +127,7 @@ fn grid(
     })
 }
 
-/// An estimator that refuses every position and direction, as a network of another finger, is no candidate.
+/// Checks that the estimator can answer at least one position and direction of the grid; returns its first refusal otherwise.
 fn require_an_answer(finger: &Finger, estimator: &dyn Estimator, grid: &Grid) -> Result<(), Failure> {
     let at_rest = Measurement::at_rest(finger);
     let mut refusal = None;
@@ -180,7 +182,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<(), F
     Ok(partial.finish(&beside)?)
 }
 
-/// Why a stream ends before its end.
+/// Why the output stream ends early.
 enum Stop {
     Unread,
     Failed(Failure),
@@ -192,7 +194,7 @@ impl<E: Into<Failure>> From<E> for Stop {
     }
 }
 
-/// Files beside a whole table: the figure of a map.
+/// The files written beside a complete table: the figure of a map.
 pub fn beside(
     request: &Request,
     finger: &Finger,
@@ -211,7 +213,7 @@ fn figure_path(out: &Path) -> PathBuf {
     out.with_extension("svg")
 }
 
-/// The path itself, unless it would be the figure's.
+/// The path of the table: `out`, or for a map the same name with suffix csv if `out` is the figure's path.
 pub fn table_path(table: Table, out: &Path) -> PathBuf {
     let is_figure = table == Table::Map && out.extension().is_some_and(|extension| extension == "svg");
     if is_figure { out.with_extension("csv") } else { out.to_owned() }

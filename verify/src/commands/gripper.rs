@@ -1,14 +1,14 @@
-//! `finray gripper`
+//! The command `finray gripper`.
 
 use super::parse::{MotorAngles, motor_angles};
 use crate::commands::prelude::*;
 use finray_model::gripper::{Gripper, LinkageErrors, NodeErrors};
 use finray_model::keys::{GRIPPER, SceneTable};
 
-/// Steps of the motor in the paper's experiments, degrees (sec. V-C).
+/// Motor step of the paper's experiments, degrees (sec. V-C).
 const STEP_DEG: f64 = 22.5;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray gripper fixtures/scenes/gripper.toml --motor-deg -1800:1800:360
@@ -45,7 +45,7 @@ fn linkage_errors(text: &str) -> Result<LinkageErrors, String> {
     }
 }
 
-/// What is appended to a row with --errors.
+/// Columns added by `--errors`: error of the worst node by each cause, mm.
 #[derive(Serialize)]
 struct ErrorColumns {
     motor_error_mm: Option<f64>,
@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             })?;
             vec![motor_deg]
         }
-        // Whole steps from motor angle 0.
+        // Whole steps, counted from motor angle 0.
         (None, None) => {
             let [first, last] = [(from_deg / STEP_DEG).ceil() as i64, (to_deg / STEP_DEG).floor() as i64];
             (first..=last).map(|step| step as f64 * STEP_DEG).collect()

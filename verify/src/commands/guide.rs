@@ -1,4 +1,4 @@
-//! `finray guide`
+//! The command `finray guide`.
 
 use crate::commands::prelude::*;
 use finray_fixtures::PAPER_SCENE;
@@ -6,10 +6,10 @@ use finray_model::keys;
 use finray_verify::files::write_text;
 use finray_verify::guide::GUIDES;
 
-/// The one topic that is made from a table of the program.
+/// Name and task of the only guide that is generated, from the table of scene keys.
 const SCENE: (&str, &str) = ("scene", "Every table and key of a scene file: unit, range, default and meaning");
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray guide
@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(write_text(Path::new("-"), &text)?)
 }
 
-/// The reference of scene files, with the paper's finger as an example.
+/// The reference of all scene keys, with the paper's finger as an example.
 fn scene() -> String {
     format!(
         "# Scene files\n\

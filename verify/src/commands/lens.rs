@@ -1,4 +1,4 @@
-//! `finray lens`
+//! The command `finray lens`.
 
 use crate::commands::prelude::*;
 use finray_files::load_turned_image;
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::fmt::Write;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray lens --grid-mm 5 --image grid1.png grid2.png grid3.png --out lens.toml
@@ -35,10 +35,10 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Standard deviation of a focal length, as a share of it, beyond which it is warned of: the parallax of what lies off the grid's plane is wrong by
-/// about as large a share.
+/// Relative standard deviation of the focal length above which a warning is printed. The parallax of points off the grid's plane has about the
+/// same relative error.
 const LARGEST_FOCAL_SHARE: f64 = 0.05;
-/// Largest differences between images of a plane that is in the same place: of its normal, deg, and of its distance from the camera, as a share.
+/// Largest difference between images of one fixed plane: of its normal, degrees, and of its relative distance from the camera.
 const SAME_NORMAL_DEG: f64 = 0.5;
 const SAME_DISTANCE: f64 = 0.005;
 
@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The pose of the plane that all images show.
+/// The mean pose of the plane that all images show; an error if the images show different planes.
 fn pose_of_plane(fit: &LensFit) -> Result<Pose, String> {
     let ray = fit.lens.ray(&fit.lens.middle()).map_err(|error| format!("--plane: the middle of the image {error}"))?;
     let seen: Vec<[Vector3<f64>; 2]> = fit
@@ -151,7 +151,7 @@ fn to_toml(fit: &LensFit, arguments: &Arguments, kind: GridKind, dots: usize) ->
     text
 }
 
-/// Says so where the focal length is less certain than distances and slants can bear.
+/// A warning if the focal length is too uncertain for distances and slants.
 fn uncertain_focus(fit: &LensFit) -> Option<String> {
     let share = fit.sds[0] / fit.lens.focal_px()[0];
     (share > LARGEST_FOCAL_SHARE).then(|| {
@@ -163,7 +163,7 @@ fn uncertain_focus(fit: &LensFit) -> Option<String> {
     })
 }
 
-/// Says which parameters the images do not show.
+/// A note that names the lens parameters which the images do not determine.
 fn not_shown(fit: &LensFit) -> Option<String> {
     let names: Vec<&str> =
         LENS_PARAMETERS.iter().zip(fit.is_shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();

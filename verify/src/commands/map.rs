@@ -1,10 +1,10 @@
-//! `finray map`
+//! The command `finray map`.
 
 use super::grid::{Candidates, GridArguments, run as run_grid};
 use crate::commands::prelude::*;
 use finray_studies::sampling::sweep::Table;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray map fixtures/scenes/paper.toml --noise-mm 0.067 --out map.csv      (and map.svg)

@@ -1,4 +1,4 @@
-//! `finray merge`
+//! The command `finray merge`.
 
 use super::grid::{beside, table_path};
 use crate::commands::prelude::*;
@@ -6,7 +6,7 @@ use finray_files::{Reader, Stream, write_from};
 use finray_studies::sampling::sweep::{MergeError, Shards};
 use std::io::Read;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray map fixtures/scenes/paper.toml --shard 1/2 --out 1.csv
@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(write_from(sources)?)
 }
 
-/// Writes what is read to standard output, a device or a pipe.
+/// Copies the table to standard output, a device or a pipe.
 fn pour(mut table: impl Read, out: &Path) -> Result<(), Failure> {
     const AT_ONCE: usize = 1 << 16;
     let mut stream = Stream::open(out)?;

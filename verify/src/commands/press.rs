@@ -1,4 +1,4 @@
-//! `finray press`
+//! The command `finray press`.
 
 use super::validity::Pressing;
 use crate::commands::prelude::*;
@@ -11,7 +11,7 @@ use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::experiments::contact_scene::{ContactScene, Refinement, SceneStep, TotalChange, force_rows};
 use finray_studies::sampling::noise::Noise;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray press fixtures/scenes/contact/disc.toml
@@ -43,7 +43,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// A stop that is rounding, mm.
+/// Largest distance, mm, that an object may miss its prescribed position by rounding.
 const STOPPED_MM: f64 = 1e-6;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {

@@ -1,4 +1,4 @@
-//! `finray render`
+//! The command `finray render`.
 
 use super::loads::Loads;
 use crate::commands::prelude::*;
@@ -7,10 +7,10 @@ use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::camera::Camera;
 use nalgebra::Isometry2;
 
-/// Largest blur, px: beyond, a marker of a few pixels is no longer seen.
+/// Largest accepted blur, px; a larger one makes a marker of a few pixels invisible.
 const LARGEST_BLUR_PX: f64 = 100.0;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray render fixtures/scenes/camera.toml --load-at 80:2,-20 --out image.png
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(write_bytes(&arguments.out, &png)?)
 }
 
-/// Three numbers: mm, mm, deg.
+/// Parses the pose of a base, `X_MM,Y_MM,DEG`.
 fn moved_base(text: &str) -> Result<Isometry2<f64>, String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();

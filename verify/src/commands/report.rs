@@ -1,4 +1,4 @@
-//! `finray report`
+//! The command `finray report`.
 
 use crate::commands::prelude::*;
 use finray_files::image_named;
@@ -14,7 +14,7 @@ use finray_studies::study::Study;
 use indicatif::ProgressBar;
 use std::sync::Mutex;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray report --open
@@ -58,7 +58,7 @@ pub struct Arguments {
     open: bool,
 }
 
-/// Markers that a scene places alike, mm: far below any noise, far above rounding.
+/// Largest difference between the scene's markers and those of the file, mm: far below any noise, far above rounding.
 const SAME_MM: f64 = 1e-3;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(peers) = peers {
         study.take_peers(peers);
     }
-    // The claims state times: criterion's, once they have been taken.
+    // Criterion's times must be set first: the claims quote them.
     let claims = ledger(&study).map_err(not_computed)?;
     let report = finray_report::report(&study, &claims).map_err(not_computed)?;
     write_folder(&arguments.out, &report.files)?;
@@ -118,7 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.open
         && let Err(error) = open::that_detached(&page)
     {
-        // The report is made, and where it is has been said.
+        // The report exists and its path is printed, so this is not an error.
         print_message(format_args!(
             "note: nothing here opens a page ({}); it is {}",
             first_line(&error),
@@ -128,12 +128,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// An opener's own message may go on for lines.
+/// First line of the error: the browser opener's message may have several.
 fn first_line(error: &std::io::Error) -> String {
     error.to_string().lines().next().unwrap_or_default().to_owned()
 }
 
-/// An image with its name among those that were located.
+/// Loads an image and finds its name among the located images.
 fn named_image(path: &Path, located: &[&str]) -> Result<NamedImage, FileError> {
     let image = load_image(path)?;
     let none = |_| {
@@ -145,7 +145,7 @@ fn named_image(path: &Path, located: &[&str]) -> Result<NamedImage, FileError> {
     Ok((name.to_owned(), image))
 }
 
-/// Criterion's results in the folder given, or where cargo leaves them.
+/// Reads Criterion's results from the given folder, or from `target/criterion` if that exists.
 fn criterion_times(given: Option<&Path>) -> Result<Option<(PathBuf, CriterionTimes)>, FileError> {
     let found = Path::new("target/criterion");
     let Some(folder) = given.or_else(|| found.is_dir().then_some(found)) else { return Ok(None) };
@@ -154,7 +154,7 @@ fn criterion_times(given: Option<&Path>) -> Result<Option<(PathBuf, CriterionTim
     Ok(Some((folder.to_owned(), times)))
 }
 
-/// A progress bar a part.
+/// Progress bars, one per part of the study.
 struct Bars(Mutex<ProgressBar>);
 
 impl Bars {

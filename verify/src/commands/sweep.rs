@@ -1,10 +1,10 @@
-//! `finray sweep`
+//! The command `finray sweep`.
 
 use super::grid::{Candidates, GridArguments, run as run_grid};
 use crate::commands::prelude::*;
 use finray_studies::sampling::sweep::Table;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray sweep fixtures/scenes/paper.toml --truth linear,corotational --noise-mm 0,0.067
@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     run_grid(&arguments.grid, Table::Sweep, &candidates)
 }
 
-/// Each once, in the order of their first mention.
+/// The distinct items of a list, in order of first occurrence.
 fn distinct<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
     let first = |(i, item): (usize, &T)| (!list[..i].contains(item)).then_some(*item);
     list.iter().enumerate().filter_map(first).collect()

@@ -1,4 +1,4 @@
-//! `finray train`
+//! The command `finray train`.
 
 use super::contacts::Contacts;
 use super::progress::TrainingBar;
@@ -9,7 +9,7 @@ use finray_model::sensor::SensorContacts;
 use finray_model::train::{TrainingRecipe, train};
 use finray_studies::settings::CAMERA_NOISE_MM;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray train fixtures/scenes/paper.toml --contact 15 21 --out 15-21.safetensors
@@ -70,7 +70,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// The truths that are the scene's own beams: what samples can be drawn from.
+/// Parses a truth that consists of the scene's own beams; training samples can be drawn only from these.
 fn own_beams(name: &str) -> Result<TruthId, String> {
     let own = || TruthId::ALL.iter().filter(|id| id.kinematics().is_some());
     let names: Vec<&str> = own().map(|id| id.name()).collect();
@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Recipe from the arguments.
+/// The training recipe that the arguments describe.
 fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
     let mut recipe = match (arguments.any_of, arguments.plain) {
         (true, _) => TrainingRecipe::any_of(contacts, noise_mm),
@@ -132,7 +132,7 @@ fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> Train
     recipe
 }
 
-/// Errors of the network on its test cases, in words.
+/// Describes the network's errors on its test cases.
 fn tested(network: &Network) -> String {
     let card = &network.card;
     let line = |(contact, error): (&Contact, &TestError)| {

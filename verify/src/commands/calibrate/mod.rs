@@ -1,4 +1,4 @@
-//! `finray calibrate`
+//! The command `finray calibrate`.
 
 mod images;
 mod modulus;
@@ -13,7 +13,7 @@ use finray_model::estimators::ELEMENTS;
 use finray_model::finger::FingerDescription;
 use nalgebra::DMatrix;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 NAMES for --fit, separated by commas, each optionally with a prior standard deviation (ribs=0.2):
 modulus, front-modulus, back-modulus, bracket, brackets, clip, front-clip, back-clip, ribs, height,
@@ -69,7 +69,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// What `--zones` without groups means.
+/// Value of `--zones` if it is given without groups: each zone has its own factor.
 const EACH: &str = "each";
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -147,10 +147,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(write_all_or_nothing(&files)?)
 }
 
-/// Largest factor, and one over the smallest, that says something of a material and not of a wrong unit.
+/// Largest plausible modulus factor; the smallest is its reciprocal. Factors outside this range suggest a wrong unit.
 const LARGEST_FACTOR: f64 = 10.0;
 
-/// Names a factor on all moduli that a unit or another numbering explains more likely than the material.
+/// Warns of a modulus factor that a wrong unit or node numbering explains better than the material.
 fn warn_of_modulus(factor: f64) {
     if !(1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
         print_message(format_args!(
@@ -168,7 +168,7 @@ fn failure(error: CalibrationError) -> Failure {
     }
 }
 
-/// The general modulus and the zones of `1+2,3`, counted from 1.
+/// The unknowns of `--zones`, such as `1+2,3`: the factor on all moduli and one per group of zones, numbered from 1.
 fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
     let bad = |reason: String| bad_input(format!("--zones: {reason}"));
     if zone_count == 0 {
@@ -193,7 +193,7 @@ fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
     Ok(std::iter::once(Unknown::Modulus).chain(zones.into_iter().map(Unknown::Zones)).collect())
 }
 
-/// The moduli and the factor on all of them, then the factor of each zone that was sought.
+/// Rows of the moduli and of the factor on all of them, then of the factor of each estimated zone.
 fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
     let relative = |k: usize| estimate.relative_sigmas[k];
     let mut rows = Vec::new();
@@ -212,7 +212,7 @@ fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
     rows
 }
 
-/// The correlation of each two values of these names.
+/// One row per pair of parameters, with their correlation.
 fn correlations(names: &[String], correlation: &DMatrix<f64>) -> Vec<Correlation> {
     let pairs = (0..names.len()).flat_map(|i| (i + 1..names.len()).map(move |j| (i, j)));
     let of_pair = |(i, j): (usize, usize)| Correlation {
@@ -233,7 +233,7 @@ fn modulus_rows(finger: &Finger, factor: f64, sigma: f64) -> Vec<Row> {
     moduli.into_iter().map(|(name, modulus)| row(name, modulus)).chain([row("modulus_factor", 1.0)]).collect()
 }
 
-/// The moduli of the scene: one if all parts share it, else one a part.
+/// Names and values (MPa) of the scene's moduli: one if all parts share it, otherwise one per part.
 fn moduli(description: &FingerDescription) -> Vec<(&'static str, f64)> {
     let (front, back) = (description.front.youngs_modulus_mpa, description.back.youngs_modulus_mpa);
     let ribs = description.ribs.strip.map(|strip| strip.youngs_modulus_mpa);
