@@ -1,4 +1,4 @@
-//! The sheet that a figure is drawn on: lines, areas and words, in pixels.
+//! The sheet on which a figure is drawn: lines, areas and text, in pixels.
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
@@ -18,27 +18,27 @@ pub(super) const LABEL_TEXT: f64 = 17.0;
 /// Space between neighbours, px.
 pub(super) const SPACE: f64 = 8.0;
 
-/// Text that begins at its position.
+/// Position of text that begins at its anchor.
 pub(super) const LEFT: Pos = Pos { h_pos: HPos::Left, v_pos: VPos::Center };
 
 type DrawResult = Result<(), FigureError>;
 
-/// How points are joined; lines differ by more than colour.
+/// How the points of a series are joined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dash {
-    /// Not at all.
+    /// Not joined.
     None,
-    /// By an arrow from the first to the last.
+    /// An arrow from the first point to the last.
     Arrow,
-    /// By an unbroken line.
+    /// A solid line.
     Solid,
-    /// Long dashes.
+    /// A line of long dashes.
     Dashed,
-    /// Short dots.
+    /// A dotted line.
     Dotted,
 }
 
-/// A stroke of a width, px.
+/// A stroke of the given width, px.
 pub(super) fn pen(ink: impl Color, width: f64) -> ShapeStyle {
     ink.stroke_width(units(width) as u32)
 }
@@ -48,7 +48,7 @@ pub(super) fn axis_pen() -> ShapeStyle {
     pen(TEXT.mix(0.65), 1.2)
 }
 
-/// Text of a size, px, about its position.
+/// Text of the given size, px, centred at its position.
 pub(super) fn font(size: f64) -> TextStyle<'static> {
     let font = ("sans-serif", size * UNITS).into_font();
     TextStyle::from(font).color(&TEXT).pos(Pos::new(HPos::Center, VPos::Center))
@@ -59,7 +59,7 @@ pub(super) fn bold(size: f64) -> TextStyle<'static> {
     TextStyle { font: font(size).font.style(FontStyle::Bold), ..font(size).pos(LEFT) }
 }
 
-/// Pixels as whole units.
+/// Pixels in whole drawing units.
 pub(super) fn units(pixels: f64) -> i32 {
     (pixels * UNITS).round() as i32
 }
@@ -68,7 +68,7 @@ fn path(points: &[Point]) -> Vec<(i32, i32)> {
     points.iter().map(|[x, y]| (units(*x), units(*y))).collect()
 }
 
-/// The whole drawing, and the text that it is written to.
+/// The drawing area, and the SVG text that it writes to.
 pub(super) struct Sheet(pub(super) DrawingArea<Svg, Shift>, pub(super) Svg);
 
 impl Sheet {
@@ -76,7 +76,7 @@ impl Sheet {
         Sheet(svg.clone().into_drawing_area(), svg.clone())
     }
 
-    /// Writes markup as it is.
+    /// Writes markup without escaping.
     pub(super) fn markup(&self, text: &str) {
         self.1.text.borrow_mut().push_str(text);
     }
@@ -112,10 +112,10 @@ impl Sheet {
         Ok(self.0.draw_text(text, style, path(&[at])[0])?)
     }
 
-    /// Fills an area with slanting lines, for cells without data; those of neighbours meet.
+    /// Fills an area with slanted lines, for cells without data; the lines of neighbouring areas meet.
     pub(super) fn hatch(&self, area: Area, rising: bool) -> DrawResult {
         const STEP: f64 = 8.0;
-        // Points of one slanting line share the sum, or the difference, of their coordinates.
+        // Points on one slanted line have a constant sum, or difference, of coordinates.
         let sign = if rising { 1.0 } else { -1.0 };
         let sums = [area.top, area.bottom].map(|y| [area.left, area.right].map(|x| y + sign * x));
         let ends = |of: fn(f64, f64) -> f64| sums.as_flattened().iter().copied().reduce(of).unwrap_or(0.0) / STEP;
