@@ -33,9 +33,12 @@ impl Scale {
 /// One axis of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
+    /// Quantity and unit.
     pub(super) label: String,
     pub(super) scale: Scale,
+    /// Given limits; `None` to follow the data.
     pub(super) limits: Option<[f64; 2]>,
+    /// Given ticks with their names; `None` for round values.
     pub(super) ticks: Option<Vec<(f64, String)>>,
 }
 
@@ -100,6 +103,7 @@ impl Axis {
 #[derive(Debug, Clone)]
 pub(super) struct Ruler {
     pub(super) scale: Scale,
+    /// Limits of the axis.
     pub(super) span: [f64; 2],
     /// Values of the ticks with their names; an empty name draws no label.
     pub(super) ticks: Vec<(f64, String)>,

@@ -38,6 +38,7 @@ impl Bars {
         self.values.iter().flatten().copied().chain([0.0])
     }
 
+    /// The legend entry of the bars.
     pub(super) fn entry(&self) -> Entry<'_> {
         Entry::patch(&self.label, self.hue.ink())
     }

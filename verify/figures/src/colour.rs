@@ -38,6 +38,7 @@ impl Hue {
         [Hue::Blue, Hue::Vermilion, Hue::Green, Hue::Orange, Hue::Purple, Hue::SkyBlue][n % 6]
     }
 
+    /// The colour for drawing.
     pub(super) fn ink(self) -> RGBAColor {
         let ink = match self {
             Self::Blue => RGBColor(0x1f, 0x82, 0xc4),

@@ -9,9 +9,13 @@ pub type Lines = Vec<Vec<Point>>;
 /// An axis-parallel rectangle on the sheet, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
+    /// Left edge, px.
     pub(super) left: f64,
+    /// Upper edge, px; y grows downwards.
     pub(super) top: f64,
+    /// Right edge, px.
     pub(super) right: f64,
+    /// Lower edge, px.
     pub(super) bottom: f64,
 }
 
@@ -99,6 +103,7 @@ pub(super) fn segments<'a>(lines: impl IntoIterator<Item = &'a Vec<Point>>) -> i
     lines.into_iter().flat_map(|line| line.windows(2)).map(|pair| [pair[0], pair[1]])
 }
 
+/// Distance between two points.
 pub(super) fn distance(a: Point, b: Point) -> f64 {
     (b[0] - a[0]).hypot(b[1] - a[1])
 }

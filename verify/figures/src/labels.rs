@@ -8,6 +8,7 @@ use super::text::width_of;
 
 /// A label near its anchor.
 pub(super) struct Label {
+    /// Text of the label; empty for none.
     pub(super) text: String,
     /// The point to which the label belongs, px.
     pub(super) anchor: Point,
@@ -17,8 +18,11 @@ pub(super) struct Label {
 
 /// Lines and areas that labels avoid.
 pub(super) struct Obstacles {
+    /// Lines on the sheet, px.
     pub(super) lines: Lines,
+    /// Areas of symbols and earlier labels, px.
     pub(super) areas: Vec<Area>,
+    /// Area in which labels must lie, px.
     pub(super) within: Area,
 }
 

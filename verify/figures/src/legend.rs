@@ -17,6 +17,7 @@ pub(super) struct Entry<'a> {
 }
 
 impl<'a> Entry<'a> {
+    /// An entry with its text and a function that draws the sample.
     pub(super) fn new(text: impl Into<String>, sample: impl Fn(&Sheet, Area) -> Result<(), FigureError> + 'a) -> Self {
         Self { text: text.into(), sample: Box::new(sample) }
     }
@@ -57,6 +58,7 @@ impl<'a> Legend<'a> {
         Self { entries: placed, rows: next }
     }
 
+    /// Height of the legend, px.
     pub(super) fn height(&self) -> f64 {
         self.rows as f64 * ROW
     }

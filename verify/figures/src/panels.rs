@@ -19,9 +19,12 @@ use super::text::{widest, width_of, wrap};
 /// The drawing scales with the page; its width in px sets the size of text relative to lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
+    /// Heading; empty for none.
     pub(super) title: String,
     alt: String,
+    /// Width of the figure, px.
     pub(super) width: f64,
+    /// Height of a plot, px; `None` for the default.
     pub(super) plot_height: Option<f64>,
 }
 
@@ -67,6 +70,7 @@ impl Frame {
 /// A plot with its two axes.
 pub(super) struct Plot {
     chart: ChartContext<'static, Svg, Cartesian2d<Ruler, Ruler>>,
+    /// Rectangle of the plot on the sheet, px.
     pub(super) area: Area,
 }
 
@@ -104,6 +108,7 @@ impl Plot {
         [f64::from(x), f64::from(y)].map(|units| units / super::svg::UNITS)
     }
 
+    /// Positions of data points on the sheet, px.
     pub(super) fn line(&self, points: &[Point]) -> Vec<Point> {
         points.iter().map(|point| self.at(*point)).collect()
     }
@@ -111,7 +116,9 @@ impl Plot {
 
 /// Everything around the plots of a figure.
 pub(super) struct Panels<'a> {
+    /// Heading, description and size of the figure.
     pub(super) frame: &'a Frame,
+    /// Horizontal and vertical axis.
     pub(super) axes: [&'a Axis; 2],
     /// Values that the axes must include if their limits are not given.
     pub(super) data: [Vec<f64>; 2],
@@ -131,6 +138,7 @@ pub(super) struct Panels<'a> {
     pub(super) columns: &'a [String],
     /// Room above each plot, px.
     pub(super) above: f64,
+    /// Entries of the legend.
     pub(super) legend: Vec<Entry<'a>>,
 }
 

@@ -72,6 +72,7 @@ fn path(points: &[Point]) -> Vec<(i32, i32)> {
 pub(super) struct Sheet(pub(super) DrawingArea<Svg, Shift>, pub(super) Svg);
 
 impl Sheet {
+    /// An empty sheet that writes to `svg`.
     pub(super) fn new(svg: &Svg) -> Sheet {
         Sheet(svg.clone().into_drawing_area(), svg.clone())
     }
@@ -81,10 +82,12 @@ impl Sheet {
         self.1.text.borrow_mut().push_str(text);
     }
 
+    /// Draws a solid line through points, px.
     pub(super) fn line(&self, points: &[Point], pen: ShapeStyle) -> DrawResult {
         Ok(self.0.draw(&PathElement::new(path(points), pen))?)
     }
 
+    /// Draws a line through points, px, in the given style.
     pub(super) fn dashed(&self, points: &[Point], pen: ShapeStyle, dash: Dash) -> DrawResult {
         let (size, gap) = match dash {
             Dash::None => return Ok(()),
@@ -95,19 +98,23 @@ impl Sheet {
         Ok(self.0.draw(&DashedPathElement::new(path(points), size, gap, pen))?)
     }
 
+    /// Fills a polygon with these corners, px.
     pub(super) fn polygon(&self, points: &[Point], ink: impl Color) -> DrawResult {
         Ok(self.0.draw(&Polygon::new(path(points), ink.filled()))?)
     }
 
+    /// Fills a rectangle.
     pub(super) fn cell(&self, area: Area, ink: impl Color) -> DrawResult {
         let corners = path(&[[area.left, area.top], [area.right, area.bottom]]);
         Ok(self.0.draw(&Rectangle::new([corners[0], corners[1]], ink.filled()))?)
     }
 
+    /// Fills a circle; centre and radius in px.
     pub(super) fn disc(&self, centre: Point, radius: f64, ink: impl Color) -> DrawResult {
         Ok(self.0.draw(&Circle::new(path(&[centre])[0], units(radius), ink.filled()))?)
     }
 
+    /// Writes text at a position, px.
     pub(super) fn words(&self, text: &str, at: Point, style: &TextStyle) -> DrawResult {
         Ok(self.0.draw_text(text, style, path(&[at])[0])?)
     }

@@ -24,6 +24,7 @@ type Done = Result<(), DrawingErrorKind<Error>>;
 /// A drawing in progress; clones write to the same text.
 #[derive(Clone, Default)]
 pub(super) struct Svg {
+    /// SVG text so far.
     pub(super) text: Rc<RefCell<String>>,
     /// Width and height in drawing units.
     pub(super) size: (u32, u32),

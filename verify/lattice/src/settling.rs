@@ -90,6 +90,7 @@ pub(crate) struct Rest {
 /// Bodies and joints of a lattice in a rapier world.
 pub(crate) struct Dynamics<'a> {
     assembly: &'a Assembly,
+    /// The rapier world.
     pub(crate) world: PhysicsWorld,
     /// Handles of the lattice's bodies, in their order.
     pub(crate) handles: Vec<RigidBodyHandle>,
@@ -109,10 +110,12 @@ struct Moving {
     moment: f64,
 }
 
+/// Converts a vector to rapier's type.
 pub(crate) fn rapier(vector: Vector) -> RapierVector {
     RapierVector::new(vector.x, vector.y)
 }
 
+/// Converts a vector from rapier's type.
 pub(crate) fn own(vector: RapierVector) -> Vector {
     Vector::new(vector.x, vector.y)
 }

@@ -97,6 +97,7 @@ fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
     own_first(study).filter(|map| map.request.angles_deg.len() > 1)
 }
 
+/// Name of the map's estimator as part of a sentence.
 pub(super) fn estimator_in_words(map: &CauseMap) -> &'static str {
     match map.practice {
         Practice::LeastSquares => "least squares",

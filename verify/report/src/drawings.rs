@@ -17,11 +17,15 @@ const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
     (25.0, [0xf2, 0xb1, 0x34]),
     (f64::INFINITY, [0xb0, 0x35, 0x2b]),
 ];
+/// Axis label of the position along the front plate, mm.
 pub(super) const ALONG_THE_PLATE: &str = "position along the front plate from the base, mm";
 /// Short axis label, for small plots.
 const ALONG_IN_SHORT: &str = "position from the base, mm";
+/// Axis label of the force direction, degrees.
 pub(super) const DIRECTION_AXIS: &str = "force direction, deg from normal (+ to tip)";
+/// Label of the finger frame's longitudinal axis, mm.
 pub(super) const ALONG_AXIS: &str = "base to tip, mm";
+/// Label of the finger frame's transverse axis, mm.
 pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 
 /// Ranks of cells without an error, after those of the classes.
@@ -93,6 +97,7 @@ pub fn standalone(svg: &str) -> String {
     format!("{open}<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{rest}")
 }
 
+/// A vector as a point of a drawing, mm.
 pub(super) fn point(v: &Vector) -> [f64; 2] {
     [v.x, v.y]
 }

@@ -26,10 +26,13 @@ pub(super) struct Situation<'s> {
     pub about: String,
     /// Unknown quantities, as part of a sentence.
     pub in_words: String,
+    /// Knowledge of the contact.
     pub contact: ContactKnowledge,
     /// File with the cells.
     csv: &'static str,
+    /// Map of the errors.
     pub map: &'s AccuracyMap,
+    /// Cells with their worst force.
     pub cells: Vec<WorstCell>,
     /// Counts over the positions and directions that all situations share.
     pub common: TrustCounts,
@@ -42,6 +45,7 @@ impl Situation<'_> {
         TrustCounts::of(self.cells.iter().filter(|cell| region(cell.s_mm / length_mm, cell.angle_deg)))
     }
 
+    /// Counts over all cells.
     pub(super) fn all(&self) -> TrustCounts {
         TrustCounts::of(&self.cells)
     }

@@ -19,6 +19,7 @@ pub struct TrainingBar(ProgressBar);
 
 #[cfg(feature = "train")]
 impl TrainingBar {
+    /// A bar for this number of epochs.
     pub fn new(epochs: usize) -> TrainingBar {
         let bar = bar(epochs as u64, "drawing cases");
         // As above, the default style is the fallback.
@@ -29,11 +30,13 @@ impl TrainingBar {
         TrainingBar(bar)
     }
 
+    /// Shows the losses of an epoch.
     pub fn epoch(&self, epoch: finray_model::train::Epoch) {
         self.0.set_position(epoch.number as u64);
         self.0.set_message(format!("loss {:.3e}, unseen {:.3e}", epoch.training_loss, epoch.validation_loss));
     }
 
+    /// Removes the bar.
     pub fn finish(&self) {
         self.0.finish_and_clear();
     }

@@ -24,10 +24,12 @@ const AT_BOUND: f64 = 1e-9;
 /// A near pair, evaluated at one state.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactPair {
+    /// Identity of the pair.
     pub key: Key,
     /// Part of the finger; `None` for the support.
     pub part: Option<Part>,
     pair: Pair,
+    /// Gap, slip and location of the contact.
     pub touching: Touching,
 }
 
@@ -43,6 +45,7 @@ pub(super) enum Grip {
 pub(super) struct ContactStatus {
     /// `None` for an open pair.
     pub(super) grip: Option<Grip>,
+    /// Whether the normal force was tensile in the previous step.
     pub(super) is_pulled: bool,
 }
 

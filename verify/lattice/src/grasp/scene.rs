@@ -20,8 +20,11 @@ pub(super) type Key = (usize, usize, Feature);
 /// A finger with its energy, contact surface and elimination order.
 #[derive(Debug, Clone)]
 pub(super) struct PlacedFinger<'l> {
+    /// Bodies and springs.
     pub lattice: &'l Lattice,
+    /// Elastic energy of the lattice.
     pub energy: Energy<'l>,
+    /// Contact surface.
     pub front: Front,
     /// Order in which its bodies are eliminated.
     pub order: Order,
@@ -43,8 +46,11 @@ impl<'l> PlacedFinger<'l> {
 /// Everything that does not change from step to step.
 #[derive(Debug, Clone)]
 pub(super) struct Scene<'l> {
+    /// The fingers.
     pub fingers: Vec<PlacedFinger<'l>>,
+    /// Outline of the object.
     pub shape: Shape,
+    /// Coefficient of Coulomb friction, dimensionless.
     pub friction: f64,
     /// Centre of mass in the object's frame, mm.
     pub centre: Vector,
@@ -59,8 +65,11 @@ pub(super) struct Scene<'l> {
 /// Placements, motions and contact forces at one instant.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct State {
+    /// Placement of each finger's frame in the world.
     pub placements: Vec<Placement>,
+    /// Motions of each finger's bodies, in the finger's frame.
     pub motions: Vec<Vec<BodyMotion>>,
+    /// Position of the object, mm, and its angle, rad, world frame.
     pub object: [f64; 3],
     /// Normal and friction force of each near pair, N.
     pub forces: BTreeMap<Key, [f64; 2]>,

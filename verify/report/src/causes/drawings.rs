@@ -31,6 +31,7 @@ fn class_of(n: usize, cause: Cause) -> Class {
     class(n, cause.name(), sign, colour)
 }
 
+/// Map of the largest cause by position and direction, under a force in N.
 pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportError> {
     let (angles, places) = (map.request.angles_deg.len(), map.request.positions_mm.len());
     let (small, hidden) = (map.causes.len(), map.causes.len() + 1);

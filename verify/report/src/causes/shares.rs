@@ -21,7 +21,9 @@ pub(crate) enum Region {
 }
 
 impl Region {
+    /// The regions along the normal.
     pub(super) const ENDS_AND_MIDDLE: [Region; 3] = [Region::Base, Region::Middle, Region::Tip];
+    /// All regions.
     pub(super) const ALL: [Region; 4] = [Region::Base, Region::Middle, Region::Tip, Region::All];
 
     /// Name for tables and files.
@@ -56,8 +58,9 @@ impl Region {
 pub(super) struct Shares {
     /// Root mean square of sensed / true - 1 with all causes, over the answered cells.
     pub rms_error: f64,
-    /// Number of answered cells, and of all cells.
+    /// Number of answered cells.
     pub answered: usize,
+    /// Number of all cells.
     pub cells: usize,
     /// Causes by descending share.
     pub by_cause: Vec<CauseShare>,
@@ -66,6 +69,7 @@ pub(super) struct Shares {
 /// Effect of one cause over a region.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CauseShare {
+    /// The cause.
     pub cause: Cause,
     /// Share of the mean square error that disappears without the cause. Cells that are not answered without it count as no reduction.
     pub share: f64,

@@ -99,6 +99,7 @@ pub enum Format {
 }
 
 impl Format {
+    /// The value as a cell of the page's table.
     pub(super) fn cell(self, value: &Value) -> Cell {
         let Value::Number(number) = *value else { return Cell::plain(value.in_words()) };
         match self {

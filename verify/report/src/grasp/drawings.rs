@@ -14,7 +14,9 @@ const MOMENTS: usize = 4;
 
 /// A drawing of a grasp with its caption.
 pub(super) struct Drawing {
+    /// The drawing as SVG.
     pub(super) svg: String,
+    /// Caption of the drawing.
     pub(super) caption: String,
 }
 

@@ -9,7 +9,9 @@ use finray_studies::statistics::median;
 use serde::Serialize;
 
 const MAPS: &str = "maps";
+/// File of the overview's cells.
 pub(super) const OVERVIEW_CSV: &str = "map_overview.csv";
+/// File of the explaining quantities.
 pub(super) const EXPLANATIONS_CSV: &str = "explanations.csv";
 
 /// File name of a map's cells.
