@@ -1,4 +1,4 @@
-//! Speed from force to shape on the paper's two meshes and finer ones: ladder and sparse solver, and many loads one by one or in a batch.
+//! Speed from force to shape on the paper's two meshes and finer ones. Compares ladder and sparse solver, and many loads one by one or in a batch.
 //!
 //! The linear stiffness is constant, so the solver keeps its factors. `linear` factorises each time nevertheless; `linear_kept` and `as_called` do
 //! not.

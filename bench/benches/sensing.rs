@@ -40,7 +40,8 @@ fn sensing(criterion: &mut Criterion) {
     }
 }
 
-/// A varying force at one contact, with noise, on 684 nodes and on one and four elements per member: cold start, warm start, and new preparation.
+/// A varying force at one contact, with noise: cold start, warm start, and new preparation. Meshes have 684 nodes, or one and four elements per
+/// member.
 fn nonlinear(criterion: &mut Criterion) {
     let finger = paper();
     let truth = fine_mesh(&finger).expect("a mesh of many nodes");
@@ -66,8 +67,8 @@ fn nonlinear(criterion: &mut Criterion) {
     }
 }
 
-/// Nonlinear samples, as for training or a map: shapes under random forces along the normal at all contact nodes, and forces sensed from random
-/// shapes of two nodes. Forces are 0 to 5 N per node and 0 to 10 N in total (Xu et al. 2021, sec. IV-A). Two threads, each with its own solver.
+/// Nonlinear samples, as for training or a map: shapes under random normal forces at all contact nodes, and two forces sensed from random shapes.
+/// Forces are 0 to 5 N per node and 0 to 10 N in total (Xu et al. 2021, sec. IV-A). Two threads, each with its own solver.
 fn samples(criterion: &mut Criterion) {
     const COUNT: usize = 2_000;
     let finger = paper();

@@ -1,4 +1,4 @@
-//! Times for the report's chart of time against error; `finray report` uses them instead of its own measurements.
+//! Times for the report's chart of time against error; `finray report` uses them instead of measuring.
 //!
 //! An iteration computes one answer, for each load or frame in turn. Frames of one contact are consecutive, as a warm start requires. Lattices that
 //! settle take seconds, so the report times them itself.

@@ -1,5 +1,5 @@
-//! Random load cases. Draws are reproducible on any number of threads and within the requested ranges (`draws`); their shapes are those of the
-//! finger (`shapes`); impossible requests are refused (`refusals`).
+//! Random load cases. Draws are reproducible on any number of threads and within the requested ranges (`draws`). Their shapes are those of the finger
+//! (`shapes`). Impossible requests are refused (`refusals`).
 
 use finray_model::Kinematics;
 use finray_model::samples::{SampleRecipe, Samples, Stream};

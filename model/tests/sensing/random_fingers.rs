@@ -1,6 +1,6 @@
 //! Stated intervals cover the true forces on random fingers with 0 to 12 ribs, any number of markers, and one or two forces.
 //!
-//! Includes the regression of a finger with few ribs and few markers: a second minimum gave a force of the wrong sign, many standard deviations off.
+//! Includes a regression: on a finger with few ribs and markers, a second minimum gave a force of the wrong sign, many standard deviations off.
 
 use finray_model::finger::{
     BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, Strip,

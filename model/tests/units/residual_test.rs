@@ -1,4 +1,4 @@
-//! Noise that is estimated from the residual because none is stated.
+//! Noise estimated from the residual because none is stated.
 
 use super::*;
 

@@ -18,7 +18,7 @@ pub(super) enum Scale {
 }
 
 impl Scale {
-    /// The value that is proportional to position: the value or its logarithm.
+    /// The number proportional to position: the value or its logarithm.
     pub(super) fn measure(self, value: f64) -> f64 {
         if self == Self::Log { value.log10() } else { value }
     }
@@ -173,7 +173,7 @@ pub(super) fn round_ticks(scale: Scale, [low, high]: [f64; 2], most: f64) -> Vec
     within.map(|value| (value, number(value))).collect()
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that is not below a positive value.
+/// The smallest of 1, 2, 5 times a power of ten, not below a positive value.
 fn round_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0]

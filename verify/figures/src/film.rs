@@ -21,7 +21,7 @@ pub struct Film {
     pub fixed: Vec<Series>,
     /// Shots in order.
     pub shots: Vec<Shot>,
-    /// Index from 0 of the shot that is shown where nothing moves.
+    /// Index from 0 of the shot shown where nothing moves.
     pub still: usize,
     /// Duration of a shot, s.
     pub shot_s: f64,

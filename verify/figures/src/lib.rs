@@ -1,8 +1,8 @@
 //! Figures: pure functions from numbers to SVG text.
 //!
-//! The SVG is embedded in an HTML page. It scales with the page's width; neutral colours are the page's text colour (`currentColor`), and outlines
-//! that hide something behind them use the page's background, `--paper` where the page defines it. Colours can be distinguished by colour-blind
-//! readers in light and dark mode; dashes and markers distinguish series without colour.
+//! The SVG is embedded in an HTML page. It scales with the page's width. Neutral colours are the page's text colour (`currentColor`). Outlines that
+//! hide something behind them use the page's background, `--paper` where the page defines it. Colours can be distinguished by colour-blind readers in
+//! light and dark mode; dashes and markers distinguish series without colour.
 //!
 //! Plotters provides coordinates, axes and shapes. This crate adds maps with missing cells, label positions, drawings to scale and layout.
 #![forbid(unsafe_code)]

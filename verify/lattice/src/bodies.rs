@@ -216,9 +216,9 @@ impl Assembly {
 
     /// Distributes a load over the bodies that carry it.
     ///
-    /// Between two bodies the plate bends as a cubic, so each body takes the force with its cubic (Hermite) weight, at a lever along its own direction.
-    /// The force's component along the plate has the same weights instead of linear ones. Up to a tenth of it then acts on the wrong end of one
-    /// segment; this changes that segment's axial strain only.
+    /// Between two bodies the plate bends as a cubic. Each body therefore takes the force with its cubic (Hermite) weight, at a lever along the
+    /// plate. The force's component along the plate has the same weights instead of linear ones. Up to a tenth of it then acts on the wrong end of
+    /// one segment; this changes that segment's axial strain only.
     ///
     /// # Errors
     /// [`LoadError`] if a node is missing or clamped, or a position is not on the front plate.

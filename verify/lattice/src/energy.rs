@@ -21,7 +21,7 @@ pub struct BodyMotion {
 }
 
 impl BodyMotion {
-    /// Rotates a vector that is fixed to the body, mm.
+    /// Rotates a body-fixed vector, mm.
     pub fn carried(&self, arm: Vector) -> Vector {
         Rotation2::new(self.rotation) * arm
     }
@@ -55,7 +55,7 @@ impl Moved {
     }
 }
 
-/// Deformation of a spring (mm or rad), with its first and second derivatives by x, y and rotation of the first body, then of the second.
+/// Deformation of a spring (mm or rad), with its first and second derivatives by x, y and rotation of both bodies.
 struct Deformed {
     value: f64,
     gradient: Vector6<f64>,
@@ -68,8 +68,9 @@ fn outer(a: &Vector6<f64>, b: &Vector6<f64>) -> Matrix6<f64> {
 }
 
 impl Spring {
-    /// Deformation s of the spring. With d = x2 + R2 a2 - x1 - R1 a1, the vector between its two points, s is |d| - |rest|, or n . d with the
-    /// normal n = R1 n0 carried by the first body, or the difference of the rotations.
+    /// Deformation s of the spring, mm or rad. The vector between its two points is d = x2 + R2 a2 - x1 - R1 a1. A distance spring has
+    /// s = |d| - |rest|. A transverse spring has s = n . d with the normal n = R1 n0 carried by the first body. For a rotation spring, s is the
+    /// difference of the rotations.
     fn deformed(&self, bodies: [Moved; 2]) -> Deformed {
         let [first, second] = self.ends;
         let arms = [bodies[0].turn * first.arm, bodies[1].turn * second.arm];
@@ -169,8 +170,8 @@ const SMALLEST_PART: f64 = 1e-4;
 /// Largest rotation of a body in one load increment, rad. A larger one may mean a jump to another equilibrium, so the increment is halved.
 const MOST_TURN: f64 = 0.6;
 
-/// Stiffness, relative to the median, above which a spring's force is lost in rounding. Positions of 150 mm are rounded by 1e-14 mm: 2e-12 N at
-/// 240 N/mm, usual for a TPU finger, but 1e-4 N in the springs of a segment of 0.007 mm.
+/// Stiffness, relative to the median, above which a spring's force is lost in rounding. Positions of 150 mm are rounded by 1e-14 mm. That is 2e-12 N
+/// at 240 N/mm, usual for a TPU finger, but 1e-4 N in the springs of a segment of 0.007 mm.
 const STIFF: f64 = 1e4;
 
 /// Sparsity pattern and elimination order, shared by all second derivatives under the same loads.

@@ -1,7 +1,7 @@
 //! A finger as a lattice of rigid bodies and springs: a second discretisation that verifies the beam solver.
 //!
 //! The lattice uses neither the elements nor the solver of the beam model. Its springs have the stiffnesses EA / l, 12 EI / l^3 and EI / l of the
-//! same sections, so it verifies solver and kinematics, but not the Euler-Bernoulli theory.
+//! same sections. It therefore verifies solver and kinematics, but not the Euler-Bernoulli theory.
 //!
 //! Plates and ribs are cut into short segments, with a rigid body between two segments and at every rod. Each segment becomes one axial spring and
 //! up to three bending springs ([`springs`]). The equilibrium is found twice: [`settling`] lets the bodies move in the physics engine rapier until

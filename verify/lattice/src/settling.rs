@@ -18,13 +18,13 @@ use rapier2d::prelude::{
     PhysicsWorld, Pose, RigidBodyBuilder, RigidBodyHandle, SpringJointBuilder, Vector as RapierVector,
 };
 
-/// Time step, s. Its size only scales the masses. It must not be 1: rapier then treats a motor without force limit as a rigid constraint, which it
-/// subtracts from the other rows of the joint.
+/// Time step, s. Its size only scales the masses. It must not be 1: rapier then treats a motor without force limit as a rigid constraint and
+/// subtracts it from the joint's other rows.
 const STEP_S: f64 = 0.5;
 /// Stiffness times dt^2 over mass, dimensionless. Larger values move bodies farther per step, but need more sweeps for the same error.
 const SOFTNESS: f64 = 4.0;
 /// Sweeps per step. The force residual that remains shifts the rest position; more sweeps reduce the shift. Rapier's warm start of joints would not
-/// help: it applies the old impulse of each joint only when its turn comes, and a sweep forgets its initial values.
+/// help. It applies the old impulse of each joint only when its turn comes, and a sweep forgets its initial values.
 pub const SWEEPS: usize = 32;
 
 /// Largest movement of a body, relative to the largest displacement, of a lattice at rest. It is measured over the duration of the slowest

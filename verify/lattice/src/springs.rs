@@ -65,11 +65,11 @@ pub struct Segment {
     pub section: Section,
 }
 
-/// Inset of the axial spring's points from each end that is not pinned, as a share of the segment length.
+/// Inset of the axial spring's points from each unpinned end, as a share of the segment length.
 ///
 /// Bending brings the ends of a beam closer together without axial strain. If the ends rotate by -phi and phi against the chord, an arc of length l
-/// has the chord l (1 - phi^2 / 6). Two points carried by the ends at the inset c l have the distance l (1 - 2 c) + l (c - 1 / 6) phi^2,
-/// which is constant for c = 1 / 6. The same share holds for a segment with one pinned end.
+/// has the chord l (1 - phi^2 / 6). Two points carried by the ends at the inset c l have the distance l (1 - 2 c) + l (c - 1 / 6) phi^2. It is
+/// constant for c = 1 / 6. The same share holds for a segment with one pinned end.
 pub const AXIAL_INSET: f64 = 1.0 / 6.0;
 
 /// Axial springs of the segments. The default is that of a beam; other values serve to study their effect.
@@ -96,8 +96,8 @@ impl Segment {
     /// The springs of the segment, depending on its pins.
     ///
     /// Between two clamped ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative
-    /// rotation of the ends, and `across` the gap at the middle if both halves stayed straight. Half of the gap's energy is measured in the direction of
-    /// each end, for symmetry. A segment with one pin is a cantilever, 3 EI / l^3, carried by the end that is not pinned; with two pins it is a bar.
+    /// rotation of the ends, and `across` the gap at the middle if both halves stayed straight. Half of the gap's energy is measured in the direction
+    /// of each end, for symmetry. A segment with one pin is a cantilever, 3 EI / l^3, carried by the unpinned end. A segment with two pins is a bar.
     pub fn springs(&self, axial: AxialSprings) -> Vec<Spring> {
         let length = self.length_mm;
         let bending = self.section.bending_rigidity_nmm2;

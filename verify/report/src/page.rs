@@ -96,7 +96,7 @@ pub enum Block {
     Table(Table),
     /// Blocks shown on request, and in print.
     Details {
-        /// The line that is always visible.
+        /// The visible line.
         summary: String,
         /// The hidden blocks.
         blocks: Vec<Block>,

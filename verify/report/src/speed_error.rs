@@ -55,7 +55,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// Largest error of a good shape, relative: the tolerance of the paper's mesh of key nodes.
 const GOOD_SHAPE: f64 = 0.01;
 
-/// Recommended models of the finger: the fastest that is accurate enough, the most accurate, and linear theory.
+/// Recommended models of the finger: the fastest of sufficient accuracy, the most accurate, and linear theory.
 fn in_words(study: &Study) -> Option<Value> {
     let points = study.speed_error.iter().filter(|point| point.task == Task::Solve && !is_peer(point));
     let points: Vec<&SpeedErrorPoint> = points.filter(|point| point.error.is_finite()).collect();
@@ -82,7 +82,7 @@ fn is_peer(point: &SpeedErrorPoint) -> bool {
     matches!(point.timed_by, TimedBy::OtherProgram { .. })
 }
 
-/// Name of the model, with its program if that is not finray.
+/// Name of the model, and of its program if another than finray.
 fn name(point: &SpeedErrorPoint) -> String {
     match &point.timed_by {
         TimedBy::OtherProgram { program, .. } => format!("{program}: {}", point.model),

@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
     let name = name_of(&arguments.scene);
     let bad = |error: GraspError| {
-        // A missing table has no line of its own; the message names line 1, as for any missing key.
+        // A missing table has no line number; the message names line 1, as for any missing key.
         let at = if matches!(error, GraspError::Missing { .. } | GraspError::NotFree) { "line 1: " } else { "" };
         match Failure::from(error) {
             Failure::BadInput(message) => Failure::BadInput(format!("{name}: {at}{message}")),

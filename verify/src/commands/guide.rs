@@ -6,7 +6,7 @@ use finray_model::keys;
 use finray_verify::files::write_text;
 use finray_verify::guide::GUIDES;
 
-/// Name and task of the only guide that is generated, from the table of scene keys.
+/// Name and task of the only generated guide, made from the table of scene keys.
 const SCENE: (&str, &str) = ("scene", "Every table and key of a scene file: unit, range, default and meaning");
 
 /// Help text below the options.

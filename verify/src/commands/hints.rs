@@ -1,4 +1,4 @@
-//! Warnings about input that is valid but probably a mistake.
+//! Warnings about valid input that is probably a mistake.
 
 use super::print_message;
 use finray_files::observations::RefusedImage;

@@ -158,7 +158,7 @@ fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
     }
 }
 
-/// Largest angle that is accepted, degrees. A larger one is probably not in degrees.
+/// Largest accepted angle, degrees. A larger one is probably not in degrees.
 const FULL_TURN_DEG: f64 = 360.0;
 
 /// Parses a direction after `@`: an angle in degrees with optional standard deviation, or a keyword. A missing direction means 0 degrees.

@@ -2,8 +2,8 @@
 //! scene is calibrated on some images and senses the others, as in the README.
 //!
 //! Every image has its own force, position and friction, and a base mounted again. A pad between object and plate distributes the force, and friction
-//! acts in front of the plate. Intervals include calibration errors, which all images share, so coverage is taken over several
-//! fingers, each calibrated separately. `FINRAY_TEST_CASES=<number>` sets the number of sensed images, otherwise 16; `--nocapture` prints the tables.
+//! acts in front of the plate. Intervals include calibration errors, which all images share, so coverage is averaged over several fingers, each
+//! calibrated separately. `FINRAY_TEST_CASES=<number>` sets the number of sensed images, otherwise 16; `--nocapture` prints the tables.
 
 use crate::kit::*;
 use crate::photographs::force;

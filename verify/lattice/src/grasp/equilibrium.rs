@@ -1,9 +1,9 @@
 //! Equilibrium of fingers, object and contacts by Newton's method.
 //!
-//! The unknowns are the motions of all bodies of the fingers, the pose of the object, and the normal and friction force of every near pair.
-//! Signorini's and Coulomb's laws become equations without inequalities (Alart and Curnier 1991). With a stiffness c, a contact is open if normal
-//! force minus c times gap is negative. It sticks if friction minus c times slip lies within the cone, and slips otherwise. Each Newton step fixes
-//! the contact status of every pair, then re-evaluates it (semi-smooth Newton).
+//! The unknowns are the motions of the fingers' bodies, the object's pose, and the normal and friction force of every near pair. Signorini's and
+//! Coulomb's laws become equations without inequalities (Alart and Curnier 1991). With a stiffness c, a contact is open if normal force minus c times
+//! gap is negative. It sticks if friction minus c times slip lies within the cone, and slips otherwise. Each Newton step fixes the contact status of
+//! every pair, then re-evaluates it (semi-smooth Newton).
 //!
 //! Reference: Alart, Curnier, "A mixed formulation for frictional contact problems prone to Newton like solution methods" (Comput. Methods Appl.
 //! Mech. Eng. 92, 1991).

@@ -113,8 +113,8 @@ impl Scene<'_> {
         pair.tangent(part.map_or(Vector::zeros(), rest), &now, &then)
     }
 
-    /// Contact forces of the near pairs. A new pair inherits the force of a pair that is no longer near, if both share the finger's part or the
-    /// object's corner. Among several neighbours on the plate, the one with the largest overlap inherits; otherwise the nearest.
+    /// Contact forces of the near pairs. A new pair inherits the force of a pair no longer near, if both share the finger's part or the object's
+    /// corner. Among several neighbours on the plate, the one with the largest overlap inherits; otherwise the nearest.
     pub(super) fn inherited(&self, state: &State, pairs: &[ContactPair]) -> BTreeMap<Key, [f64; 2]> {
         let own = |pair: &ContactPair| (pair.key, state.forces.get(&pair.key).copied().unwrap_or_default());
         let mut forces: BTreeMap<Key, [f64; 2]> = pairs.iter().map(own).collect();

@@ -66,8 +66,8 @@ impl Pressed {
         self.touches.iter().map(|touch| touch.force).sum()
     }
 
-    /// Difference between the contact force and the force of the hand, or that on the clamps, whichever is larger, as a share of the contact force.
-    /// `None` without contact.
+    /// Largest imbalance of the contact force, against the hand's force or the clamps' force, as a share of the contact force. `None` without
+    /// contact.
     pub fn imbalance(&self) -> Option<f64> {
         let contact = self.contact_force();
         let off = |other: Vector| (contact - other).norm() / contact.norm();

@@ -232,7 +232,7 @@ impl<'l> EnginePressing<'l> {
             let until = (steps + LOOKS * self.watch).min(most_steps);
             match self.dynamics.watch(&[], self.watch, steps, until) {
                 Ok(rest) => return Ok(rest.steps),
-                // An object that is pulled by a force and held by nothing never comes to rest.
+                // An object pulled by a force and held by nothing never comes to rest.
                 Err(_) if matches!(push, Push::With(_)) && !self.touches_anything() => return Err(self.lets_go()),
                 Err(error) if until + self.watch > most_steps => return Err(error),
                 Err(_) => {

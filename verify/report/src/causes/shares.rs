@@ -109,7 +109,7 @@ impl Shares {
         self.by_cause.first().copied().filter(|of| of.share > 0.0)
     }
 
-    /// The error without a cause, with the number of answered positions if that is smaller.
+    /// The error without a cause, with the number of answered positions if fewer remain.
     pub(super) fn without(&self, of: &CauseShare) -> String {
         let left = format!("{} without it", percent(of.rms_without));
         if of.cells < self.answered {

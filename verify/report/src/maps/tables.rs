@@ -109,7 +109,7 @@ fn overview(study: &Study) -> Dataset<'static> {
     Dataset::new(OVERVIEW_CSV, &columns, cells).csv_alone()
 }
 
-/// Summary of each explaining quantity over all cells. A missing value means no equilibrium, or a direction that is not identifiable.
+/// Summary of each explaining quantity over all cells. A missing value means no equilibrium, or an unidentifiable direction.
 fn explained(study: &Study) -> Dataset<'_> {
     const QUANTITIES: [(&str, ExplainedQuantity); 6] = [
         ("bound", |cell| cell.bound),

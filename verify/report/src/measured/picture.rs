@@ -18,7 +18,7 @@ pub fn magnified(pictures: &[Picture]) -> f64 {
     if longest_px > 0.0 { round_below(LONGEST_PX / longest_px) } else { 1.0 }
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is not above the number.
+/// The largest of 1, 2 and 5 times a power of ten, not above the number.
 fn round_below(number: f64) -> f64 {
     let decade = 10.0_f64.powf(number.log10().floor());
     [5.0, 2.0, 1.0].into_iter().map(|step| step * decade).find(|round| *round <= number).unwrap_or(decade)

@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Parameters to estimate, see NAMES below; for instance modulus,ribs=0.2
     #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "located")]
     fit: Option<String>,
-    /// Forces measured in some images (CSV: image,fx_n,fy_n[,object])
+    /// Forces measured in some images (CSV: image,fx_n,fy_n, optional object)
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     forces: Option<PathBuf>,
     /// Write the calibrated scene (TOML) to FILE

@@ -33,7 +33,7 @@ pub struct Account {
 }
 
 impl Account {
-    /// Driven work that is not stored as elastic energy or lift, N mm.
+    /// Driven work minus the energy stored in springs and lift, N mm.
     pub fn lost_nmm(&self) -> f64 {
         self.driven_nmm - self.elastic_nmm - self.lifted_nmm
     }

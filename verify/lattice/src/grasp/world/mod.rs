@@ -109,8 +109,8 @@ impl<'l> World<'l> {
         }
     }
 
-    /// Turns the object into one that a hand holds. `size_mm` replaces the object's size as length scale: neither the motion of a large object nor that
-    /// of the finger under a small one scales with the object's size.
+    /// Turns the object into one that a hand holds. `size_mm` replaces the object's size as length scale, because displacements of a held object and
+    /// its finger do not scale with the object's size.
     pub fn holding(mut self, size_mm: f64) -> World<'l> {
         self.scene.size_mm = size_mm;
         for finger in &mut self.scene.fingers {

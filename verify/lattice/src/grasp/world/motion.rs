@@ -44,7 +44,7 @@ enum StepOutcome {
 
 impl World<'_> {
     /// Moves the bases in increments that Newton's method solves and whose energy balances. If even the smallest fails, a snap is assumed: a small
-    /// increment against resistance follows, after which everything comes to rest before the bases move on.
+    /// increment against resistance follows. Everything then comes to rest before the bases move on.
     pub(super) fn move_to(&mut self, to: &Drive) -> Result<(), GraspFailure> {
         let from = self.drive.clone();
         let (mut at, mut part, mut solved) = (0.0, 1.0, 0);
