@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Measured forces, frame of the camera's pose: image,fx_n,fy_n (CSV)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "measurements")]
     forces: Option<PathBuf>,
-    /// Images (PNG, JPEG) over which the marker residuals are drawn
+    /// Some of these images (PNG, JPEG); marker residuals are drawn over them
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", num_args = 1.., requires = "measurements")]
     image: Vec<PathBuf>,
     /// Open the page in the browser when done
