@@ -26,6 +26,9 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "finray", version, arg_required_else_help = true)]
 struct Arguments {
+    /// Omit the summary line on standard error
+    #[arg(long, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -63,30 +66,34 @@ fn main() -> ExitCode {
         Err(answer) => return commands::print_answer(&answer),
     };
     let outcome = match arguments.command {
-        Command::Report(arguments) => report::run(&arguments),
-        Command::Solve(arguments) => solve::run(&arguments),
-        Command::Sense(arguments) => sense::run(&arguments),
-        Command::Calibrate(arguments) => calibrate::run(&arguments),
-        Command::Map(arguments) => map::run(&arguments),
-        Command::Sweep(arguments) => sweep::run(&arguments),
-        Command::Merge(arguments) => merge::run(&arguments),
-        Command::Press(arguments) => press::run(&arguments),
-        Command::Render(arguments) => render::run(&arguments),
-        Command::Locate(arguments) => locate::run(&arguments),
-        Command::Lens(arguments) => lens::run(&arguments),
-        Command::Gripper(arguments) => gripper::run(&arguments),
-        Command::Grasp(arguments) => grasp::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments).map(Some),
+        Command::Solve(arguments) => solve::run(&arguments).map(Some),
+        Command::Sense(arguments) => sense::run(&arguments).map(Some),
+        Command::Calibrate(arguments) => calibrate::run(&arguments).map(Some),
+        Command::Map(arguments) => map::run(&arguments).map(Some),
+        Command::Sweep(arguments) => sweep::run(&arguments).map(Some),
+        Command::Merge(arguments) => merge::run(&arguments).map(Some),
+        Command::Press(arguments) => press::run(&arguments).map(Some),
+        Command::Render(arguments) => render::run(&arguments).map(Some),
+        Command::Locate(arguments) => locate::run(&arguments).map(Some),
+        Command::Lens(arguments) => lens::run(&arguments).map(Some),
+        Command::Gripper(arguments) => gripper::run(&arguments).map(Some),
+        Command::Grasp(arguments) => grasp::run(&arguments).map(Some),
         Command::Guide(arguments) => guide::run(&arguments),
         #[cfg(feature = "train")]
-        Command::Train(arguments) => train::run(&arguments),
+        Command::Train(arguments) => train::run(&arguments).map(Some),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "finray", &mut script);
-            write_text(Path::new("-"), &String::from_utf8_lossy(&script)).map_err(commands::Failure::from)
+            let written = write_text(Path::new("-"), &String::from_utf8_lossy(&script));
+            written.map(|()| None).map_err(commands::Failure::from)
         }
     };
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(done) => {
+            done.filter(|_| !arguments.quiet).iter().for_each(commands::print_message);
+            ExitCode::SUCCESS
+        }
         Err(failure) => failure.report(),
     }
 }

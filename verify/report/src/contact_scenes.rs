@@ -2,15 +2,15 @@
 
 mod words;
 
-use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point};
+use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point, side_by_side};
 use crate::prelude::*;
 use finray_figures::Spread;
 use finray_model::finger::FingerPoint;
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::ContactPosition;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
-use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
-use finray_studies::experiments::contact_scene::{ForceRow, SeenContact};
+use finray_studies::experiments::contact_scene::study::SceneStudy;
+use finray_studies::experiments::contact_scene::{ForceRow, SceneStep, SeenContact};
 use std::collections::BTreeMap;
 
 const CSV: &str = "contact_scenes.csv";
@@ -79,23 +79,39 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(section.saying(words::verdict(&study.contact_scenes)?)))
 }
 
+/// Data of a drawn press.
+pub struct DrawnPress<'p> {
+    /// The pressed finger.
+    pub finger: &'p Finger,
+    /// Name of the scene.
+    pub name: &'p str,
+    /// Standard deviation of one coordinate of markers and outline points, mm.
+    pub noise_mm: f64,
+    /// Closed outline of the object, relative to its reference point, mm.
+    pub outline: &'p [Vector],
+    /// True and sensed forces of all steps, one row per contact.
+    pub rows: &'p [ForceRow],
+    /// The last step, which the drawing shows.
+    pub last: &'p SceneStep,
+}
+
+/// Drawing of finger and object at the end of a press, and forces over the travel, on one sheet.
+///
+/// # Errors
+/// [`FigureError`] if there is nothing to draw.
+pub fn press_svg(press: &DrawnPress) -> Result<String, FigureError> {
+    let drawings = [Some(drawing(press)?), force_over_travel(press)?];
+    Ok(side_by_side(&drawings.into_iter().flatten().collect::<Vec<_>>(), 2))
+}
+
 fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureError> {
+    let SceneStudy { name, noise_mm, outline, rows, .. } = scene;
     let mut figures = Vec::new();
-    if let Some(last) = scene.steps.last() {
-        figures.push(Figure::narrow(
-            drawing(finger, scene, last)?,
-            format!("Scene \"{}\" at its end: true forces.", scene.name),
-            CSV,
-        ));
-    }
-    let series = force_over_travel(finger, scene);
-    if !series.is_empty() {
-        let title = format!("{}: true and sensed, {} mm noise", scene.name, scene.noise_mm);
-        let frame = Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", scene.name));
-        let end_mm = scene.rows.iter().map(|row| row.travel_mm).fold(0.0, f64::max);
-        // The axis extends beyond the last point, so that symbols stay clear of the frame.
-        let axes = [Axis::linear("travel of the object, mm").within(0.0, 1.06 * end_mm), Axis::linear("force, N")];
-        let svg = Chart::new(frame, axes, series).svg()?;
+    let Some(last) = scene.steps.last().map(|studied| &studied.step) else { return Ok(figures) };
+    let press = DrawnPress { finger, name, noise_mm: *noise_mm, outline, rows, last };
+    let caption = format!("Scene \"{name}\" at its end: true forces.");
+    figures.push(Figure::narrow(drawing(&press)?, caption, CSV));
+    if let Some(svg) = force_over_travel(&press)? {
         let caption = "Force along each normal, and in all (length of the vector sum). Lines are true; signs sensed from one noise sample, with \
                        95 % intervals.";
         figures.push(Figure::narrow(svg, caption, CSV));
@@ -108,19 +124,20 @@ fn lines_of(finger: &Finger, at: impl Fn(FingerPoint) -> Vector) -> Vec<Vec<[f64
     finger.outline().into_iter().map(|(_, points)| drawn(points)).collect()
 }
 
-fn drawing(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<String, FigureError> {
-    let pressed = &last.step.pressed;
+fn drawing(press: &DrawnPress) -> Result<String, FigureError> {
+    let DrawnPress { finger, last, .. } = press;
+    let pressed = &last.pressed;
     let deformed = |shape: &FingerShape| lines_of(finger, |at| shape.point(at));
-    let outline = scene.outline.iter().map(|corner| point(&(corner + pressed.object))).collect();
+    let outline = press.outline.iter().map(|corner| point(&(corner + pressed.object))).collect();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
-    let largest_n = worst(last.step.contacts.iter().map(|seen| seen.force.norm()));
+    let largest_n = worst(last.contacts.iter().map(|seen| seen.force.norm()));
     // Arrows of small forces keep a visible length.
     let length_mm = |force_n: f64| longest_mm * (0.3 + 0.7 * force_n / largest_n);
-    let arrows = last.step.contacts.iter().map(|seen| {
+    let arrows = last.contacts.iter().map(|seen| {
         let foot = seen.point - seen.force.normalize() * length_mm(seen.force.norm());
         Series::arrow([point(&foot), point(&seen.point)], format!("{:.2} N", seen.force.norm()), Hue::Vermilion)
     });
-    let alt = format!("The finger bent by the object of the scene {}, with the contact forces.", scene.name);
+    let alt = format!("The finger bent by the object of the scene {}, with the contact forces.", press.name);
     let at_rest = lines_of(finger, |at| finger.point(at));
     let lines = [
         Series::lines("at rest", at_rest, Hue::Faint, 3.0),
@@ -128,7 +145,7 @@ fn drawing(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<St
         Series::lines("object", vec![outline], Hue::Green, 2.4),
     ];
     let series = lines.into_iter().flatten().chain(arrows).collect();
-    Chart::to_scale(Frame::half(&scene.name, alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
+    Chart::to_scale(Frame::half(press.name, alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
 /// One contact over the steps in which it exists: points of travel (mm) and force (N).
@@ -146,10 +163,24 @@ fn between(finger: &Finger, s_mm: f64) -> String {
     after.map_or(String::new(), |after| format!(", nodes {} to {}", nodes[after - 1], nodes[after]))
 }
 
+/// True forces as lines and sensed forces as symbols, over the travel (mm); `None` for a press without forces.
+fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> {
+    let series = courses(press.finger, press.rows);
+    if series.is_empty() {
+        return Ok(None);
+    }
+    let title = format!("{}: true and sensed, {} mm noise", press.name, press.noise_mm);
+    let frame = Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", press.name));
+    let end_mm = press.rows.iter().map(|row| row.travel_mm).fold(0.0, f64::max);
+    // The axis extends beyond the last point, so that symbols stay clear of the frame.
+    let axes = [Axis::linear("travel of the object, mm").within(0.0, 1.06 * end_mm), Axis::linear("force, N")];
+    Ok(Some(Chart::new(frame, axes, series).svg()?))
+}
+
 /// True forces as lines and sensed forces as symbols, for each contact and for the total.
-fn force_over_travel(finger: &Finger, scene: &SceneStudy) -> Vec<Series> {
+fn courses(finger: &Finger, rows: &[ForceRow]) -> Vec<Series> {
     let mut courses: BTreeMap<(usize, String), Course> = BTreeMap::new();
-    for row in &scene.rows {
+    for row in rows {
         let name = match row.contact.as_str() {
             "total" => (0, "in all".to_owned()),
             "at" => (2, format!("plate{}", between(finger, row.s_mm.unwrap_or_default()))),

@@ -37,6 +37,7 @@ mod trust;
 pub mod twin;
 mod words;
 
+pub use contact_scenes::{DrawnPress, press_svg};
 pub use drawings::{map_figure_svg, standalone};
 pub use grasp::{grasp_animation_svg, grasp_svg};
 

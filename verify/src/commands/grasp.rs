@@ -52,7 +52,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if is_stream(&arguments.out) {
         return Err(Failure::BadInput("--out: expected a folder, for five files".to_owned()));
     }
@@ -103,7 +103,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let ended = ended.map_err(bad)?;
     write(arguments, &scene.name, &grasp, &steps, &ended)?;
     match ended {
-        GraspEnd::Done => Ok(()),
+        GraspEnd::Done => {
+            let done = format!("grasp of {} and its figures", count(steps.len(), "step"));
+            Ok(Done::new(done).to(&arguments.out))
+        }
         failed => {
             let last = steps.last();
             let at = last.map_or("before its first step".to_owned(), |step| {

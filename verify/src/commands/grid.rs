@@ -1,7 +1,7 @@
 //! Code shared by `finray map`, `sweep` and `merge`: the grid of cells, the models and estimators evaluated on it, and the output table.
 
 use crate::commands::prelude::*;
-use finray_files::{Reader, Stream, load_network_and_digest, load_scene_and_text};
+use finray_files::{Reader, Stream, load_network_and_digest};
 use finray_model::Mesh;
 use finray_model::estimators::Estimator;
 use finray_model::measurement::Measurement;
@@ -9,13 +9,15 @@ use finray_model::sensing::SensingError;
 use finray_report::{map_figure_svg, standalone};
 use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::sampling::sweep::{Grid, Head, Partial, Request, Shard, Sweep, Table};
+use finray_studies::sampling::worst::TrustCounts;
+use finray_studies::settings::TRUSTED_ERROR;
 use finray_studies::truths::Truth;
 use std::io::Read;
 
 #[derive(clap::Args)]
 pub struct GridArguments {
-    /// Scene file (TOML); - for standard input
-    scene: PathBuf,
+    /// Scene file (TOML); - for standard input [default: the paper's finger]
+    scene: Option<PathBuf>,
     /// Network file of `finray train` [default: the shipped networks]
     #[arg(long, value_name = "FILE")]
     network: Option<PathBuf>,
@@ -53,13 +55,12 @@ pub struct Candidates<'a> {
 }
 
 /// Computes a table and writes it row by row, with the figure of a map beside it.
-pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> Result<(), Failure> {
+pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> Result<Done, Failure> {
     if arguments.network.is_some() && !candidates.estimators.contains(&EstimatorId::Network) {
         return Err(bad_input("--network is for --estimator network"));
     }
-    let (scene, text) = load_scene_and_text(&arguments.scene)?;
+    let (scene, text) = scene_or_papers(arguments.scene.as_deref())?;
     let finger = &scene.finger;
-    hints::of_moduli(&arguments.scene, finger);
     let (networks, digest) = match &arguments.network {
         Some(path) => {
             load_network_and_digest(path).map(|(network, digest)| (Networks::of(vec![network]), Some(digest)))?
@@ -140,9 +141,10 @@ fn require_an_answer(finger: &Finger, estimator: &dyn Estimator, grid: &Grid) ->
     Err(refusal.unwrap_or(SensingError::NoContact.into()).into())
 }
 
-fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<(), Failure> {
+fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Done, Failure> {
     let table = head.request.table;
     let blocks = head.shard.map_or(0..sweep.block_count(), |shard| shard.blocks(sweep.block_count()));
+    let rows = blocks.len() * head.request.rows_in_block();
     let bar = progress::bar(blocks.len() as u64, if table == Table::Map { "map" } else { "sweep" });
     if is_stream(out) {
         let mut stream = Stream::open(out)?;
@@ -159,7 +161,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<(), F
         });
         bar.finish_and_clear();
         return match said {
-            Ok(()) | Err(Stop::Unread) => Ok(()),
+            Ok(()) | Err(Stop::Unread) => Ok(Done::new(count(rows, "row"))),
             Err(Stop::Failed(failure)) => Err(failure),
         };
     }
@@ -178,8 +180,12 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<(), F
         partial.append(count, rows).map_err(Failure::from)
     })?;
     bar.finish_and_clear();
-    let beside = if whole { beside(&request, finger, partial.table()?, &out)? } else { Vec::new() };
-    Ok(partial.finish(&beside)?)
+    let map = if whole { map_of(&request, partial.table()?)? } else { None };
+    let figure = map.as_ref().map(|map| figure(finger, map, &out)).transpose()?;
+    let beside: Vec<_> = figure.into_iter().collect();
+    partial.finish(&beside)?;
+    let result = map.map_or_else(|| count(rows, "row"), |map| trusted(&map));
+    Ok(Done::new(result).to(&out).to_each(beside.iter().map(|(path, _)| path.as_path())))
 }
 
 /// Why the output stream ends early.
@@ -194,27 +200,30 @@ impl<E: Into<Failure>> From<E> for Stop {
     }
 }
 
-/// The files written beside a complete table: the figure of a map.
-pub fn beside(
-    request: &Request,
-    finger: &Finger,
-    table: impl Read,
-    out: &Path,
-) -> Result<Vec<(PathBuf, String)>, Failure> {
-    if request.table != Table::Map {
-        return Ok(Vec::new());
+/// The accuracy map of a complete table; `None` for a sweep.
+pub fn map_of(request: &Request, table: impl Read) -> Result<Option<AccuracyMap>, Failure> {
+    let is_map = request.table == Table::Map;
+    is_map.then(|| AccuracyMap::from_csv(request, table).map_err(bad_input)).transpose()
+}
+
+/// Path and text of the map's figure, beside its table `out`.
+pub fn figure(finger: &Finger, map: &AccuracyMap, out: &Path) -> Result<(PathBuf, String), Failure> {
+    let figure = map_figure_svg(finger, map, None).map_err(not_computed)?;
+    Ok((figure_path(out), standalone(&figure)))
+}
+
+/// Summary of a map: the share of cells that are trusted under their worst force.
+pub fn trusted(map: &AccuracyMap) -> String {
+    let counts = TrustCounts::of(&map.worst());
+    let share = counts.share().map_or("none".to_owned(), |share| format!("{:.0} %", 100.0 * share));
+    let (cells, limit) = (count(counts.carried(), "cell"), 100.0 * TRUSTED_ERROR);
+    match counts.without_equilibrium {
+        0 => format!("{share} of {cells} trusted (error up to {limit} %)"),
+        without => format!("{share} of {cells} trusted (error up to {limit} %), {without} more without equilibrium"),
     }
-    let map = AccuracyMap::from_csv(request, table).map_err(bad_input)?;
-    let figure = map_figure_svg(finger, &map, None).map_err(not_computed)?;
-    Ok(vec![(figure_path(out), standalone(&figure))])
 }
 
-fn figure_path(out: &Path) -> PathBuf {
-    out.with_extension("svg")
-}
-
-/// The path of the table: `out`, or for a map the same name with suffix csv if `out` is the figure's path.
+/// The path of a table; for a map, the suffix becomes csv if the path is the figure's.
 pub fn table_path(table: Table, out: &Path) -> PathBuf {
-    let is_figure = table == Table::Map && out.extension().is_some_and(|extension| extension == "svg");
-    if is_figure { out.with_extension("csv") } else { out.to_owned() }
+    if table == Table::Map { path_beside_figure(out) } else { out.to_owned() }
 }

@@ -103,7 +103,7 @@ fn row(gripper: &Gripper, finger: &Finger, motor_deg: f64) -> Row {
     }
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let Scene { finger, gripper, .. } = load_scene(&arguments.scene)?;
     let Some(gripper) = gripper else {
         return Err(bad_input(format!(
@@ -139,5 +139,5 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => csv_text(rows)?,
     };
     write_text(&arguments.out, &text)?;
-    Ok(())
+    Ok(Done::new(format!("fingertips at {}", count(motor_deg.len(), "motor angle"))).to(&arguments.out))
 }

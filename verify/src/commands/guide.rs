@@ -24,7 +24,7 @@ pub struct Arguments {
     topic: Option<String>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Option<Done>, Failure> {
     let topics = || GUIDES.iter().map(|guide| (guide.name, guide.task)).chain([SCENE]);
     let text = match arguments.topic.as_deref() {
         None => topics().map(|(name, task)| format!("{name:<20}{task}\n")).collect(),
@@ -37,7 +37,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         },
     };
-    Ok(write_text(Path::new("-"), &text)?)
+    write_text(Path::new("-"), &text)?;
+    // A printed guide has no summary line.
+    Ok(None)
 }
 
 /// The reference of all scene keys, with the paper's finger as an example.

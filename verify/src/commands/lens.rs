@@ -42,7 +42,7 @@ const LARGEST_FOCAL_SHARE: f64 = 0.05;
 const SAME_NORMAL_DEG: f64 = 0.5;
 const SAME_DISTANCE: f64 = 0.005;
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let seen = arguments.image.par_iter().map(|path| {
         let wrong = |message: String| Failure::from(FileError::Content { path: path.clone(), message });
         let (image, turn) = load_turned_image(path)?;
@@ -92,7 +92,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(warning) = uncertain_focus(&fit) {
         print_message(format_args!("warning: {warning}"));
     }
-    Ok(())
+    let points = if kind == GridKind::Chessboard { "corner" } else { "dot" };
+    Ok(Done::new(format!("lens of {} in {}", count(dots, points), count(grids.len(), "image"))).to(&arguments.out))
 }
 
 /// The mean pose of the plane that all images show; an error if the images show different planes.

@@ -40,7 +40,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let inputs = || arguments.image.iter().chain(&arguments.rest);
     for image in inputs() {
         not_both_from_standard_input(&arguments.scene, image, "an image")?;
@@ -55,7 +55,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let found = images_with_their_radii(arguments, &scene, observer);
     // Without any located image there is no table.
     if found.iter().all(Result::is_err) {
-        return found.into_iter().find_map(Result::err).map_or(Ok(()), Err);
+        return Err(found
+            .into_iter()
+            .find_map(Result::err)
+            .unwrap_or_else(|| bad_input("expected at least one image")));
     }
     let of_image = |((path, image), found): ((&PathBuf, String), Result<SeenImage, Failure>)| match found {
         Ok(SeenImage { observation, motion_blur_px, .. }) => {
@@ -73,7 +76,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let seen: Vec<_> = arguments.image.iter().zip(names).zip(found).map(of_image).collect();
     warn_of_turned(&seen);
-    Ok(write_text(&arguments.out, &observations::to_csv(&seen)?)?)
+    write_text(&arguments.out, &observations::to_csv(&seen)?)?;
+    let located = seen.iter().flatten();
+    let markers: usize = located.clone().map(|seen| seen.markers.len()).sum();
+    let done = format!("{markers} markers located in {} of {}", located.count(), count(seen.len(), "image"));
+    Ok(Done::new(done).to(&arguments.out))
 }
 
 /// Markers and radii found in one image.

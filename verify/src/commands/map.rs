@@ -23,14 +23,14 @@ pub struct Arguments {
     #[arg(long, value_parser = listed::<TruthId>(), default_value_t = TruthId::Corotational)]
     truth: TruthId,
     /// Estimator of the forces
-    #[arg(long, value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::LeastSquares)]
+    #[arg(long, value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
     /// Standard deviation of one coordinate, mm [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let candidates = Candidates {
         truths: &[arguments.truth],
         estimators: &[arguments.estimator],

@@ -1,6 +1,6 @@
 //! The command `finray merge`.
 
-use super::grid::{beside, table_path};
+use super::grid::{figure, map_of, table_path, trusted};
 use crate::commands::prelude::*;
 use finray_files::{Reader, Stream, write_from};
 use finray_studies::sampling::sweep::{MergeError, Shards};
@@ -27,20 +27,25 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let shards = Shards::open(&arguments.shards)?;
+    let joined = || format!("{} joined", count(arguments.shards.len(), "shard"));
     if is_stream(&arguments.out) {
-        return pour(shards.table(), &arguments.out);
+        pour(shards.table(), &arguments.out)?;
+        return Ok(Done::new(joined()));
     }
     let request = shards.request();
     let out = table_path(request.table, &arguments.out);
     let scene = Scene::from_toml(&request.scene).map_err(|error| bad_input(format!("the scene: {error}")))?;
-    let beside = beside(request, &scene.finger, shards.table(), &out)?;
+    let map = map_of(request, shards.table())?;
+    let figure = map.as_ref().map(|map| figure(&scene.finger, map, &out)).transpose()?;
     let mut table = shards.table();
-    let mut texts: Vec<&[u8]> = beside.iter().map(|(_, text)| text.as_bytes()).collect();
+    let mut texts: Vec<&[u8]> = figure.iter().map(|(_, text)| text.as_bytes()).collect();
     let mut sources: Vec<(&Path, &mut dyn Read)> = vec![(&out, &mut table)];
-    sources.extend(beside.iter().zip(&mut texts).map(|((path, _), text)| (path.as_path(), text as &mut dyn Read)));
-    Ok(write_from(sources)?)
+    sources.extend(figure.iter().zip(&mut texts).map(|((path, _), text)| (path.as_path(), text as &mut dyn Read)));
+    write_from(sources)?;
+    let result = map.as_ref().map_or_else(joined, |map| format!("{}, {}", joined(), trusted(map)));
+    Ok(Done::new(result).to(&out).to_each(figure.iter().map(|(path, _)| path.as_path())))
 }
 
 /// Copies the table to standard output, a device or a pipe.

@@ -18,14 +18,15 @@ pub mod sweep;
 pub mod train;
 pub mod words;
 
-mod cameras;
 mod contacts;
+mod done;
 mod grid;
 mod hints;
 mod loads;
 mod parse;
 mod prelude;
 mod progress;
+mod scenes;
 mod validity;
 
 use finray_files::{FileError, is_standard_stream};
@@ -92,6 +93,16 @@ fn bad_input(reason: impl ToString) -> Failure {
 /// Failure because a result could not be computed.
 fn not_computed(reason: impl ToString) -> Failure {
     Failure::NotComputed(reason.to_string())
+}
+
+/// Path of the figure written beside a table: the same name with suffix svg.
+fn figure_path(table: &Path) -> PathBuf {
+    table.with_extension("svg")
+}
+
+/// The path of a table; if it equals the figure's path, the suffix becomes csv.
+fn path_beside_figure(table: &Path) -> PathBuf {
+    if figure_path(table) == table { table.with_extension("csv") } else { table.to_owned() }
 }
 
 /// Refuses a scene and another file that both come from standard input, which can be read only once.

@@ -1,9 +1,11 @@
 //! Common imports of the commands.
 
-pub(super) use super::cameras::{camera_and_markers, camera_of, markers_of};
+pub(super) use super::done::{Done, count};
 pub(super) use super::parse::{degrees_between, listed, not_negative, positive, share};
+pub(super) use super::scenes::{camera_and_markers, camera_of, markers_of, scene_or_papers};
 pub(super) use super::{
-    Failure, bad_input, hints, not_both_from_standard_input, not_computed, print_message, progress, validity,
+    Failure, bad_input, figure_path, hints, not_both_from_standard_input, not_computed, path_beside_figure,
+    print_message, progress, validity,
 };
 pub(super) use finray_files::{
     FileError, csv_text, is_standard_stream, is_stream, load_image, load_scene, name_of, require_folder,

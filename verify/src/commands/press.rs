@@ -4,11 +4,12 @@ use super::validity::Pressing;
 use crate::commands::prelude::*;
 use clap::value_parser;
 use finray_files::displacements;
+use finray_report::{DrawnPress, press_svg, standalone};
 use finray_studies::experiments::contact_scene::checks::BALANCE_TOLERANCE;
 use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
 use finray_studies::experiments::contact_scene::refined::TOTAL_TOLERANCE;
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
-use finray_studies::experiments::contact_scene::{ContactScene, Refinement, SceneStep, TotalChange, force_rows};
+use finray_studies::experiments::contact_scene::{ContactScene, Refinement, TotalChange, force_rows};
 use finray_studies::sampling::noise::Noise;
 
 /// Help text below the options.
@@ -46,13 +47,13 @@ pub struct Arguments {
 /// Largest distance, mm, that an object may miss its prescribed position by rounding.
 const STOPPED_MM: f64 = 1e-6;
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if let Some(shape) = &arguments.shape {
         if is_standard_stream(shape) {
             return Err(bad_input("--shape: expected a file, found -: standard output takes the forces"));
         }
-        if *shape == arguments.out {
-            return Err(bad_input("--shape and --out are the same file"));
+        if *shape == arguments.out || *shape == figure_path(&arguments.out) {
+            return Err(bad_input("--shape and --out, or the figure beside it, are the same file"));
         }
     }
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
@@ -117,22 +118,39 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         },
     };
-    let Some(last) = steps.last() else { return ended.map_err(not_computed) };
-    write(arguments, &scene.finger, csv_text(rows)?, last)?;
+    let Some(last) = steps.last() else { return ended.map(|()| Done::new("no step")).map_err(not_computed) };
+    let press = DrawnPress {
+        finger: &scene.finger,
+        name: &scene.name,
+        noise_mm,
+        outline: &contact_scene.object().outline.points(),
+        rows: &rows,
+        last,
+    };
+    let files = write(arguments, &press)?;
     if let Err(message) = ended {
         let force_n = last.pressed.contact_force().norm();
         let until = format!("the steps until then, to a travel of {:.3} mm with {force_n:.3} N", last.travel_mm);
         return Err(not_computed(format!("{message}; {until}, are written")));
     }
     validity.warn();
-    Ok(())
+    let force_n = last.pressed.contact_force().norm();
+    let done =
+        format!("{}, the last at a travel of {:.3} mm with {force_n:.3} N", count(steps.len(), "step"), last.travel_mm);
+    Ok(Done::new(done).to_each(files.iter().map(PathBuf::as_path)))
 }
 
-fn write(arguments: &Arguments, finger: &Finger, forces: String, last: &SceneStep) -> Result<(), Failure> {
+/// Writes the table, its figure and the shape, and returns their paths.
+fn write(arguments: &Arguments, press: &DrawnPress) -> Result<Vec<PathBuf>, Failure> {
+    let out = if is_stream(&arguments.out) { arguments.out.clone() } else { path_beside_figure(&arguments.out) };
     let mut files = Vec::new();
     if let Some(path) = &arguments.shape {
-        files.push((path.clone(), displacements::to_csv(&last.pressed.shape, finger)?));
+        files.push((path.clone(), displacements::to_csv(&press.last.pressed.shape, press.finger)?));
     }
-    files.push((arguments.out.clone(), forces));
-    Ok(write_all_or_nothing(&files)?)
+    if !is_stream(&out) {
+        files.push((figure_path(&out), standalone(&press_svg(press).map_err(not_computed)?)));
+    }
+    files.push((out, csv_text(press.rows)?));
+    write_all_or_nothing(&files)?;
+    Ok(files.into_iter().map(|(path, _)| path).collect())
 }

@@ -57,7 +57,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if let Some(shape) = &arguments.shape {
         not_both_from_standard_input(&arguments.scene, shape, "--shape")?;
     }
@@ -104,7 +104,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     });
     let image = image.map_err(bad_input)?;
     let png = to_png(&image).map_err(not_computed)?;
-    Ok(write_bytes(&arguments.out, &png)?)
+    write_bytes(&arguments.out, &png)?;
+    let [width, height] = [image.width(), image.height()];
+    Ok(Done::new(format!("image of {width} x {height} px")).to(&arguments.out))
 }
 
 /// Parses the pose of a base, `X_MM,Y_MM,DEG`.

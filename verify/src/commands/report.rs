@@ -61,7 +61,7 @@ pub struct Arguments {
 /// Largest difference between the scene's markers and those of the file, mm: far below any noise, far above rounding.
 const SAME_MM: f64 = 1e-3;
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let scene = match &arguments.scene {
         Some(path) => load_scene_with_outline(path)?,
         None => {
@@ -113,7 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     write_folder(&arguments.out, &report.files)?;
     let page = arguments.out.join("index.html");
     let mut sentences = report.verdict;
-    sentences.push(format!("The report is in {}\n", page.display()));
+    sentences.push(String::new());
     write_text(Path::new("-"), &sentences.join("\n"))?;
     if arguments.open
         && let Err(error) = open::that_detached(&page)
@@ -125,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             page.display()
         ));
     }
-    Ok(())
+    Ok(Done::new("report").to(&page))
 }
 
 /// First line of the error: the browser opener's message may have several.

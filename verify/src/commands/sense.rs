@@ -80,7 +80,7 @@ struct Refused {
     refused: String,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     not_both_from_standard_input(&arguments.scene, &arguments.displacements, "--displacements")?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
@@ -120,8 +120,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let text = read_text(&arguments.displacements)?;
     let table = ObservationTable::new(&arguments.displacements, &text, finger, Coordinates::Displacements)?;
     question.forces = arguments.forces.as_ref().map(|path| views::forces(path, &table.images()?)).transpose()?;
-    if arguments.all_images {
-        write_text(&arguments.out, &csv_text(all_images(&question, &table)?)?)?;
+    let done = if arguments.all_images {
+        let rows = all_images(&question, &table)?;
+        let (asked, refused) = (rows.len(), rows.iter().filter(|(_, _, refused)| !refused.refused.is_empty()).count());
+        write_text(&arguments.out, &csv_text(rows)?)?;
+        let images = count(table.images()?.len(), "image");
+        format!("{} of {} in {images} sensed, {refused} refused", asked - refused, count(asked, "force"))
     } else {
         let seen = table.observation(arguments.image_name.as_deref())?;
         let sensor = question.sensor(&seen)?;
@@ -129,9 +133,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         warn("", &sensed.warnings);
         write_text(&arguments.out, &csv_text(rows(finger, &sensed))?)?;
         validity::warn_of_forces(&sensor, &sensed);
-    }
+        format!("{} sensed", count(sensed.forces_n.len(), "force"))
+    };
     hints::of_displacements(&arguments.displacements, &text, finger);
-    Ok(())
+    Ok(Done::new(done).to(&arguments.out))
 }
 
 /// The question asked of each image: contacts, friction and estimator.

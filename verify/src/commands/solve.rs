@@ -19,8 +19,8 @@ Guide: finray guide your-finger";
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Scene file (TOML); - for standard input
-    scene: PathBuf,
+    /// Scene file (TOML); - for standard input [default: the paper's finger]
+    scene: Option<PathBuf>,
     #[command(flatten)]
     loads: Loads,
     /// Kinematics of the finger
@@ -51,16 +51,17 @@ impl From<KinematicsArgument> for Kinematics {
     }
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let scene = load_scene(&arguments.scene)?;
-    hints::of_moduli(&arguments.scene, &scene.finger);
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let (scene, _) = scene_or_papers(arguments.scene.as_deref())?;
     if arguments.loads.is_empty() {
         return Err(bad_input("expected at least one --load NODE:FX,FY or --load-at S_MM:FORCE,ANGLE_DEG"));
     }
     let kinematics = arguments.kinematics.into();
     let mesh = arguments.loads.mesh(&scene.finger)?;
     let (motion, loads) = arguments.loads.equilibrium(&mesh, kinematics)?;
-    write_text(&arguments.out, &displacements::to_csv(&mesh.shape(&motion), mesh.finger())?)?;
+    let shape = mesh.shape(&motion);
+    write_text(&arguments.out, &displacements::to_csv(&shape, mesh.finger())?)?;
     validity::warn_of_equilibrium(&scene.strain_limits, &mesh, &motion, kinematics, &loads);
-    Ok(())
+    let (nodes, largest_mm) = (mesh.finger().key_node_count(), shape.largest_displacement_mm());
+    Ok(Done::new(format!("{} displaced by up to {largest_mm:.3} mm", count(nodes, "key node"))).to(&arguments.out))
 }

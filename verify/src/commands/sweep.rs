@@ -23,14 +23,14 @@ pub struct Arguments {
     #[arg(long, value_parser = listed::<TruthId>(), value_delimiter = ',', default_values_t = [TruthId::Corotational])]
     truth: Vec<TruthId>,
     /// Estimators, comma-separated
-    #[arg(long, value_parser = listed::<EstimatorId>(), value_delimiter = ',', default_values_t = [EstimatorId::LeastSquares])]
+    #[arg(long, value_parser = listed::<EstimatorId>(), value_delimiter = ',', default_values_t = [EstimatorId::Nonlinear])]
     estimator: Vec<EstimatorId>,
     /// Standard deviations of one coordinate, mm, for instance 0,0.067 [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_delimiter = ',', value_parser = not_negative)]
     noise_mm: Vec<f64>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let candidates = Candidates {
         truths: &distinct(&arguments.truth),
         estimators: &distinct(&arguments.estimator),

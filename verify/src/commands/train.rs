@@ -44,7 +44,7 @@ pub struct Arguments {
     /// Largest sum of the forces, N
     #[arg(long, help_heading = "Cases", value_name = "F", default_value_t = 10.0, value_parser = positive)]
     largest_sum_n: f64,
-    /// Standard deviation of each force's direction, degrees
+    /// Standard deviation of each force's direction, deg
     #[arg(long, help_heading = "Cases", value_name = "DEG", default_value_t = 0.0, value_parser = not_negative)]
     direction_spread_deg: f64,
     /// Relative standard deviation of the finger's modulus
@@ -77,7 +77,7 @@ fn own_beams(name: &str) -> Result<TruthId, String> {
     own().find(|id| id.name() == name).copied().ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     require_writable(&arguments.out)?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     bar.finish();
     write_bytes(&arguments.out, &network.to_bytes()?)?;
     print_message(tested(&network).trim_end());
-    Ok(())
+    Ok(Done::new("network trained").to(&arguments.out))
 }
 
 /// The training recipe that the arguments describe.

@@ -1,5 +1,6 @@
 //! Drawings of a grasp: fingers, object and forces at selected steps, and the forces over all steps.
 
+use crate::drawings::side_by_side;
 use crate::prelude::*;
 use finray_figures::{Lines, Spread};
 use finray_model::finger::FingerPoint;
@@ -205,32 +206,4 @@ fn over(steps: &[GraspStep], at: impl Fn(&GraspStep) -> f64) -> Vec<Series> {
 fn forces(title: String, along: &str, series: Vec<Series>) -> Result<String, FigureError> {
     let alt = format!("{title}: lines are true forces, signs are sensed ones with 95 % intervals.");
     Chart::new(Frame::half(title, alt), [Axis::linear(along), Axis::linear("force across, N")], series).svg()
-}
-
-/// Combines drawings in rows of `columns`.
-fn side_by_side(drawings: &[String], columns: usize) -> String {
-    let sizes: Vec<[f64; 2]> = drawings.iter().map(|svg| size(svg)).collect();
-    let (mut top, mut width, mut inner) = (0.0_f64, 0.0_f64, String::new());
-    for (drawings, sizes) in drawings.chunks(columns).zip(sizes.chunks(columns)) {
-        let mut left = 0.0;
-        for (svg, [w, _]) in drawings.iter().zip(sizes) {
-            let body = svg.split_once('>').map_or("", |(_, body)| body.trim_end().trim_end_matches("</svg>"));
-            inner += &format!("<g transform=\"translate({left} {top})\">{body}</g>");
-            left += w;
-        }
-        width = width.max(left);
-        top += sizes.iter().map(|[_, h]| *h).fold(0.0, f64::max);
-    }
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {top}\" width=\"100%\" \
-         style=\"display:block;height:auto;max-width:{width}px\" role=\"img\" stroke-linejoin=\"round\">{inner}</svg>"
-    )
-}
-
-/// Width and height of a drawing, px, from its view box.
-fn size(svg: &str) -> [f64; 2] {
-    let inside =
-        svg.split_once("viewBox=\"").and_then(|(_, rest)| rest.split_once('"')).map_or("", |(inside, _)| inside);
-    let mut numbers = inside.split_whitespace().skip(2).filter_map(|number| number.parse().ok());
-    [numbers.next().unwrap_or(0.0), numbers.next().unwrap_or(0.0)]
 }

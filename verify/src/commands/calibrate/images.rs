@@ -147,7 +147,7 @@ struct ImageRow {
     residual_rms_mm: f64,
 }
 
-pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<Done, Failure> {
     not_both_from_standard_input(&arguments.scene, located, "--located")?;
     if let Some(forces) = &arguments.forces {
         not_both_from_standard_input(&arguments.scene, forces, "--forces")?;
@@ -202,7 +202,10 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
         files.push((path.clone(), with_values(&text, &values).map_err(bad_input)?));
     }
     files.push((arguments.out.clone(), csv_text(rows(&found))?));
-    Ok(write_all_or_nothing(&files)?)
+    write_all_or_nothing(&files)?;
+    let (images, forces) = (count(seen.len(), "image"), count(measured, "measured force"));
+    let done = format!("{} estimated from {images} and {forces}", count(rows(&found).len(), "parameter"));
+    Ok(Done::new(done).to_each(files.iter().map(|(path, _)| path.as_path())))
 }
 
 /// One row per estimated parameter. Standard deviations have no standard deviation of their own; neither has the force of the friction's build-up.

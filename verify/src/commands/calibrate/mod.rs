@@ -94,7 +94,7 @@ struct Correlation {
     correlation: f64,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if let (Some(located), Some(fit)) = (&arguments.located, &arguments.fit) {
         return images::run(arguments, located, fit);
     }
@@ -144,7 +144,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         files.push((path.clone(), csv_text(correlations(&names, &estimate.correlation))?));
     }
     files.push((arguments.out.clone(), csv_text(factor_rows(&finger, &estimate))?));
-    Ok(write_all_or_nothing(&files)?)
+    write_all_or_nothing(&files)?;
+    let done = format!("{} estimated from {}", count(estimate.factors.len(), "factor"), count(cases.len(), "case"));
+    Ok(Done::new(done).to_each(files.iter().map(|(path, _)| path.as_path())))
 }
 
 /// Largest plausible modulus factor; the smallest is its reciprocal. Factors outside this range suggest a wrong unit.

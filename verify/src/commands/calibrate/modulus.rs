@@ -17,7 +17,7 @@ pub fn run(
     finger: &Finger,
     cases: &[CalibrationCase],
     noise_mm: Option<f64>,
-) -> Result<(), Failure> {
+) -> Result<Done, Failure> {
     let linear = calibration::youngs_modulus(finger, cases);
     let corotational = calibration::corotational_modulus(finger, cases, ELEMENTS, noise_mm);
     let (factor, mut sigma) = match arguments.kinematics {
@@ -65,7 +65,7 @@ pub fn run(
         }
     }
     write_text(&arguments.out, &csv_text(modulus_rows(finger, factor, sigma))?)?;
-    Ok(())
+    Ok(Done::new(format!("modulus estimated from {}", count(cases.len(), "case"))).to(&arguments.out))
 }
 
 /// Warns of the markers with the largest residuals, and of stated noise that does not explain the residual.

@@ -1,12 +1,27 @@
-//! Camera and markers of a scene, for the commands that need them.
+//! Parts of a scene that commands need: the finger (by default the paper's), camera and markers.
 
-use super::{Failure, bad_input};
-use finray_files::name_of;
+use super::{Failure, bad_input, hints, not_computed};
+use finray_files::{load_scene_and_text, name_of};
+use finray_fixtures::PAPER_SCENE;
 use finray_model::Scene;
 use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::keys::{CAMERA, MARKERS, SceneTable};
 use finray_model::scene::Markers;
 use std::path::Path;
+
+/// The scene of a file with its text, or the paper's finger without a path. Warns of moduli that are probably in Pa.
+///
+/// # Errors
+/// [`Failure`] if the file cannot be read or is not a valid scene.
+pub fn scene_or_papers(path: Option<&Path>) -> Result<(Scene, String), Failure> {
+    let Some(path) = path else {
+        let scene = Scene::from_toml(PAPER_SCENE).map_err(not_computed)?;
+        return Ok((scene, PAPER_SCENE.to_owned()));
+    };
+    let (scene, text) = load_scene_and_text(path)?;
+    hints::of_moduli(path, &scene.finger);
+    Ok((scene, text))
+}
 
 /// Failure that names a missing table. The message gives line 1, as for any missing key.
 fn missing(path: &Path, what: &str) -> Failure {
