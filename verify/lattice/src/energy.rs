@@ -170,7 +170,7 @@ const SMALLEST_PART: f64 = 1e-4;
 /// Largest rotation of a body in one load increment, rad. A larger one may mean a jump to another equilibrium, so the increment is halved.
 const MOST_TURN: f64 = 0.6;
 
-/// Stiffness, relative to the median, above which a spring's force is lost in rounding. Positions of 150 mm are rounded by 1e-14 mm. That is 2e-12 N
+/// Stiffness, relative to the median, above which a spring's force is lost in rounding. Positions of 150 mm are rounded by 1e-14 mm. The error is 2e-12 N
 /// at 240 N/mm, usual for a TPU finger, but 1e-4 N in the springs of a segment of 0.007 mm.
 const STIFF: f64 = 1e4;
 

@@ -78,7 +78,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ))
 }
 
-/// Whether the estimators' times differ noticeably at the camera's frame rate.
+/// Fastest and slowest estimator, s; `None` if the slowest takes a tenth of a camera frame or more.
 fn says(study: &Study) -> Option<Value> {
     let times: Vec<f64> = rows(study).filter_map(|row| row.seconds).collect();
     let [fastest, slowest] = [f64::min, f64::max].map(|of| times.iter().copied().reduce(of));

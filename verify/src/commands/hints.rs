@@ -1,4 +1,4 @@
-//! Warnings about valid input that is probably a mistake.
+//! Warnings about valid but implausible input.
 
 use super::print_message;
 use finray_files::observations::RefusedImage;
