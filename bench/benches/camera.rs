@@ -1,4 +1,4 @@
-//! From an image to node positions: the whole image searched, the next of a stream; on to the force; a lens's grid. One core each.
+//! Speed from image to node positions (search of a whole image, tracking in a stream), to the force, and of grid detection. One core each.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_fixtures::CAMERA_SCENE;
@@ -12,7 +12,7 @@ use finray_model::{Kinematics, Load, Mesh, Scene, statics};
 use image::RgbImage;
 use std::hint::black_box;
 
-/// Where the force is, mm from the front base, and the forces of a stream, N: a frame moves the nodes by up to a millimetre.
+/// Position of the force, mm from the front base, and forces of a stream, N. From frame to frame the nodes move by up to 1 mm.
 const CONTACT_MM: f64 = 80.0;
 const FORCES_N: [f64; 4] = [2.0, 2.1, 2.2, 2.1];
 

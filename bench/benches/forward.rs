@@ -1,7 +1,7 @@
-//! From force to shape on the paper's two meshes: ladder and sparse path, many loads at once and in turn, finer meshes.
+//! Speed from force to shape on the paper's two meshes and finer ones. Compares ladder and sparse solver, and many loads one by one or in a batch.
 //!
-//! The linear stiffness never changes, so the mesh keeps its factor; `linear` factorises each time nevertheless, `linear_kept`
-//! and `as_called` do not.
+//! The linear stiffness is constant, so the solver keeps its factors. `linear` factorises each time nevertheless; `linear_kept` and `as_called` do
+//! not.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use finray_bench::{paper, push};
@@ -10,7 +10,7 @@ use finray_model::statics::{self, Statics, equilibria};
 use finray_model::{Kinematics, Load, Mesh, NodeId};
 use std::hint::black_box;
 
-/// Factor and solve under 3 N at node 19, from rest.
+/// Factorise and solve for 3 N at node 19, from rest.
 fn solve(criterion: &mut Criterion) {
     let finger = paper();
     for (kinematics, name, forget) in [
@@ -45,7 +45,7 @@ fn solve(criterion: &mut Criterion) {
     }
 }
 
-/// The simple function, which makes its solver each time: what its caller pays beyond the solution.
+/// The function `statics::solve`, which creates its solver on each call.
 fn as_called(criterion: &mut Criterion) {
     let finger = paper();
     let mut group = criterion.benchmark_group("as_called");
@@ -61,7 +61,7 @@ fn as_called(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Many loads, 3 N at node 19 and its neighbours in many directions: in turn and several at once, both on one thread.
+/// Many loads of 3 N at nodes 18 to 20 in many directions, one by one and in a batch, on one thread.
 fn many_at_once(criterion: &mut Criterion) {
     let finger = paper();
     let thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
@@ -86,7 +86,7 @@ fn many_at_once(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Cost by mesh size, read off as nodes a second: it should grow with the number of nodes and no faster.
+/// Time by mesh size, reported as nodes per second. It should be proportional to the number of nodes.
 fn mesh_size(criterion: &mut Criterion) {
     let finger = paper();
     let mut group = criterion.benchmark_group("mesh_size");

@@ -1,5 +1,5 @@
-//! From shape to force: least squares, prepared each time and prepared once; Gauss-Newton on the co-rotational finger,
-//! from a cold start and as a stream of frames of a moving force; and samples by the thousand.
+//! Speed from shape to force: least squares, prepared each time or once; Gauss-Newton on the co-rotational finger, from a cold start and for a
+//! stream of frames of a varying force; and thousands of samples.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};
@@ -40,7 +40,8 @@ fn sensing(criterion: &mut Criterion) {
     }
 }
 
-/// A moving force at one contact, with noise, on 684 nodes, one and four elements a member: cold, warm, and preparing anew.
+/// A varying force at one contact, with noise: cold start, warm start, and new preparation. Meshes have 684 nodes, or one and four elements per
+/// member.
 fn nonlinear(criterion: &mut Criterion) {
     let finger = paper();
     let truth = fine_mesh(&finger).expect("a mesh of many nodes");
@@ -66,9 +67,8 @@ fn nonlinear(criterion: &mut Criterion) {
     }
 }
 
-/// Nonlinear samples, as for training or for a map: shapes under random forces along the normal at all twelve contact nodes,
-/// 0-5 N a node and 0-10 N in all (Xu et al. 2021, sec. IV-A), and the forces sensed from random shapes of two nodes. On
-/// two threads, each with a solver of its own; 20 000 samples take ten times as long.
+/// Nonlinear samples, as for training or a map: shapes under random normal forces at all contact nodes, and two forces sensed from random shapes.
+/// Forces are 0 to 5 N per node and 0 to 10 N in total (Xu et al. 2021, sec. IV-A). Two threads, each with its own solver.
 fn samples(criterion: &mut Criterion) {
     const COUNT: usize = 2_000;
     let finger = paper();

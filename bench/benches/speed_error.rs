@@ -1,7 +1,7 @@
-//! The points of the report's chart of time against error: `finray report` takes these times in the place of its own.
+//! Times for the report's chart of time against error; `finray report` uses them instead of measuring.
 //!
-//! An iteration is one answer, to each load or frame in turn; frames of one contact follow each other, as a warm start needs it. Lattices that
-//! settle take seconds: the report times them.
+//! An iteration computes one answer, for each load or frame in turn. Frames of one contact are consecutive, as a warm start requires. Lattices that
+//! settle take seconds, so the report times them itself.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use finray_bench::paper;
@@ -16,9 +16,9 @@ use finray_studies::settings::{CAMERA_NOISE_MM, ReportForces, TWO_FORCES_N};
 use finray_studies::truths::fine_mesh;
 use std::hint::black_box;
 
-/// As many as the full report's.
+/// Number of frames, as in the full report.
 const FRAMES: usize = 2 * FRAMES_A_PERIOD;
-/// Lattices take milliseconds: the fewest samples that criterion allows are enough.
+/// Samples for lattices, which take milliseconds: the fewest that Criterion allows.
 const SAMPLES: usize = 10;
 
 fn shapes(criterion: &mut Criterion) {

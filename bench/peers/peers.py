@@ -26,21 +26,21 @@ import numpy as np
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 SCENE = FIXTURES / "scenes" / "paper.toml"
 COLUMNS = ["task", "model", "setting", "seconds", "error", "program", "version", "nodes", "forces_n", "machine"]
-REFERENCE_NODES, TRUTH_NODES = 4000, 684  # of shapes: converged; of frames: the paper's fine mesh
-# The nodes, directions and forces of finray's own points (verify/src/speed_error.rs and speed_error/sensing.rs):
-NODES, ANGLES_DEG, FORCE_N = range(14, 25), (-40.0, 0.0, 40.0), 3.0  # loads whose shapes are solved for
-SENSED_N, FRAMES_A_PERIOD, PERIODS = (0.3, 3.0), 25, 2               # a force that swings, frame by frame
+REFERENCE_NODES, TRUTH_NODES = 4000, 684  # mesh nodes of the converged shapes, and of the frames' true shapes (the paper's fine mesh)
+# Nodes, directions and forces of finray's own points (verify/studies/src/experiments/speed_error):
+NODES, ANGLES_DEG, FORCE_N = range(14, 25), (-40.0, 0.0, 40.0), 3.0  # loads for which shapes are solved, N
+SENSED_N, FRAMES_A_PERIOD, PERIODS = (0.3, 3.0), 25, 2               # range of an oscillating force, N; frames per period; periods
 NOISE_MM, SEED = 0.067, 11
-# What finray calls these; it leaves aside rows for other nodes or forces.
+# Names of these nodes and forces in finray, which ignores rows with others.
 ASKED = {"solve": ("14-24", "3"), "sense-one": ("14-24", "0.3-3")}
-REPEATS = 5              # of every timed answer; the median counts
-SHORT_S = 1e-4           # answers shorter than this are timed a thousand at once
-LONG_S = 0.05            # and longer ones once: the median over all loads is enough
+REPEATS = 5              # repetitions of every timed answer; the median is reported
+SHORT_S = 1e-4           # answers shorter than this, s, are timed in batches of 1000
+LONG_S = 0.05            # answers longer than this, s, are timed once; the median over all loads suffices
 NETWORK = (46, 150, 200, 150, 1)
 
 
 def module(name, path):
-    """A script of the fixtures, under a name of its own."""
+    """Imports a script of the fixtures under the given module name."""
     spec = importlib.util.spec_from_file_location(name, path)
     found = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(found)
@@ -48,7 +48,7 @@ def module(name, path):
 
 
 def timed(answer):
-    """An answer, and the median time of one."""
+    """Returns an answer, and the median time to compute it, s."""
     start = time.perf_counter()
     found = answer()
     first = time.perf_counter() - start
@@ -65,7 +65,7 @@ def timed(answer):
 
 
 def swing():
-    """The force in each frame of a period, N."""
+    """Force in each frame of a period, N."""
     low, high = SENSED_N
     return [(low + high) / 2 + (high - low) / 2 * math.sin(2 * math.pi * frame / FRAMES_A_PERIOD) for frame in range(FRAMES_A_PERIOD)]
 
@@ -80,7 +80,7 @@ class Cases:
         self.loads = [(node, angle, FORCE_N) for node in NODES for angle in ANGLES_DEG]
         self.reference = [self.solve(*load, "--mesh-nodes", str(REFERENCE_NODES)) for load in self.loads]
         chance = np.random.default_rng(SEED)
-        self.frames = []  # node, force, displacements that the camera sees
+        self.frames = []  # node, force (N), noisy displacements of the free nodes (mm)
         for node in NODES:
             exact = [self.solve(node, 0.0, force, "--mesh-nodes", str(TRUTH_NODES)) for force in swing()]
             for frame, force in enumerate(swing() * PERIODS):
@@ -88,21 +88,21 @@ class Cases:
                 self.frames.append((node, force, seen[1:-1, :2] + chance.normal(0.0, NOISE_MM, (len(seen) - 2, 2))))
 
     def solve(self, node, angle_deg, force_n, *options):
-        """Displacements and rotations (ux, uy, theta) of the key nodes, by finray."""
+        """Displacements (mm) and rotations (rad) of the key nodes, one row (ux, uy, theta) each, computed by finray."""
         fx, fy = map(float, self.finger.force(force_n, angle_deg))
         command = [self.finray, "solve", SCENE, "--load", f"{node}:{fx!r},{fy!r}", *options]
         told = subprocess.run(command, capture_output=True, text=True, check=True)
         return np.array([[float(row[k]) for k in ("ux_mm", "uy_mm", "theta_rad")] for row in csv.DictReader(io.StringIO(told.stdout))])
 
     def shape_error(self, shapes):
-        """Worst difference of a displacement from the reference, as a share of the largest displacement."""
+        """Largest difference of a displacement from the reference, relative to the largest displacement."""
         worst = [np.linalg.norm((u - r)[:, :2], axis=1).max() / np.linalg.norm(r[:, :2], axis=1).max()
                  for u, r in zip(shapes, self.reference)]
         return max(worst)
 
 
 def solved(cases, model, setting, solve):
-    """A row for a way to solve, called with a node, a force's components and a size."""
+    """Row of a solver `solve`, which is called with a node and the components of a force."""
     seconds, shapes = [], []
     for node, angle, size in cases.loads:
         shape, took = timed(lambda: solve(node, cases.finger.force(size, angle)))
@@ -126,7 +126,7 @@ def opensees(cases):
         ops.timeSeries("Linear", 1)
 
         def solve(node, force):
-            for steps in (1, 2, 4, 8, 16):  # the fewest load steps that Newton's method converges with
+            for steps in (1, 2, 4, 8, 16):  # the fewest load steps with which Newton's method converges
                 ops.reset()
                 ops.remove("loadPattern", 1)
                 ops.pattern("Plain", 1, 1)
@@ -142,7 +142,7 @@ def opensees(cases):
 
 
 def mujoco(cases):
-    import mujoco as _  # says what is missing before the fixtures' modules do
+    import mujoco as _  # reports a missing installation before the fixtures' modules are loaded
     statics = module("statics", FIXTURES / "mujoco" / "statics.py")
     for segments in (8, 16):
         finger, model = statics.model("paper", segments)
@@ -156,7 +156,7 @@ def mujoco(cases):
 
 
 def stiffness(finger):
-    """Stiffness of the free key nodes (N/mm, N, N mm): plane Euler-Bernoulli beams, one a member."""
+    """Stiffness matrix of the free key nodes (N/mm, N, N mm): plane Euler-Bernoulli beams, one per member."""
     k = np.zeros((3 * len(finger.places),) * 2)
     for member in finger.members:
         i, j = member.ends
@@ -188,7 +188,7 @@ def numpy(cases):
     seconds, errors = [], []
     for node in NODES:
         unit = solve(node, finger.force(1.0, 0.0))[1:-1, :2].ravel()
-        project = unit / (unit @ unit)  # the pseudoinverse of one column, prepared once
+        project = unit / (unit @ unit)  # pseudoinverse of a single column, prepared once
         for force, seen in ((force, seen) for at, force, seen in cases.frames if at == node):
             u = seen.ravel()
             sensed, took = timed(lambda: project @ u)
@@ -198,7 +198,7 @@ def numpy(cases):
 
 
 def weights():
-    """Of a network of the paper's widths; untrained, for they do not change the time."""
+    """Random weights of a network with the paper's widths; training would not change the time."""
     chance = np.random.default_rng(SEED)
     return [(chance.normal(0, i**-0.5, (o, i)).astype(np.float32), np.zeros(o, np.float32)) for i, o in zip(NETWORK, NETWORK[1:])]
 
@@ -269,7 +269,7 @@ def main():
                 print(f"{program}: {row[1]}, {row[2]}: {row[3]:.3g} s, error {row[4] if row[4] == '' else format(row[4], '.3g')}", flush=True)
         except ImportError as error:
             print(f"left out: {program} ({error}; pip install -r requirements.txt)", file=sys.stderr)
-        except Exception as error:  # one program that fails takes no other's rows with it
+        except Exception as error:  # a failing program does not lose the rows of the others
             print(f"left out: {program} ({type(error).__name__}: {error})", file=sys.stderr)
     with open(arguments.out, "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])

@@ -1,4 +1,4 @@
-//! Young's modulus: of random fingers, and from noisy shapes.
+//! Calibration of Young's modulus: of random fingers, and from noisy shapes.
 
 mod factors;
 mod modulus;

@@ -1,4 +1,4 @@
-//! The camera: projection and its inverse, their derivatives, invariance under rigid motion, poses from points, and what is refused.
+//! The camera model: projection and its inverse, derivatives, invariance under rigid motion, poses from points, and refused input.
 
 use finray_model::Vector;
 use finray_model::camera::{

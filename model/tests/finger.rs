@@ -1,4 +1,4 @@
-//! What signs, angles and node numbers mean, on a finger without symmetry.
+//! Conventions of signs, angles and node numbers, tested on an asymmetric finger.
 
 use finray_model::finger::{BracketLengths, Plate};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};

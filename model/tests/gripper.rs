@@ -1,4 +1,4 @@
-//! The linkage against its equations, differences, its own inverse and its mirror image.
+//! The gripper's linkage, compared with its equations, finite differences, its inverse and its mirror image.
 
 use finray_model::camera::Pose;
 use finray_model::gripper::{Assembly, Gripper, GripperDescription, LinkageErrors, LinkagePose};

@@ -1,5 +1,5 @@
-//! Tests of `finray-model`: each file tests the source file of its path; those in `units` test what is private to it, and are part of it. Most properties hold for random fingers; `finray_tests` draws them and
-//! has what several modules share.
+//! Tests of `finray-model`. Each file tests the source file of the same path; files in `units` test private items and are compiled into the crate.
+//! Most properties are tested on random fingers, which `finray_tests` draws; it also holds helpers that several modules share.
 
 mod calibration;
 mod camera;

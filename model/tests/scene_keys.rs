@@ -1,4 +1,4 @@
-//! The table of scene keys against the reader and the shipped scenes.
+//! The table of scene keys agrees with the scene reader and the shipped scenes.
 
 use finray_model::Scene;
 use finray_model::keys::{Entry, TABLES, reference};

@@ -1,4 +1,4 @@
-//! Ribs that share a junction or end in a corner of the base: two key nodes at one point move and turn as one.
+//! Ribs that share a junction or end in a corner of the base: two key nodes at one point have the same motion.
 
 use finray_model::finger::{BracketLengths, FingerPoint, Plate, RibPositions};
 use finray_model::frame::{FrameLoad, PlaneFrame};

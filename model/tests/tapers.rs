@@ -1,4 +1,4 @@
-//! Plates whose thickness changes linearly, against closed forms.
+//! Plates of linearly varying thickness, compared with closed forms.
 
 use finray_model::finger::{Part, Plate};
 use finray_model::frame::{FrameLoad, PlaneFrame, Section};

@@ -1,4 +1,4 @@
-//! Largest strain and share of shear against closed forms, finer meshes and beams with shear.
+//! Largest strain and share of shear, compared with closed forms, finer meshes and beams with shear.
 
 use finray_model::finger::{Part, Plate};
 use finray_model::frame::{FrameLoad, FrameMotion};

@@ -1,4 +1,4 @@
-//! The paper's claims: every verdict is that of its own row's figures.
+//! The paper's claims: every verdict follows from the numbers in its row.
 
 use finray_model::Scene;
 use finray_model::estimators::EstimatorId;

@@ -1,5 +1,5 @@
-//! What crosses crates: the report of a whole study (`claims`), no circles among rooms (`rooms`), and sentences of page and claims (`words`).
-//! What one crate can test stands in its `tests` folder, below the path of the source file; tests that run the `finray` command stand in
+//! Tests across crates: the report of a whole study (`claims`), acyclic dependencies among files (`rooms`), and sentences of page and claims
+//! (`words`). Tests of one crate are in its `tests` folder, under the path of the source file; tests that run the `finray` command are in
 //! `verify/tests`.
 
 mod claims;

@@ -1,4 +1,4 @@
-//! Arrows run down: no files of a crate, and no folders, use each other in a circle.
+//! Dependencies are acyclic: neither the files of a crate nor its folders use each other in a circle.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -1,4 +1,4 @@
-//! Sentences of the page and of the claims: each that the code says is written, and each that is written is said.
+//! Sentences of the page and of the claims: the code uses exactly the sentences that the `words.toml` files define.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,17 +1,17 @@
-//! The guides: one page a task. `finray guide TOPIC` prints them; their console examples run as tests.
+//! The user guides, one page per task. `finray guide TOPIC` prints a page; its console examples run as tests.
 
-/// A page of the guide.
+/// One page of the guide.
 #[derive(Debug, Clone, Copy)]
 pub struct Guide {
-    /// The topic, as `finray guide` takes it.
+    /// Topic name, the argument of `finray guide`.
     pub name: &'static str,
-    /// The task of the page, in one line.
+    /// Task of the page, one line.
     pub task: &'static str,
-    /// The page (Markdown).
+    /// Text of the page, Markdown.
     pub text: &'static str,
 }
 
-/// A module for each page, whose documentation is the page, and the list of all pages.
+/// Declares one documented module per page, and the list of all pages.
 macro_rules! guides {
     ($($module:ident, $name:literal: $task:literal;)*) => {
         $(

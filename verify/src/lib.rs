@@ -1,10 +1,13 @@
-//! Cross-checks and accuracy maps of fin-ray force sensing, and the report that shows them.
+//! Verification and accuracy maps of fin-ray force sensing, with the command-line program `finray`.
 //!
-//! Each floor is a crate, and uses those below it alone:
-//! [`figures`] draws and knows nothing of fingers; [`files`] reads and writes; [`lattice`] is the finger as bodies and springs, and two of them
-//! with an object between; the studies have [`truths`], the fingers that sensing is tested on, [`estimators`], what is tested, [`sampling`], how,
-//! [`problems`] with known answers, [`experiments`], [`study`], which runs them all for a scene, and [`claims`], the paper's sentences beside the
-//! results; [`report`] shows them. This crate is the program on top, with its [`guide`]. Physics lives in [`finray_model`].
+//! Each layer is a crate that depends only on the layers below it:
+//! - [`figures`] draws charts and knows nothing of fingers; [`files`] reads and writes files.
+//! - [`lattice`] models a finger, or two fingers and an object, as rigid bodies and springs.
+//! - The studies: [`truths`] are reference models of the finger, [`estimators`] are tested on them, and [`sampling`] draws the test cases.
+//!   [`problems`] have known answers, [`experiments`] are the single studies, [`study`] runs all of them for a scene, and [`claims`] compares the
+//!   results with the paper's statements.
+//! - [`report`] presents the results as pages.
+//! - This crate is the program, with its [`guide`]. Physics lives in [`finray_model`].
 #![forbid(unsafe_code)]
 
 pub mod guide;

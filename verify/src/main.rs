@@ -1,6 +1,6 @@
-//! `finray`: arguments in, files out. Physics lives in `finray_model`, checks and maps in `finray_verify`.
+//! The program `finray`: reads arguments, runs a command, writes files. Physics lives in `finray_model`, checks and maps in `finray_verify`.
 #![forbid(unsafe_code)]
-// Both panic where nothing can be written: `print_message` and `write_text` do not.
+// The denied macros panic when a write fails; `print_message` and `write_text` do not.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod commands;
@@ -15,18 +15,18 @@ use finray_files::write_text;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Force sensing with compliant fin-ray fingers: solve, sense, and see where sensing can be trusted.
+/// Estimate contact forces from the shape of a fin-ray finger, and map where estimates are reliable.
 ///
-/// A finger is described by a scene file (TOML); start from fixtures/scenes/paper.toml. Lengths are
-/// in mm, forces in N, moduli in MPa, angles of forces in degrees from the front plate's inward
+/// A scene file (TOML) describes the finger; start from fixtures/scenes/paper.toml. Lengths are in
+/// mm, forces in N, moduli in MPa. The angle of a force is in degrees from the front plate's inward
 /// normal, positive towards the tip. `finray guide` lists the guides, one for each task.
 ///
-/// Exit codes: 0 done; 1 a valid question that could not be computed; 2 bad input, or a question
-/// without a unique answer.
+/// Exit codes: 0 success; 1 the computation failed, or a result could not be written; 2 bad input,
+/// or the input does not determine a unique answer.
 #[derive(Parser)]
 #[command(name = "finray", version, arg_required_else_help = true)]
 struct Arguments {
-    /// Omit the last line on standard error, which says what was done
+    /// Omit the summary line on standard error
     #[arg(long, global = true)]
     quiet: bool,
     #[command(subcommand)]
@@ -51,9 +51,9 @@ enum Command {
     Guide(guide::Arguments),
     #[cfg(feature = "train")]
     Train(train::Arguments),
-    /// Print a completion script for your shell, for instance: finray completions bash > ~/.finray.bash
+    /// Print a shell completion script, for instance: finray completions bash > ~/.finray.bash
     Completions {
-        /// The shell.
+        /// Shell.
         shell: clap_complete::Shell,
     },
 }

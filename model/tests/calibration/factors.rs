@@ -1,4 +1,4 @@
-//! Several moduli at once: found again where they are known, with sigmas that cover, and refused where data cannot identify them.
+//! Calibration of several moduli: known factors are recovered, intervals cover the truth, and factors that are not identifiable are refused.
 
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
 use finray_model::finger::{Finger, FingerDescription, Joints, Part, Zone};

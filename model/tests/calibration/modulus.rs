@@ -1,4 +1,4 @@
-//! The modulus of the co-rotational finger: unbiased where the linear one is not, with sigmas that cover, and hardly moved by single bad markers.
+//! Calibration of one modulus with the co-rotational finger: unbiased under large deflection, intervals cover the truth, outlying markers have little effect.
 
 use finray_model::calibration::{CalibrationCase, corotational_modulus, youngs_modulus};
 use finray_model::finger::Finger;

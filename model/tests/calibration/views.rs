@@ -1,4 +1,4 @@
-//! A finger and its rig from several views of it: what was changed is found, to what is stated.
+//! Calibration of a finger and its rig from several images: deviations from the scene are recovered within the stated standard deviations.
 
 use finray_model::calibration::{
     CalibrationError, FrictionQuestion, MeasuredLean, Quantity, Sought, View, ViewError, ViewEstimate, ViewModel,

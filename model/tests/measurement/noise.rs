@@ -1,4 +1,4 @@
-//! Noise of measured displacements: what is drawn has the covariance that is stated.
+//! Noise of measured displacements: samples have the stated covariance.
 
 use finray_model::measurement::noise::NoNoise;
 use finray_model::measurement::{DisplacementNoise, Marker, Measurement};

@@ -1,4 +1,4 @@
-//! Forces and contacts as they are drawn.
+//! Random forces and contacts of training samples.
 
 use super::{assert_normal, draw, linear};
 use finray_model::samples::{SampleRecipe, Stream};

@@ -1,5 +1,5 @@
-//! Random load cases: repeatable on any number of threads, in the ranges that were asked for (`draws`), with the shapes that the finger takes
-//! under them (`shapes`), or refused (`refusals`).
+//! Random load cases. Draws are reproducible on any number of threads and within the requested ranges (`draws`). Their shapes are those of the finger
+//! (`shapes`). Impossible requests are refused (`refusals`).
 
 use finray_model::Kinematics;
 use finray_model::samples::{SampleRecipe, Samples, Stream};

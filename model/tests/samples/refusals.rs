@@ -1,4 +1,4 @@
-//! What is not drawn.
+//! Requests for random load cases that are refused.
 
 use super::linear;
 use finray_model::Kinematics;

@@ -1,4 +1,4 @@
-//! Displacements of the drawn cases.
+//! Displacements of random load cases.
 
 use super::{assert_normal, draw, linear};
 use finray_model::frame::FrameLoad;

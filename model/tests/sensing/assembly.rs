@@ -1,4 +1,4 @@
-//! Fingers that were assembled or mounted anew: forces are sensed with a scene whose unloaded finger is another one.
+//! Sensing on fingers that were assembled or mounted again, so that the unloaded finger differs from the scene.
 
 use finray_model::finger::{BracketLengths, RibPositions};
 use finray_model::measurement::BaseUncertainty;

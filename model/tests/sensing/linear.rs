@@ -1,4 +1,4 @@
-//! From displacements of the linear finger back to the forces that caused them.
+//! Linear sensing: forces are recovered from displacements of the linear finger.
 
 use finray_model::compliance::{Compliance, NodalCompliance};
 use finray_model::measurement::{Marker, Measurement};

@@ -1,6 +1,6 @@
-//! Contact with an object of known shape: position and direction follow from where it is.
+//! Sensing of contact with an object of known shape, whose pose determines position and direction of the force.
 //!
-//! The truth is made the other way round: a force along the normal of the deformed plate bends the finger, then the object is put where it touches.
+//! The true case is built in reverse: a force along the deformed normal bends the finger, then the object is placed in contact.
 
 use finray_model::finger::Plate;
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};

@@ -1,4 +1,4 @@
-//! A pad spreads a force and lets it act before the plate: what many forces on the plate do is sensed as one, to what is stated.
+//! Sensing through a pad, which distributes a force along the plate: the forces on the plate are sensed as one, within the stated interval.
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{

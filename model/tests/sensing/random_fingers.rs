@@ -1,8 +1,6 @@
-//! Whether forces sensed on fingers that nobody chose are those that act, as surely as is stated: fingers of no to twelve ribs, one to all markers,
-//! one or two forces.
+//! Stated intervals cover the true forces on random fingers with 0 to 12 ribs, any number of markers, and one or two forces.
 //!
-//! Once, a finger of few ribs seen by few markers was given a force of the wrong sign, many stated standard deviations off, where another minimum
-//! explains the measurement.
+//! Includes a regression: on a finger with few ribs and markers, a second minimum gave a force of the wrong sign, many standard deviations off.
 
 use finray_model::finger::{
     BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, Strip,

@@ -1,4 +1,4 @@
-//! The test of a residual against stated noise.
+//! Chi-squared test of the residual against the stated noise.
 
 use finray_model::sensing::ResidualTest;
 

@@ -1,4 +1,4 @@
-//! A stated standard deviation covers the error of the model, or a warning says why it may not.
+//! The stated standard deviation covers the error of the model, or a warning says why it may not.
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{

@@ -1,4 +1,4 @@
-//! Equilibrium paths by arc length: what holds for every frame and finger.
+//! Equilibrium paths by the arc-length method: properties of every frame and finger.
 
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, Assembly, EquilibriumPath, Statics, StaticsError};

@@ -1,4 +1,4 @@
-//! Equilibria of many loads at once against those of one load after the other: the same, bit for bit, and refused alike.
+//! Equilibria of many loads in a batch equal those of single loads bit for bit, including refusals.
 
 use super::fine_meshes::hard_fingers;
 use finray_model::finger::Plate;

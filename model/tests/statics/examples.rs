@@ -1,4 +1,4 @@
-//! Equilibria of single fingers: the sizes that the paper gives, and fingers that were once solved wrongly.
+//! Equilibria of single fingers: mesh sizes of the paper, and regressions of fingers that were once solved wrongly.
 
 use finray_model::finger::{
     BracketLengths, FingerDescription, Joints, MarkerPoints, RibDescription, RibPositions, Strip,

@@ -1,4 +1,4 @@
-//! Meshes far finer than any use: they must take no more load steps than coarse ones, and come to the same shape.
+//! Meshes much finer than useful: they need no more load steps than coarse meshes, and converge to the same shape.
 
 use finray_model::finger::{FingerDescription, Part, Zone};
 use finray_model::statics::{Equilibrium, Statics, StaticsError};

@@ -1,4 +1,4 @@
-//! The answer does not depend on how the finger is written down: position and turn of the scene, units, order of nodes.
+//! The solution is invariant under position and rotation of the scene, units, and order of nodes.
 
 use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibPositions};
 use finray_model::frame::{BeamEnd, FrameLoad, FrameMotion, PlaneFrame};

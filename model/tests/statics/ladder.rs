@@ -1,4 +1,4 @@
-//! The block elimination along the ladder against the general sparse path.
+//! The block elimination along the ladder, compared with the general sparse solver.
 
 use finray_model::frame::FrameLoad;
 use finray_model::statics::Statics;

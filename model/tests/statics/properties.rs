@@ -1,4 +1,4 @@
-//! What holds for every finger in equilibrium.
+//! Properties of every finger in equilibrium.
 
 use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::statics::{Statics, elastic_energy, reaction, solve};

@@ -1,4 +1,4 @@
-//! Errors of tiny networks, against the Cramer-Rao bound, the linear finger and what their cards state.
+//! Errors of tiny networks, compared with the Cramer-Rao bound, the linear finger and the values on their cards.
 
 use super::{Squares, fresh, noisy_shapes, sensed, squares, tiny, trained};
 use finray_model::compliance::Compliance;

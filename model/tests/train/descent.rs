@@ -1,4 +1,4 @@
-//! How training goes: repeatable, with patience, from least squares to the best weights.
+//! The course of a training: reproducible, stopped by patience, from least squares to the best weights.
 
 use super::{SINGLE_PRECISION, fresh, sensed, squares, tiny, trained, watched};
 use finray_model::samples::{Samples, Stream};

@@ -1,5 +1,5 @@
-//! Training of sensing networks: tiny ones that train in a second must sense nearly as well as the noise allows and state truly how well they
-//! do (`accuracy`), descend as set (`descent`), and be what their recipe says (`recipe`).
+//! Training of tiny networks within a second. They sense nearly as well as noise allows and state their accuracy correctly (`accuracy`), descend
+//! as configured (`descent`), and follow their recipe (`recipe`).
 
 use finray_model::measurement::Measurement;
 use finray_model::samples::{SampleRecipe, Samples, Stream};

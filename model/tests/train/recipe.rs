@@ -1,4 +1,4 @@
-//! What a card says of its recipe, and recipes that are refused.
+//! The training recipe on a network's card, and recipes that are refused.
 
 use super::{fresh, sensed, tiny, trained};
 use finray_model::samples::SamplesError;

@@ -1,4 +1,4 @@
-//! Adam's steps.
+//! Steps of the Adam optimiser.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Elements shared among lines.
+//! Distribution of elements among members of different length.
 
 use super::*;
 

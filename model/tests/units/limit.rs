@@ -1,4 +1,4 @@
-//! Ends of branches, from determinants.
+//! Limit points of equilibrium paths, found from determinants.
 
 use super::*;
 

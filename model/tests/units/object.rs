@@ -1,4 +1,4 @@
-//! Points of an outline.
+//! Points and normals of an object's outline.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Noise that was not stated.
+//! Noise estimated from the residual because none is stated.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Ways of searches that meet.
+//! The history of searches: a search that meets the path of an earlier one ends in the same minimum.
 
 use super::*;
 

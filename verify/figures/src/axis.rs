@@ -1,4 +1,4 @@
-//! Axes: limits, ticks, and the coordinate that plotters draws them with.
+//! Axes: limits, ticks, and the coordinate that plotters draws.
 
 use std::ops::Range;
 
@@ -8,22 +8,22 @@ use super::error::{FigureError, require, require_finite, require_limits};
 use super::sheet::{SPACE, TICK_TEXT};
 use super::text::{fixed, number, width_of};
 
-/// Whether equal lengths are equal differences or equal ratios.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scale {
-    /// Equal differences.
+    /// Equal lengths are equal differences.
     Linear,
-    /// Equal ratios; values must be above zero.
+    /// Equal lengths are equal ratios; values must be above 0.
     Log,
 }
 
 impl Scale {
-    /// The number that grows evenly along this scale.
+    /// The number proportional to position: the value or its logarithm.
     pub(super) fn measure(self, value: f64) -> f64 {
         if self == Self::Log { value.log10() } else { value }
     }
 
-    /// Position of a value within limits, 0 to 1.
+    /// Relative position of a value between limits, 0 to 1.
     pub(super) fn fraction(self, value: f64, limits: [f64; 2]) -> f64 {
         let [value, low, high] = [value, limits[0], limits[1]].map(|number| self.measure(number));
         (value - low) / (high - low)
@@ -33,19 +33,22 @@ impl Scale {
 /// One axis of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
+    /// Quantity and unit.
     pub(super) label: String,
     pub(super) scale: Scale,
+    /// Given limits; `None` to follow the data.
     pub(super) limits: Option<[f64; 2]>,
+    /// Given ticks with their names; `None` for round values.
     pub(super) ticks: Option<Vec<(f64, String)>>,
 }
 
 impl Axis {
-    /// A linear axis of this quantity and unit, e.g. "force, N", that takes its limits from the data.
+    /// A linear axis with a label such as "force, N"; its limits follow from the data.
     pub fn linear(label: impl Into<String>) -> Self {
         Self { label: label.into(), scale: Scale::Linear, limits: None, ticks: None }
     }
 
-    /// A logarithmic axis that takes its limits from the data.
+    /// A logarithmic axis; its limits follow from the data.
     pub fn log(label: impl Into<String>) -> Self {
         Self { scale: Scale::Log, ..Self::linear(label) }
     }
@@ -56,27 +59,27 @@ impl Axis {
         Self::linear(label).within(-0.5, end).named((0..).map(f64::from).zip(names).collect())
     }
 
-    /// The same axis with these ends, or those of the data where they lie beyond; cells of a map are cut off there.
+    /// Sets the limits; data beyond them extend the axis. Cells of a map are cut off at the limits.
     pub fn within(self, low: f64, high: f64) -> Self {
         Self { limits: Some([low, high]), ..self }
     }
 
-    /// The same axis with ticks at these values.
+    /// Sets ticks at these values.
     pub fn with_ticks(self, ticks: impl IntoIterator<Item = f64>) -> Self {
         self.named(ticks.into_iter().map(|value| (value, number(value))).collect())
     }
 
-    /// The same axis with ticks at these values, under these names.
+    /// Sets ticks at these values, with these names.
     pub fn named(self, ticks: Vec<(f64, String)>) -> Self {
         Self { ticks: Some(ticks), ..self }
     }
 
-    /// How many ticks are given: of categories, their number.
+    /// Number of given ticks; for categories their number.
     pub(super) fn names(&self) -> usize {
         self.ticks.as_ref().map_or(0, Vec::len)
     }
 
-    /// Limits, or round numbers just beyond the data; and the ticks that fit `pixels`.
+    /// Computes limits and the ticks that fit `pixels`. Without given limits, round numbers just beyond the data are used.
     pub(super) fn ruler(&self, data: &[f64], pixels: f64, upright: bool) -> Result<Ruler, FigureError> {
         require_finite(&self.label, data.iter())?;
         require(self.limits.is_some() || !data.is_empty(), FigureError::Empty, &self.label)?;
@@ -96,17 +99,18 @@ impl Axis {
     }
 }
 
-/// An axis with limits and ticks: the coordinate of plotters' charts.
+/// An axis with limits and ticks; the coordinate type of plotters' charts.
 #[derive(Debug, Clone)]
 pub(super) struct Ruler {
     pub(super) scale: Scale,
+    /// Limits of the axis.
     pub(super) span: [f64; 2],
-    /// Values with their names; a tick without a name has no label.
+    /// Values of the ticks with their names; an empty name draws no label.
     pub(super) ticks: Vec<(f64, String)>,
 }
 
 impl Ruler {
-    /// Drops ticks beyond the span, and names that would touch the one before.
+    /// Removes ticks beyond the limits, and names that would touch the previous name.
     fn thin(&mut self, pixels: f64, upright: bool) {
         let (span, scale, mut free) = (self.span, self.scale, f64::NEG_INFINITY);
         self.ticks.retain(|(value, _)| (-1e-9..=1.0 + 1e-9).contains(&scale.fraction(*value, span)));
@@ -129,7 +133,7 @@ impl Ranged for Ruler {
 
     fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
         let part = self.scale.fraction(*value, self.span);
-        // The logarithm of zero or less is no number: the axis's foot stands for it.
+        // The logarithm of zero or less is not finite; such values are drawn at the lower end of the axis.
         let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.0 };
         from + (part * f64::from(to - from)).round() as i32
     }
@@ -149,10 +153,10 @@ impl ValueFormatter<f64> for Ruler {
     }
 }
 
-/// Round values within the span, at most about `most`.
+/// Round values between the limits, at most about `most`.
 pub(super) fn round_ticks(scale: Scale, [low, high]: [f64; 2], most: f64) -> Vec<(f64, String)> {
     let decades = (high / low).log10();
-    // Less than a decade holds too few powers of ten: it is marked like a linear axis.
+    // Less than a decade contains too few powers of ten, so it has the ticks of a linear axis.
     if scale == Scale::Linear || decades < 1.0 {
         let step = round_up((high - low) / most);
         let decimals = (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
@@ -169,7 +173,7 @@ pub(super) fn round_ticks(scale: Scale, [low, high]: [f64; 2], most: f64) -> Vec
     within.map(|value| (value, number(value))).collect()
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that is not below a value above zero.
+/// The smallest of 1, 2, 5 times a power of ten, not below a positive value.
 fn round_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0]
@@ -182,7 +186,7 @@ fn round_up(value: f64) -> f64 {
 fn round_out(scale: Scale, [low, high]: [f64; 2]) -> [f64; 2] {
     match scale {
         Scale::Linear if low == high => {
-            // A single value has room on both sides, in its own order of size.
+            // A single value gets room on both sides, in its own order of magnitude.
             let room = if low == 0.0 { 1.0 } else { low.abs() * 0.5 };
             [low - room, high + room]
         }
@@ -190,7 +194,7 @@ fn round_out(scale: Scale, [low, high]: [f64; 2]) -> [f64; 2] {
             let step = round_up((high - low) / 8.0);
             [(low / step + 1e-9).floor() * step, (high / step - 1e-9).ceil() * step]
         }
-        // The largest round number that is not above a value is the inverse of the smallest not below its inverse.
+        // The largest round number not above a value is the inverse of the smallest not below its inverse.
         Scale::Log => match [1.0 / round_up(1.0 / low), round_up(high)] {
             [low, high] if low < high => [low, high],
             [low, high] => [low / 2.0, high * 2.0],

@@ -1,4 +1,4 @@
-//! Bars in groups, with their values above them.
+//! Grouped bars with their values above them.
 
 use plotters::style::FontTransform;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -15,15 +15,15 @@ use super::text::{number, widest};
 /// The bars of one source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bars {
-    /// Words in the legend, e.g. "paper".
+    /// Text in the legend, for instance "paper".
     pub label: String,
-    /// Colour.
+    /// Colour of the bars.
     pub hue: Hue,
-    /// One value for each category; none where there is no value.
+    /// One value, zero or more, per category; `None` for a missing value.
     pub values: Vec<Option<f64>>,
 }
 
-/// Share of a category's room that its bars fill.
+/// Share of a category's width that its bars fill.
 const FILLED: f64 = 0.82;
 
 impl Bars {
@@ -33,16 +33,17 @@ impl Bars {
         require(self.values.iter().flatten().all(|value| *value >= 0.0), FigureError::NotPositive, &self.label)
     }
 
-    /// What the axis must hold: the values, and zero, or lengths would not be in proportion to values.
+    /// Values that the axis must include: all heights, and 0, so that lengths are proportional to values.
     pub(super) fn heights(&self) -> impl Iterator<Item = f64> {
         self.values.iter().flatten().copied().chain([0.0])
     }
 
+    /// The legend entry of the bars.
     pub(super) fn entry(&self) -> Entry<'_> {
         Entry::patch(&self.label, self.hue.ink())
     }
 
-    /// The n-th of some bars of a category; without value it has no height.
+    /// Area of bar `nth` among `of` bars of a category; without a value its height is 0.
     fn area(plot: &Plot, [nth, of]: [usize; 2], category: usize, value: Option<f64>) -> Area {
         let bar = FILLED / of as f64;
         let left = category as f64 - FILLED / 2.0 + bar * nth as f64;
@@ -55,29 +56,29 @@ impl Bars {
     }
 }
 
-/// How the values above bars are written.
+/// Size and direction of the values above bars.
 pub(super) struct Writing {
-    /// Values wider than their bars are written upwards.
+    /// Whether values are written vertically, because they are wider than their bars.
     rising: bool,
     size: f64,
-    /// Room that the longest takes above its bar.
+    /// Room for the longest value above its bar, px.
     pub(super) height: f64,
 }
 
 impl Writing {
-    /// The writing for bars that share so many pixels.
+    /// Chooses size and direction for bars that share a plot of this width, px.
     pub(super) fn of(bars: &[Bars], categories: &Axis, pixels: f64) -> Self {
         let texts: Vec<String> =
             bars.iter().flat_map(|bars| &bars.values).flatten().map(|value| number(*value)).collect();
         let bar = pixels * FILLED / (categories.names() * bars.len()).max(1) as f64;
         let rising = widest(&texts, TICK_TEXT) + 2.0 > bar;
-        // Text that rises is as wide as its bar, so that it does not cover the neighbours, and no smaller than can be read.
+        // The height of vertical text equals the bar's width, so that it does not cover neighbours, but stays legible.
         let size = if rising { bar.clamp(13.0, TICK_TEXT) } else { TICK_TEXT };
         let height = if rising { widest(&texts, size) } else { size } + 10.0;
         Self { rising, size, height: if bars.is_empty() { 0.0 } else { height } }
     }
 
-    /// Writes the values above their bars; where there is none, a dash.
+    /// Writes the values above their bars; a dash for a missing value.
     pub(super) fn write(&self, sheet: &Sheet, plot: &Plot, bars: &Bars, nth: [usize; 2]) -> Result<(), FigureError> {
         bars.values.iter().enumerate().try_for_each(|(category, value)| {
             let bar = Bars::area(plot, nth, category, *value);

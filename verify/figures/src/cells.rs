@@ -5,21 +5,21 @@ use super::error::{FigureError, require, require_finite, require_len};
 /// Values over a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cells {
-    /// Words above the plot.
+    /// Text above the plot.
     pub note: String,
-    /// Positions of the columns; rising or falling, not necessarily evenly.
+    /// Positions of the columns, ascending or descending, not necessarily equidistant.
     pub x: Vec<f64>,
-    /// Positions of the rows, likewise.
+    /// Positions of the rows, ascending or descending.
     pub y: Vec<f64>,
-    /// One row for each entry of `y`, one value for each of `x`; none where there is no value.
+    /// One row per entry of `y` with one value per entry of `x`; `None` for a missing value.
     pub values: Vec<Vec<Option<f64>>>,
 }
 
-/// A plot of a single row or column of cells gives it this share of its axis, to be seen at all.
+/// Share of the axis that a single row or column of cells occupies, so that it is visible.
 const LONE: f64 = 0.1;
 
 impl Cells {
-    /// Values by row, then column, at positions across and up.
+    /// Values by row and column, at horizontal positions `x` and vertical positions `y`.
     pub fn new(x: &[f64], y: &[f64], values: Vec<Vec<Option<f64>>>) -> Self {
         Self { note: String::new(), x: x.to_vec(), y: y.to_vec(), values }
     }
@@ -37,7 +37,7 @@ impl Cells {
     }
 }
 
-/// Edges of cells: halfway between neighbours, and as far beyond the first and last.
+/// Edges of cells: midway between neighbours, and as far beyond the first and last.
 pub(super) fn edges(positions: &[f64], limits: Option<[f64; 2]>) -> Vec<f64> {
     let [first, .., last] = positions else {
         let half = limits.map_or(0.5, |[low, high]| LONE / 2.0 * (high - low));

@@ -1,4 +1,4 @@
-//! Charts: series over a common quantity, bars in groups, values to compare them with, and drawings to scale.
+//! Charts: series, grouped bars, reference values, and drawings to scale.
 
 use plotters::style::Color;
 
@@ -19,29 +19,29 @@ use super::text::{widest, wrap};
 pub struct Chart {
     /// Heading, description and size.
     pub frame: Frame,
-    /// The level axis; of categories for bars.
+    /// Horizontal axis; categories for bars.
     pub x: Axis,
-    /// The upright axis.
+    /// Vertical axis.
     pub y: Axis,
-    /// Filled areas below all else.
+    /// Filled areas behind everything else.
     pub patches: Vec<Patch>,
-    /// The series.
+    /// Series of points.
     pub series: Vec<Series>,
-    /// Bars side by side in each category, which begin at zero.
+    /// Bars side by side in each category; all start at 0.
     pub bars: Vec<Bars>,
-    /// Values on the upright axis to compare with, and their words, e.g. "10 %".
+    /// Reference values on the vertical axis, with their texts, for instance "10 %".
     pub references: Vec<(f64, String)>,
-    /// Whether the axes have one scale, in millimetres.
+    /// Whether both axes have the same scale, in mm.
     pub equal_axes: bool,
 }
 
 /// Room around a drawing to scale for numbers and clamps, px.
 const MARGIN: f64 = 44.0;
-/// Room for its tick labels of four letters, and right of the plot, px.
+/// Room for tick labels of four characters left of such a drawing, and room right of it, px.
 pub(super) const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];
 
 impl Chart {
-    /// A chart of series alone.
+    /// A chart of series only.
     pub fn new(frame: Frame, [x, y]: [Axis; 2], series: Vec<Series>) -> Self {
         Self { frame, x, y, patches: Vec::new(), series, bars: Vec::new(), references: Vec::new(), equal_axes: false }
     }
@@ -51,20 +51,20 @@ impl Chart {
         Self { bars, ..Self::new(frame, axes, Vec::new()) }
     }
 
-    /// A drawing in which a millimetre is as long across as up.
+    /// A drawing in which both axes have the same scale, mm.
     pub fn to_scale(frame: Frame, labels: [&str; 2], series: Vec<Series>) -> Self {
         Self { equal_axes: true, ..Self::new(frame, labels.map(Axis::linear), series) }
     }
 
-    /// The same chart with values to compare with, and their words.
+    /// Adds reference values with their texts.
     pub fn compared(self, references: impl IntoIterator<Item = (f64, String)>) -> Self {
         Self { references: references.into_iter().collect(), ..self }
     }
 
-    /// The chart as SVG.
+    /// Draws the chart as SVG.
     ///
     /// # Errors
-    /// [`FigureError`] if there is nothing to draw, or the numbers have no position on the axes.
+    /// [`FigureError`] if there is nothing to draw, or if numbers cannot be drawn on the axes.
     pub fn svg(&self) -> Result<String, FigureError> {
         require(!self.series.is_empty() || !self.bars.is_empty(), FigureError::Empty, "chart")?;
         self.series.iter().try_for_each(Series::check)?;
@@ -73,7 +73,7 @@ impl Chart {
         let outlines = self.patches.iter().map(|patch| &patch.outline);
         let points = || self.series.iter().map(|series| &series.points).chain(outlines.clone()).flatten();
         let ends = self.series.iter().flat_map(Series::ends).flatten().copied();
-        // On a logarithmic axis a lower end at or below zero ends at its foot.
+        // On a logarithmic axis, lower ends at or below zero are drawn at the axis's lower end.
         let ends = ends.filter(|end| self.y.scale == Scale::Linear || *end > 0.0);
         let of_bars = self.bars.iter().flat_map(Bars::heights);
         let up =
@@ -103,7 +103,7 @@ impl Chart {
         })
     }
 
-    /// Axes with one scale around the data, and the height of the plot.
+    /// Axes with the same scale around the data, and the height of the plot, px.
     pub(super) fn scaled(&self, data: &[Vec<f64>; 2]) -> ([Axis; 2], Option<f64>) {
         let ends = |data: &Vec<f64>| [f64::min, f64::max].map(|of| data.iter().copied().reduce(of).unwrap_or(0.0));
         let [[left, right], [low, high]] = [ends(&data[0]), ends(&data[1])];
@@ -118,7 +118,7 @@ impl Chart {
         ([axis(&self.x, (left + right) / 2.0, width), axis(&self.y, (low + high) / 2.0, height)], Some(height))
     }
 
-    /// Writes the words at points where they hide neither lines nor signs nor each other.
+    /// Writes the labels of points where they hide neither lines nor symbols nor each other.
     fn draw_labels(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
         let joined = self.series.iter().filter(|series| series.dash != Dash::None);
         let lines: Lines = joined.map(|series| plot.line(&series.points)).collect();
@@ -130,7 +130,7 @@ impl Chart {
     }
 }
 
-/// Draws level lines, and their words right of the plot: from the top, those that would touch the ones above move down.
+/// Draws horizontal reference lines with their texts right of the plot; a text that would touch the one above moves down.
 fn draw_references(sheet: &Sheet, plot: &Plot, words: Vec<(f64, Vec<String>)>) -> Result<(), FigureError> {
     const LINE: f64 = TICK_TEXT * 1.2;
     let Area { left, right, .. } = plot.area;

@@ -1,20 +1,20 @@
-//! Colours: inks that follow the page, and names for lines and bars.
+//! Colours: inks that follow the page, and named colours of lines and bars.
 
 use plotters::style::{Color, RGBAColor, RGBColor};
 
-/// The page's text colour. This and the next two are no colours of any palette; the SVG writer puts the page's in their stead.
+/// Placeholder for the page's text colour. The SVG writer replaces this and the next two colours, which no palette contains.
 pub(super) const TEXT: RGBColor = RGBColor(1, 2, 3);
-/// The page's text colour, with an outline in the page's background: legible across lines.
+/// Placeholder for the page's text colour with an outline in the background colour: legible across lines.
 pub(super) const OVER_LINES: RGBColor = RGBColor(1, 2, 4);
-/// Dark with a white outline in light and dark mode alike: legible on the colours of a map.
+/// Placeholder for dark text with a white outline in light and dark mode: legible on the colours of a map.
 pub(super) const ON_MAP: RGBColor = RGBColor(1, 2, 5);
-/// The ink that it is drawn in.
+/// The ink that replaces [`ON_MAP`].
 pub(super) const DARK: RGBColor = RGBColor(0x14, 0x17, 0x1a);
 
-/// A line or bar colour that colour-blind readers can distinguish (Okabe and Ito's set, less black and pale yellow).
+/// A line or bar colour that colour-blind readers can distinguish (Okabe and Ito's palette without black and pale yellow).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Hue {
-    /// Blue, a little lighter than the published one, to carry on a dark page too.
+    /// Blue, slightly lighter than the published one, so that it is visible on a dark page.
     Blue,
     /// Vermilion.
     Vermilion,
@@ -26,18 +26,19 @@ pub enum Hue {
     Purple,
     /// Sky blue.
     SkyBlue,
-    /// The page's own text colour.
+    /// The page's text colour.
     Neutral,
-    /// The same, faint, for what stands behind.
+    /// The page's text colour, faint, for background items.
     Faint,
 }
 
 impl Hue {
-    /// The n-th colour of a series, starting again after the sixth.
+    /// The n-th colour; the sequence repeats after the sixth.
     pub fn nth(n: usize) -> Self {
         [Hue::Blue, Hue::Vermilion, Hue::Green, Hue::Orange, Hue::Purple, Hue::SkyBlue][n % 6]
     }
 
+    /// The colour for drawing.
     pub(super) fn ink(self) -> RGBAColor {
         let ink = match self {
             Self::Blue => RGBColor(0x1f, 0x82, 0xc4),

@@ -1,11 +1,11 @@
-//! Why a figure was not drawn, and the checks that say so.
+//! Reasons why a figure cannot be drawn, and the checks for them.
 
 use std::fmt;
 
 use plotters::drawing::DrawingAreaErrorKind;
 use thiserror::Error;
 
-/// Data that cannot be drawn honestly, or a drawing that failed. Each names the list in question.
+/// Data that cannot be drawn correctly, or a drawing that failed. Each variant names the list in question.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FigureError {
     /// A list has no entries.
@@ -14,13 +14,13 @@ pub enum FigureError {
     /// Two lists that belong together have different lengths.
     #[error("{0} has {2} entries, {1} expected")]
     Mismatch(String, usize, usize),
-    /// A number is not-a-number or infinite.
+    /// A number is not a number or infinite.
     #[error("{0} holds a number that is not finite")]
     NotFinite(String),
-    /// A number below zero, or on a logarithmic scale not above it.
+    /// A number is below zero, or not above zero on a logarithmic scale.
     #[error("{0} holds a number that is too small for its scale")]
     NotPositive(String),
-    /// Coordinates of a grid that neither rise nor fall throughout.
+    /// Coordinates of a grid neither rise nor fall throughout.
     #[error("{0} must rise, or fall, from each entry to the next")]
     NotMonotone(String),
     /// The lower limit is not below the upper one.
@@ -37,7 +37,7 @@ impl From<DrawingAreaErrorKind<fmt::Error>> for FigureError {
     }
 }
 
-/// `Ok` where a condition holds, else the refusal of the named list.
+/// `Ok` if `holds`; otherwise the refusal of the named list.
 pub(super) fn require(holds: bool, refusal: fn(String) -> FigureError, what: &str) -> Result<(), FigureError> {
     if holds { Ok(()) } else { Err(refusal(what.to_owned())) }
 }
@@ -47,7 +47,7 @@ pub(super) fn require_finite<'a>(what: &str, mut all: impl Iterator<Item = &'a f
     require(all.all(|number| number.is_finite()), FigureError::NotFinite, what)
 }
 
-/// Refuses a list of another length than `expected`.
+/// Refuses a list whose length is not `expected`.
 pub(super) fn require_len<T>(what: &str, list: &[T], expected: usize) -> Result<(), FigureError> {
     if list.len() == expected { Ok(()) } else { Err(FigureError::Mismatch(what.to_owned(), expected, list.len())) }
 }

@@ -1,6 +1,6 @@
-//! Drawings to scale that move: shots one after the other, shown and hidden by style alone, without scripts.
+//! Animated drawings to scale: a sequence of shots, shown and hidden by CSS alone, without scripts.
 //!
-//! Where nothing moves (in print, for readers who ask for no motion, in programs that know no animations) one of them stands for all.
+//! A chosen shot is shown where nothing moves: in print, for readers who ask for no motion, and in programs without animation.
 
 use super::chart::{Chart, SIDES};
 use super::error::{FigureError, require};
@@ -10,42 +10,42 @@ use super::sheet::{Dash, LABEL_TEXT, LEFT, SPACE, Sheet, font};
 use super::svg::paint;
 use plotters_backend::BackendStyle;
 
-/// A drawing to scale that moves.
+/// An animated drawing to scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
     /// Heading, description and size.
     pub frame: Frame,
-    /// Names of the level and the upright axis, of one scale.
+    /// Labels of the horizontal and the vertical axis, which have the same scale.
     pub labels: [&'static str; 2],
-    /// What stands still.
+    /// Series that stay in every shot.
     pub fixed: Vec<Series>,
-    /// What moves.
+    /// Shots in order.
     pub shots: Vec<Shot>,
-    /// The shot that stands for all where nothing moves, by its number from 0.
+    /// Index from 0 of the shot shown where nothing moves.
     pub still: usize,
-    /// Time of a shot, s.
+    /// Duration of a shot, s.
     pub shot_s: f64,
 }
 
-/// What is shown for a while.
+/// One picture of an animation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
-    /// Lines of words above the drawing.
+    /// Lines of text above the drawing.
     pub words: Vec<String>,
-    /// The drawing. Signs and words at points are left out.
+    /// Series of the drawing. Their symbols and labels are left out.
     pub series: Vec<Series>,
 }
 
-/// Height of a line of words, px.
+/// Height of a line of text, px.
 const LINE: f64 = LABEL_TEXT * 1.4;
-/// By how much a shot outlasts its time, percent of all: one is gone when the next is there, not before.
+/// Overlap of successive shots, percent of the whole duration, so that no gap appears between them.
 const OVERLAP: f64 = 0.02;
 
 impl Film {
-    /// The film as SVG.
+    /// Draws the animation as SVG.
     ///
     /// # Errors
-    /// [`FigureError`] without shots, or if the numbers have no position on the axes.
+    /// [`FigureError`] if there are no shots, or if numbers cannot be drawn on the axes.
     pub fn svg(&self) -> Result<String, FigureError> {
         require(self.still < self.shots.len(), FigureError::Empty, "film")?;
         let moving = || self.shots.iter().flat_map(|shot| &shot.series);
@@ -72,7 +72,7 @@ impl Film {
         })
     }
 
-    /// Films of as many shots share their names, and are alike in all that the names stand for.
+    /// CSS of the animation. Films with equal numbers of shots share the class names, and their definitions are equal.
     fn style(&self) -> String {
         let count = self.shots.len();
         let (all_s, share) = (self.shot_s * count as f64, (100.0 / count as f64 + OVERLAP).min(100.0));
@@ -85,7 +85,7 @@ impl Film {
         )
     }
 
-    /// A shot begins before its time: all are in their places from the start.
+    /// Opening tag of a shot. Negative delays start all shots in their positions within the cycle.
     fn opening(&self, shot: usize) -> String {
         let count = self.shots.len();
         let still = if shot == self.still { " still" } else { "" };
@@ -95,7 +95,7 @@ impl Film {
 }
 
 impl Shot {
-    /// Lines of one look are one path: a film has many.
+    /// Draws a shot. Lines of equal style become one path, because a film has many lines.
     fn draw(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
         let left = plot.area.left + SPACE;
         for (line, words) in self.words.iter().enumerate() {

@@ -1,17 +1,21 @@
 //! Points, lines and rectangles of a drawing.
 
-/// A point (x, y): of the data, usually in millimetres, or of the sheet, in pixels.
+/// A point (x, y), in data coordinates (usually mm) or on the sheet (px).
 pub type Point = [f64; 2];
 
-/// Several lines, each through its points in order.
+/// Several lines, each given by its points in order.
 pub type Lines = Vec<Vec<Point>>;
 
-/// An upright rectangle in pixels.
+/// An axis-parallel rectangle on the sheet, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
+    /// Left edge, px.
     pub(super) left: f64,
+    /// Upper edge, px; y grows downwards.
     pub(super) top: f64,
+    /// Right edge, px.
     pub(super) right: f64,
+    /// Lower edge, px.
     pub(super) bottom: f64,
 }
 
@@ -26,7 +30,7 @@ impl Area {
         Self { left: a[0].min(b[0]), top: a[1].min(b[1]), right: a[0].max(b[0]), bottom: a[1].max(b[1]) }
     }
 
-    /// The rectangle around points.
+    /// The bounding rectangle of points.
     pub(super) fn around(points: impl Iterator<Item = Point>) -> Self {
         let areas = points.map(|point| Self::between(point, point));
         let join = |a: Self, b: Self| Self {
@@ -50,18 +54,18 @@ impl Area {
         between([self.left, self.top], [self.right, self.bottom], 0.5)
     }
 
-    /// The closed line around it.
+    /// The closed outline.
     pub(super) fn outline(&self) -> [Point; 5] {
         let Self { left, top, right, bottom } = *self;
         [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]
     }
 
-    /// The level line through its middle.
+    /// The horizontal centre line.
     pub(super) fn level(&self) -> [Point; 2] {
         [self.left, self.right].map(|x| [x, self.centre()[1]])
     }
 
-    /// Whether another rectangle lies inside.
+    /// Whether the rectangle contains another one.
     pub(super) fn holds(&self, other: &Self) -> bool {
         let across = self.left <= other.left && other.right <= self.right;
         across && self.top <= other.top && other.bottom <= self.bottom
@@ -72,7 +76,7 @@ impl Area {
         self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
     }
 
-    /// The part of a segment that lies inside (Liang and Barsky).
+    /// The part of a segment inside the rectangle (Liang and Barsky).
     pub(super) fn clip(&self, from: Point, to: Point) -> Option<[Point; 2]> {
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
@@ -94,26 +98,27 @@ impl Area {
     }
 }
 
-/// Segments of lines.
+/// The segments of lines.
 pub(super) fn segments<'a>(lines: impl IntoIterator<Item = &'a Vec<Point>>) -> impl Iterator<Item = [Point; 2]> {
     lines.into_iter().flat_map(|line| line.windows(2)).map(|pair| [pair[0], pair[1]])
 }
 
+/// Distance between two points.
 pub(super) fn distance(a: Point, b: Point) -> f64 {
     (b[0] - a[0]).hypot(b[1] - a[1])
 }
 
-/// The point at a fraction of the way from `a` to `b`.
+/// The point at a share, 0 to 1, of the way from `a` to `b`.
 pub(super) fn between(a: Point, b: Point, part: f64) -> Point {
     [a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part]
 }
 
-/// `from`, moved by a length along a direction.
+/// The point at a given distance from `from` in a direction.
 pub(super) fn along(from: Point, direction: Point, length: f64) -> Point {
     [from[0] + direction[0] * length, from[1] + direction[1] * length]
 }
 
-/// The direction from `a` to `b`, of unit length; none where they are one point.
+/// The unit vector from `a` to `b`; `None` if the points coincide.
 pub(super) fn direction(a: Point, b: Point) -> Option<Point> {
     let length = distance(a, b);
     (length > 0.0).then(|| [(b[0] - a[0]) / length, (b[1] - a[1]) / length])

@@ -6,24 +6,28 @@ use super::geometry::{Area, Lines, Point, along, distance, segments};
 use super::sheet::{Sheet, TICK_TEXT, font};
 use super::text::width_of;
 
-/// A label that is to stand near its anchor.
+/// A label near its anchor.
 pub(super) struct Label {
+    /// Text of the label; empty for none.
     pub(super) text: String,
-    /// The point that the label belongs to.
+    /// The point to which the label belongs, px.
     pub(super) anchor: Point,
-    /// Direction in which it should stand, of unit length.
+    /// Unit vector of the preferred direction from the anchor.
     pub(super) side: Point,
 }
 
-/// What labels must keep off.
+/// Lines and areas that labels avoid.
 pub(super) struct Obstacles {
+    /// Lines on the sheet, px.
     pub(super) lines: Lines,
+    /// Areas of symbols and earlier labels, px.
     pub(super) areas: Vec<Area>,
+    /// Area in which labels must lie, px.
     pub(super) within: Area,
 }
 
 impl Obstacles {
-    /// Writes each label in turn where it costs least, and keeps the others off it.
+    /// Writes each label in turn at its position of least cost; later labels avoid it.
     pub(super) fn write(&mut self, sheet: &Sheet, labels: &[Label]) -> Result<(), FigureError> {
         for label in labels.iter().filter(|label| !label.text.is_empty()) {
             sheet.words(&label.text, self.position(label), &font(TICK_TEXT).color(&OVER_LINES))?;
@@ -31,14 +35,14 @@ impl Obstacles {
         Ok(())
     }
 
-    /// The best centre of a label near its anchor, on its side, hiding nothing unless every other would hide something too.
+    /// The best centre of a label near its anchor, px. It hides nothing, unless every candidate would.
     fn position(&mut self, label: &Label) -> Point {
         let [width, height] = [width_of(&label.text, TICK_TEXT) + 4.0, TICK_TEXT + 2.0];
         let start = label.side[1].atan2(label.side[0]);
         let candidates = [5.0, 9.0, 14.0, 20.0, 28.0, 40.0].into_iter().flat_map(|gap| {
             (0..24).map(move |turn| {
                 let (up, across) = (start + f64::from(turn) * std::f64::consts::TAU / 24.0).sin_cos();
-                // So far that the label's edge, not its middle, keeps the gap.
+                // The distance is such that the label's edge, not its centre, keeps the gap.
                 let reach = (across.abs() * width + up.abs() * height) / 2.0 - 1.0;
                 along(label.anchor, [across, up], gap + reach)
             })
@@ -56,7 +60,7 @@ impl Obstacles {
         let (at, from) = (area.centre(), label.anchor);
         let far = distance(from, at);
         let turned = 1.0 - ((at[0] - from[0]) * label.side[0] + (at[1] - from[1]) * label.side[1]) / far.max(1e-9);
-        // Over a line a label can be read, over another label not.
+        // A label over a line is legible; a label over another label is not.
         100.0 * crossed as f64 + 1000.0 * hidden as f64 + 1000.0 * outside + far + 18.0 * turned
     }
 }

@@ -1,4 +1,4 @@
-//! The legend: samples with words, in rows below the plots, where they hide no data.
+//! The legend: samples with text, in rows below the plots, where they hide no data.
 
 use plotters::style::Color;
 
@@ -10,13 +10,14 @@ use super::text::{widest, wrap};
 /// Draws a sample into an area.
 type Sample<'a> = Box<dyn Fn(&Sheet, Area) -> Result<(), FigureError> + 'a>;
 
-/// Words with a sample before them.
+/// A sample with text after it.
 pub(super) struct Entry<'a> {
     text: String,
     sample: Sample<'a>,
 }
 
 impl<'a> Entry<'a> {
+    /// An entry with its text and a function that draws the sample.
     pub(super) fn new(text: impl Into<String>, sample: impl Fn(&Sheet, Area) -> Result<(), FigureError> + 'a) -> Self {
         Self { text: text.into(), sample: Box::new(sample) }
     }
@@ -32,17 +33,17 @@ const GAP: f64 = 8.0;
 const BETWEEN: f64 = 24.0;
 const ROW: f64 = 24.0;
 
-/// Entries in rows: their lines of words, left edge and row.
+/// Legend entries in rows: lines of text, left edge and row of each.
 pub(super) struct Legend<'a> {
     entries: Vec<(Sample<'a>, Vec<String>, f64, usize)>,
     rows: usize,
 }
 
 impl<'a> Legend<'a> {
-    /// Sets the entries that have words in rows between two positions across.
+    /// Arranges the entries that have text in rows between two horizontal positions, px.
     pub(super) fn lay_out(entries: Vec<Entry<'a>>, [left, right]: [f64; 2]) -> Self {
         let mut placed = Vec::new();
-        // `row` is the row being filled, `next` the first one below everything in it.
+        // `row` is the current row, `next` the first row below everything in it.
         let (mut x, mut row, mut next) = (left, 0, 0);
         for Entry { text, sample } in entries.into_iter().filter(|entry| !entry.text.is_empty()) {
             let lines = wrap(&text, TICK_TEXT, right - left - SAMPLE - GAP);
@@ -57,11 +58,12 @@ impl<'a> Legend<'a> {
         Self { entries: placed, rows: next }
     }
 
+    /// Height of the legend, px.
     pub(super) fn height(&self) -> f64 {
         self.rows as f64 * ROW
     }
 
-    /// Draws the rows below `top`.
+    /// Draws the rows below `top`, px.
     pub(super) fn draw(&self, sheet: &Sheet, top: f64) -> Result<(), FigureError> {
         for (sample, lines, x, row) in &self.entries {
             let y = |line: usize| top + ((row + line) as f64 + 0.5) * ROW;

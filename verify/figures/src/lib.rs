@@ -1,11 +1,10 @@
-//! Figures: numbers in, SVG text out.
+//! Figures: pure functions from numbers to SVG text.
 //!
-//! Each figure is a pure function of its data. The SVG is meant to stand inside an HTML page: it scales with the page's width, its
-//! neutral ink is the page's text colour (`currentColor`), and what must hide something behind it is drawn in the page's background,
-//! `--paper` where the page defines it. Colours stay apart for colour-blind readers, in light and dark mode; dashes and markers
-//! distinguish series without any colour.
+//! The SVG is embedded in an HTML page. It scales with the page's width. Neutral colours are the page's text colour (`currentColor`). Outlines that
+//! hide something behind them use the page's background, `--paper` where the page defines it. Colours can be distinguished by colour-blind readers in
+//! light and dark mode; dashes and markers distinguish series without colour.
 //!
-//! Plotters has coordinates, axes and shapes; here are maps with holes, label positions, drawings to scale, a layout.
+//! Plotters provides coordinates, axes and shapes. This crate adds maps with missing cells, label positions, drawings to scale and layout.
 #![forbid(unsafe_code)]
 
 mod axis;

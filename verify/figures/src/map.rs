@@ -1,4 +1,4 @@
-//! Maps: cells over two quantities in colours, alone or as small multiples.
+//! Maps: coloured cells over two quantities, as a single plot or small multiples.
 
 use plotters::style::Color;
 
@@ -13,46 +13,46 @@ use super::shades::{self, Class, class};
 use super::sheet::{LEFT, SPACE, Sheet, TICK_TEXT, font, pen};
 use super::text::{width_of, wrap};
 
-/// Cells over two quantities, in one plot or in rows and columns of small ones.
+/// Cells over two quantities, in a single plot or in rows and columns of small plots.
 #[derive(Debug, Clone)]
 pub struct Map {
     /// Heading, description and size.
     pub frame: Frame,
-    /// The level axis; it ends with the cells if nothing else is said.
+    /// Horizontal axis; without limits it ends with the cells.
     pub x: Axis,
-    /// The upright axis.
+    /// Vertical axis.
     pub y: Axis,
-    /// What values are painted with, in rising order.
+    /// Classes of the values, in ascending order.
     pub classes: Vec<Class>,
-    /// The cells of each plot, row by row; none where there is nothing to show.
+    /// Cells of each plot, row by row; `None` for a plot without data.
     pub plots: Vec<Option<Cells>>,
-    /// Names of the rows of small plots; none for a lone plot.
+    /// Names of the rows of small plots; empty for a single plot.
     pub rows: Vec<String>,
-    /// Names of their columns.
+    /// Names of the columns of small plots.
     pub columns: Vec<String>,
-    /// What a cell without value means, e.g. "no equilibrium"; such cells are hatched.
+    /// Meaning of a cell without value, for instance "no equilibrium"; such cells are hatched.
     pub missing_label: String,
-    /// A further scale along the top, e.g. node numbers.
+    /// An additional scale along the top, for instance node numbers.
     pub top: Option<Axis>,
-    /// How values are written into their cells.
+    /// Format of the values written into the cells; `None` writes no values.
     pub written: Option<fn(f64) -> String>,
-    /// Cells that have no meaning and are left blank, by row and column.
+    /// Whether the cell at a row and column is meaningless and left blank.
     pub blank: fn(usize, usize) -> bool,
 }
 
 const SMALL_HEIGHT: f64 = 104.0;
 const NOTE_TEXT: f64 = 15.0;
 const NOTE_LINE: f64 = NOTE_TEXT * 1.3;
-/// How far cells reach under their neighbours, px: printers leave hairlines between areas that only touch.
+/// Overlap of neighbouring cells, px: printers leave hairlines between areas that only touch.
 const OVERLAP: f64 = 1.0;
 
 impl Map {
-    /// A lone map without further scales.
+    /// A single map without additional scales.
     pub fn new(frame: Frame, axes: [Axis; 2], classes: Vec<Class>, cells: Cells) -> Self {
         Self::grid(frame, axes, classes, Vec::new(), vec![Some(cells)])
     }
 
-    /// Small maps, row by row, under the names of their rows.
+    /// Small maps, row by row, with the names of rows and columns.
     pub fn grid(
         frame: Frame,
         [x, y]: [Axis; 2],
@@ -64,10 +64,10 @@ impl Map {
         Self { frame, x, y, classes, plots, rows, columns, missing_label, top, written: None, blank: |_, _| false }
     }
 
-    /// The map as SVG.
+    /// Draws the map as SVG.
     ///
     /// # Errors
-    /// [`FigureError`] if there is nothing to draw, or the numbers do not fit together.
+    /// [`FigureError`] if there is nothing to draw, or if the lists do not match.
     pub fn svg(&self) -> Result<String, FigureError> {
         self.check()?;
         let cells: Vec<&Cells> = self.plots.iter().flatten().collect();
@@ -81,7 +81,7 @@ impl Map {
         (panels.grid, panels.rows, panels.columns, panels.legend) =
             ([false; 2], &self.rows, &self.columns, self.legend());
         panels.sides[1] = if self.columns.is_empty() { 4.0 * SPACE } else { 2.0 * SPACE };
-        // Notes are as wide as their plots, on as many lines as the longest needs.
+        // Notes are as wide as their plots; all have as many lines as the longest needs.
         let note_width = (self.frame.width - 160.0) / self.columns.len().max(1) as f64 - 2.0 * SPACE;
         let notes: Vec<Vec<String>> = (self.plots.iter())
             .map(|plot| plot.as_ref().map_or(Vec::new(), |cells| wrap(&cells.note, NOTE_TEXT, note_width)))
@@ -103,7 +103,7 @@ impl Map {
                         &font(NOTE_TEXT).pos(LEFT),
                     )?;
                 }
-                // Nothing to show is not a map without cells.
+                // A plot without data differs from a map without values.
                 let Some(cells) = cells else {
                     sheet.words("–", plot.area.centre(), &font(TICK_TEXT))?;
                     continue;
@@ -114,7 +114,7 @@ impl Map {
         })
     }
 
-    /// Fills the cells row by row, neighbours that look alike as one; hatches those without value.
+    /// Fills the cells row by row, equal neighbours as one rectangle, and hatches cells without value.
     fn fill(&self, sheet: &Sheet, plot: &Plot, cells: &Cells) -> Result<(), FigureError> {
         let columns = edges(&cells.x, self.x.limits);
         for (row, (values, ys)) in cells.values.iter().zip(edges(&cells.y, self.y.limits).windows(2)).enumerate() {
@@ -157,7 +157,7 @@ impl Map {
         shades::check(&self.classes, self.values().flatten().fold(0.0, f64::max))
     }
 
-    /// All values that have a meaning, with those that are missing.
+    /// The values of all cells that are not blank, including missing ones.
     fn values(&self) -> impl Iterator<Item = Option<f64>> {
         let rows = self.plots.iter().flatten().flat_map(|cells| cells.values.iter().enumerate());
         let values =

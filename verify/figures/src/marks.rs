@@ -1,4 +1,4 @@
-//! Marks at the points of a series.
+//! Symbols at the points of a series.
 
 use plotters::style::RGBAColor;
 
@@ -6,7 +6,7 @@ use super::error::FigureError;
 use super::geometry::{Point, along, direction, distance};
 use super::sheet::{Sheet, pen};
 
-/// The sign at each point of a series, so that series differ by more than colour.
+/// Symbol at each point of a series, so that series differ by more than colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marker {
     /// Filled circle.
@@ -19,19 +19,19 @@ pub enum Marker {
     Diamond,
     /// Two crossing strokes.
     Cross,
-    /// A node: a small filled circle.
+    /// A mesh node or rod: a small filled circle.
     Node,
-    /// A clamped node: a triangle on hatched ground to its left.
+    /// A clamped node: a triangle with hatched ground to its left.
     Clamp,
 }
 
 impl Marker {
-    /// The n-th sign of a series, starting again after the fifth.
+    /// The n-th symbol; the sequence repeats after the fifth.
     pub fn nth(n: usize) -> Self {
         [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Cross][n % 5]
     }
 
-    /// Draws the marker about a point; half sizes are such that all look equally heavy.
+    /// Draws the symbol centred at a point. Sizes differ so that all symbols look equally heavy.
     pub(super) fn draw(self, sheet: &Sheet, [x, y]: Point, ink: RGBAColor) -> Result<(), FigureError> {
         let at = |corners: &[Point]| corners.iter().map(|[dx, dy]| [x + dx, y + dy]).collect::<Vec<Point>>();
         match self {
@@ -55,10 +55,10 @@ impl Marker {
     }
 }
 
-/// Draws an arrow whose point is at `to`.
+/// Draws an arrow with its point at `to`.
 pub(super) fn arrow(sheet: &Sheet, [from, to]: [Point; 2], ink: RGBAColor) -> Result<(), FigureError> {
     let Some(forward) = direction(from, to) else { return Ok(()) };
-    // A short arrow keeps a visible shaft, which ends inside the head: the joint would show.
+    // The shaft of a short arrow stays visible; it ends inside the head, where the joint is hidden.
     let head = 13.0_f64.min(distance(from, to) * 0.6);
     let (neck, across) = (along(to, forward, -head), [-forward[1], forward[0]]);
     sheet.line(&[from, along(to, forward, -head * 0.8)], pen(ink, 2.6))?;

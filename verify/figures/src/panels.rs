@@ -1,4 +1,4 @@
-//! The layout that every figure shares: heading, label of the upright axis, plots, label of the level axis, colour bar, legend.
+//! The layout shared by all figures: heading, vertical axis label, plots, horizontal axis label, legend.
 
 use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
 use plotters::coord::cartesian::Cartesian2d;
@@ -16,37 +16,40 @@ use super::text::{widest, width_of, wrap};
 
 /// Heading, description and size of a figure.
 ///
-/// The drawing scales with the page; its width fixes how large its text is against its lines.
+/// The drawing scales with the page; its width in px sets the size of text relative to lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
+    /// Heading; empty for none.
     pub(super) title: String,
     alt: String,
+    /// Width of the figure, px.
     pub(super) width: f64,
+    /// Height of a plot, px; `None` for the default.
     pub(super) plot_height: Option<f64>,
 }
 
 impl Frame {
-    /// A figure as wide as the page (900 px): heading, none where empty, and contents in words for who cannot see it.
+    /// A figure as wide as the page (900 px). The heading may be empty; `alt` describes the content for readers who cannot see it.
     pub fn full(title: impl Into<String>, alt: impl Into<String>) -> Self {
         Self { title: title.into(), alt: alt.into(), width: 900.0, plot_height: None }
     }
 
-    /// A figure that shares its row with another, or is read on a phone (560 px).
+    /// A figure for half a row, or for a phone (560 px).
     pub fn half(title: impl Into<String>, alt: impl Into<String>) -> Self {
         Self { width: 560.0, ..Self::full(title, alt) }
     }
 
-    /// A figure that shares its row with two others (400 px).
+    /// A figure for a third of a row (400 px).
     pub fn third(title: impl Into<String>, alt: impl Into<String>) -> Self {
         Self { width: 400.0, ..Self::full(title, alt) }
     }
 
-    /// The same figure with plots of this height, px; the most for drawings of equal aspect.
+    /// Sets the plot height, px; for drawings of equal aspect it is the largest height.
     pub fn with_plot_height(self, pixels: f64) -> Self {
         Self { plot_height: Some(pixels), ..self }
     }
 
-    /// Height of a lone plot. Narrow ones are squarer, or their curves would be flattened.
+    /// Height of a single plot, px. Narrow plots are squarer, so that their curves are not flattened.
     pub(super) fn height(&self) -> f64 {
         self.plot_height.unwrap_or(self.width * if self.width > 700.0 { 0.46 } else { 0.62 })
     }
@@ -67,11 +70,12 @@ impl Frame {
 /// A plot with its two axes.
 pub(super) struct Plot {
     chart: ChartContext<'static, Svg, Cartesian2d<Ruler, Ruler>>,
+    /// Rectangle of the plot on the sheet, px.
     pub(super) area: Area,
 }
 
 impl Plot {
-    /// Draws axes, and lines at the ticks across and up where asked for, with so much room left, above and below for tick labels.
+    /// Draws the axes, and grid lines of x and y where requested. `left`, `top` and `bottom` are the room for tick labels, px.
     pub(super) fn new(
         sheet: &Sheet,
         area: Area,
@@ -98,45 +102,49 @@ impl Plot {
         Ok(Self { chart, area })
     }
 
-    /// Position of a point of the data on the sheet; what lies beyond an axis is at its end.
+    /// Position of a data point on the sheet, px; points beyond an axis are moved to its end.
     pub(super) fn at(&self, [x, y]: Point) -> Point {
         let (x, y) = self.chart.backend_coord(&(x, y));
         [f64::from(x), f64::from(y)].map(|units| units / super::svg::UNITS)
     }
 
+    /// Positions of data points on the sheet, px.
     pub(super) fn line(&self, points: &[Point]) -> Vec<Point> {
         points.iter().map(|point| self.at(*point)).collect()
     }
 }
 
-/// What surrounds the plots of a figure.
+/// Everything around the plots of a figure.
 pub(super) struct Panels<'a> {
+    /// Heading, description and size of the figure.
     pub(super) frame: &'a Frame,
+    /// Horizontal and vertical axis.
     pub(super) axes: [&'a Axis; 2],
-    /// Values that the axes must hold where their limits are not given.
+    /// Values that the axes must include if their limits are not given.
     pub(super) data: [Vec<f64>; 2],
     /// Height of a plot, px.
     pub(super) height: f64,
-    /// Room kept free in each plot, above its axis's upper limit.
+    /// Room kept free in each plot above the axis's upper limit, px.
     pub(super) head: f64,
-    /// A further scale along the top.
+    /// An additional scale along the top.
     pub(super) top: Option<&'a Axis>,
-    /// Least room left of the plots, and room right of them.
+    /// Smallest room left of the plots, and room right of them, px.
     pub(super) sides: [f64; 2],
-    /// Whether there are lines at the ticks across and up.
+    /// Whether to draw grid lines at the ticks of x and y.
     pub(super) grid: [bool; 2],
-    /// Names of small multiples; none for a lone plot.
+    /// Names of the rows of small multiples; empty for a single plot.
     pub(super) rows: &'a [String],
-    /// Names of their columns.
+    /// Names of the columns of small multiples.
     pub(super) columns: &'a [String],
-    /// Room above each plot.
+    /// Room above each plot, px.
     pub(super) above: f64,
+    /// Entries of the legend.
     pub(super) legend: Vec<Entry<'a>>,
 }
 
-/// Least room for the names of rows.
+/// Smallest room for the names of rows, px.
 const ROW_NAMES: f64 = 92.0;
-/// Bold letters over the estimate for plain ones.
+/// Width of bold letters relative to plain ones.
 const BOLD: f64 = 1.16;
 const HEADING_TEXT: f64 = 18.0;
 const HEADING_LINE: f64 = HEADING_TEXT * 1.3;
@@ -144,7 +152,7 @@ const LABEL_LINE: f64 = LABEL_TEXT * 1.5;
 const TICKS: f64 = TICK_TEXT * 1.3 + SPACE;
 
 impl<'a> Panels<'a> {
-    /// A lone plot with grid lines.
+    /// A single plot with grid lines.
     pub(super) fn new(frame: &'a Frame, axes: [&'a Axis; 2]) -> Self {
         let (height, sides) = (frame.height(), [30.0, 3.0 * SPACE]);
         let (data, rows, columns, legend) = ([vec![], vec![]], &[], &[], vec![]);
@@ -164,7 +172,7 @@ impl<'a> Panels<'a> {
         }
     }
 
-    /// Draws the surroundings; `paint` draws into the plots, row by row.
+    /// Draws everything around the plots; `paint` draws into the plots, row by row.
     pub(super) fn draw(
         self,
         paint: impl FnOnce(&Sheet, &[Plot]) -> Result<(), FigureError>,
@@ -176,7 +184,7 @@ impl<'a> Panels<'a> {
         let mut y = y_axis.ruler(&self.data[1], self.height - self.head, true)?;
         y.span[1] += (y.span[1] - y.span[0]) * self.head / (self.height - self.head);
         let tick_room = (widest(y.ticks.iter().map(|tick| &tick.1), TICK_TEXT) + 2.5 * SPACE).max(self.sides[0]);
-        // A word of a row's name is never broken; bold letters are wider than plain ones.
+        // Words in a row's name are never broken; bold letters are wider than plain ones.
         let words = self.rows.iter().flat_map(|name| name.split_whitespace());
         let longest = words.map(|word| width_of(word, LABEL_TEXT * BOLD) + SPACE).fold(ROW_NAMES, f64::max);
         let left = tick_room + if self.rows.is_empty() { 0.0 } else { longest };
@@ -200,7 +208,7 @@ impl<'a> Panels<'a> {
             let at = [SPACE, (index as f64 + 0.5) * HEADING_LINE];
             sheet.words(line, at, &bold(HEADING_TEXT))?;
         }
-        // Level, above the plots, so that nobody tilts the head.
+        // The label is horizontal, above the plots, so that it can be read without tilting the head.
         sheet.words(&y_axis.label, [SPACE, heading_height + LABEL_LINE * 0.4], &font(LABEL_TEXT).pos(LEFT))?;
         let middle = (left + frame.width - self.sides[1]) / 2.0;
         sheet.words(&x_axis.label, [middle, bottom + TICKS + LABEL_LINE * 0.4], &font(LABEL_TEXT))?;

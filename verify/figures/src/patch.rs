@@ -13,9 +13,9 @@ use super::sheet::{Dash, Sheet, pen};
 /// An area of a drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patch {
-    /// What it shows; in the legend once for all areas that share it.
+    /// Class of the area, listed in the legend once for all areas that share it.
     pub class: Class,
-    /// Its corners in order.
+    /// Corners of the area, in order.
     pub outline: Vec<Point>,
 }
 
@@ -29,7 +29,7 @@ impl Patch {
         fill(self.class.fill, sheet, &plot.line(&self.outline))
     }
 
-    /// Entries of the legend, one for each class, in the order in which `patches` have them.
+    /// One legend entry per class, in the order in which `patches` have them.
     pub(super) fn legend(patches: &[Patch]) -> Vec<Entry<'_>> {
         let mut listed: Vec<&Class> = Vec::new();
         for Patch { class, .. } in patches {
@@ -45,13 +45,13 @@ impl Patch {
     }
 }
 
-/// Areas that are no rectangles have outlines where maps are hatched.
+/// Polygons for which a map would be hatched get an outline only.
 fn fill(paint: Paint, sheet: &Sheet, corners: &[Point]) -> Result<(), FigureError> {
     let closed: Vec<Point> = corners.iter().chain(corners.first()).copied().collect();
     match paint {
         Paint::Colour([r, g, b]) => {
             sheet.polygon(&closed, RGBColor(r, g, b))?;
-            // A thin edge keeps neighbours of one colour apart.
+            // A thin edge separates neighbours of one colour.
             sheet.line(&closed, pen(TEXT.mix(0.5), 0.8))
         }
         Paint::Hatch { rising } => {

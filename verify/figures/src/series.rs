@@ -1,4 +1,4 @@
-//! Series: points that belong together, how they are drawn and what is written at them.
+//! Series of points, their style and their labels.
 
 use super::colour::Hue;
 use super::error::{FigureError, require, require_finite, require_len};
@@ -9,50 +9,50 @@ use super::marks::{Marker, arrow};
 use super::panels::Plot;
 use super::sheet::{Dash, Sheet, pen};
 
-/// Points that belong together.
+/// A series of points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Words in the legend; a series without is not listed.
+    /// Text in the legend; a series with empty text is not listed.
     pub label: String,
-    /// The points, in the order they are joined in.
+    /// Points in the order in which they are joined.
     pub points: Vec<Point>,
-    /// Colour.
+    /// Colour of the series.
     pub hue: Hue,
-    /// How the points are joined.
+    /// Style of the joining line.
     pub dash: Dash,
     /// Width of the joining line, px.
     pub width: f64,
-    /// Sign at each point.
+    /// Symbol at each point.
     pub marker: Option<Marker>,
-    /// How far the value may be off, at each point.
+    /// Uncertainty at each point.
     pub spread: Spread,
-    /// Words at each point, or none at all.
+    /// Text at each point; empty for none at all.
     pub labels: Vec<String>,
 }
 
-/// Uncertainty of a series: lower and upper ends, one pair a point.
+/// Uncertainty of a series: lower and upper end for each point.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Spread {
-    /// Not known.
+    /// Unknown uncertainty.
     #[default]
     None,
-    /// An upright stroke at each point.
+    /// A vertical bar at each point.
     Bars(Vec<[f64; 2]>),
 }
 
 impl Series {
-    /// The n-th series of a chart: joined points with signs, in the n-th colour.
+    /// The n-th series of a chart: a solid line with symbols, in the n-th colour.
     pub fn nth(n: usize, label: impl Into<String>, points: Vec<Point>) -> Self {
         let (marker, spread, labels) = (Some(Marker::nth(n)), Spread::None, Vec::new());
         Self { label: label.into(), points, hue: Hue::nth(n), dash: Dash::Solid, width: 2.6, marker, spread, labels }
     }
 
-    /// A dotted line without signs, to compare with.
+    /// A dotted reference line without symbols.
     pub fn guide(label: impl Into<String>, points: Vec<Point>) -> Self {
         Self { hue: Hue::Neutral, dash: Dash::Dotted, marker: None, ..Self::nth(0, label, points) }
     }
 
-    /// Lines without signs that are listed as one, a series each.
+    /// Lines without symbols that share one legend entry; one series per line.
     pub fn lines(label: &str, lines: Lines, hue: Hue, width: f64) -> Vec<Self> {
         let plain = |points| Self { hue, width, marker: None, ..Self::nth(0, "", points) };
         let mut series: Vec<Self> = lines.into_iter().map(plain).collect();
@@ -60,13 +60,13 @@ impl Series {
         series
     }
 
-    /// Points with a sign and words each, that are not joined.
+    /// Unconnected points, each with a symbol and a text.
     pub fn marks(label: &str, marker: Marker, (points, labels): (Vec<Point>, Vec<String>)) -> Self {
         let (hue, marker) = (Hue::Neutral, Some(marker));
         Self { hue, dash: Dash::None, marker, labels, ..Self::nth(0, label, points) }
     }
 
-    /// An arrow from one point to another, with words at its foot.
+    /// An arrow from the first point to the second, with text at its start.
     pub fn arrow(ends: [Point; 2], words: impl Into<String>, hue: Hue) -> Self {
         let labels = vec![words.into(), String::new()];
         Self { hue, dash: Dash::Arrow, marker: None, labels, ..Self::nth(0, "", ends.into()) }
@@ -88,7 +88,7 @@ impl Series {
         if self.labels.is_empty() { Ok(()) } else { require_len(&self.label, &self.labels, self.points.len()) }
     }
 
-    /// The line through points, and the signs at them.
+    /// Draws the line through points, and the symbols at `signs`.
     fn stroke(&self, sheet: &Sheet, line: &[Point], signs: &[Point]) -> Result<(), FigureError> {
         match (self.dash, line) {
             (Dash::Arrow, [from, .., to]) => arrow(sheet, [*from, *to], self.hue.ink())?,
@@ -97,7 +97,7 @@ impl Series {
         self.marker.map_or(Ok(()), |marker| signs.iter().try_for_each(|at| marker.draw(sheet, *at, self.hue.ink())))
     }
 
-    /// Error bars below, then line and signs.
+    /// Draws error bars first, then line and symbols.
     pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
         let (points, ink) = (plot.line(&self.points), self.hue.ink());
         let spread = self.points.iter().zip(self.ends()).map(|([x, _], ends)| ends.map(|end| plot.at([*x, end])));
@@ -108,6 +108,7 @@ impl Series {
         self.stroke(sheet, &points, &points)
     }
 
+    /// The legend entry of the series.
     pub(super) fn entry(&self) -> Entry<'_> {
         Entry::new(&self.label, |sheet, area| {
             let [x, y] = area.centre();
@@ -116,7 +117,7 @@ impl Series {
         })
     }
 
-    /// The ground that signs take on the sheet.
+    /// Areas of the sheet that the symbols cover.
     pub(super) fn taken(&self, plot: &Plot) -> impl Iterator<Item = Area> {
         let area = |[x, y]: Point| match self.marker {
             Some(Marker::Clamp) => Area::between([x - 22.0, y - 11.0], [x + 6.0, y + 11.0]),
@@ -125,7 +126,7 @@ impl Series {
         plot.line(&self.points).into_iter().filter(|_| self.marker.is_some()).map(area)
     }
 
-    /// Words at the points: behind an arrow's foot; in a drawing away from its middle, square to the nearest line; else above right.
+    /// Labels of the points. They lie behind an arrow's start; in a drawing outside, perpendicular to the nearest line; otherwise to the upper right.
     pub(super) fn words(&self, plot: &Plot, lines: &Lines, middle: Option<Point>) -> Vec<Label> {
         let points = plot.line(&self.points);
         let behind = points.windows(2).next().and_then(|ends| direction(ends[1], ends[0]));
@@ -139,7 +140,7 @@ impl Series {
     }
 }
 
-/// Away from the middle, square to the nearest line.
+/// Direction away from the middle, perpendicular to the nearest line.
 fn outward(at: Point, lines: &Lines, middle: Point) -> Point {
     let away = direction(middle, at).unwrap_or([0.0, -1.0]);
     let nearest = segments(lines).min_by(|a, b| gap(at, *a).total_cmp(&gap(at, *b)));

@@ -1,4 +1,4 @@
-//! What the values of a map are painted with: a few classes.
+//! Classes of values and their colours in a map.
 
 use plotters::style::RGBColor;
 
@@ -7,32 +7,32 @@ use super::geometry::Area;
 use super::legend::Entry;
 use super::sheet::Sheet;
 
-/// Values that share a filling.
+/// A range of values with one fill.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Class {
-    /// The largest value of the class; those of the class before are smaller.
+    /// Largest value of the class; values of the previous class are smaller.
     pub up_to: f64,
-    /// Words in the legend; classes that are nowhere are not listed.
+    /// Text in the legend; classes without values are not listed.
     pub label: String,
-    /// Written on the map, so that colour is not the only sign; nothing where empty.
+    /// Text written on the map, so that classes differ by more than colour; may be empty.
     pub sign: String,
-    /// What its cells are filled with.
+    /// Fill of the cells.
     pub fill: Paint,
 }
 
-/// Filling of a class's cells.
+/// Fill of a class's cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Paint {
-    /// Red, green and blue.
+    /// Red, green and blue, 0 to 255.
     Colour([u8; 3]),
-    /// Slanting lines on the page's own ground: from left to right rising, or falling.
+    /// Slanted lines on the page's background.
     Hatch {
-        /// Whether they rise.
+        /// Whether the lines rise from left to right.
         rising: bool,
     },
 }
 
-/// Refuses values without a class, given the largest.
+/// Checks that the largest value has a class.
 pub(super) fn check(classes: &[Class], largest: f64) -> Result<(), FigureError> {
     require(classes.last().is_some_and(|class| largest <= class.up_to), FigureError::Empty, "class of a value")
 }
@@ -42,7 +42,7 @@ pub(super) fn class(classes: &[Class], value: f64) -> &Class {
     &classes[classes.iter().take_while(|class| value > class.up_to).count()]
 }
 
-/// Classes that some of the values have.
+/// Legend entries of the classes that occur among the values.
 pub(super) fn legend(classes: &[Class], values: impl Iterator<Item = f64>) -> Vec<Entry<'_>> {
     let values: Vec<f64> = values.collect();
     let is_there = |it: &&Class| values.iter().any(|value| class(classes, *value) == *it);

@@ -1,4 +1,4 @@
-//! The sheet that a figure is drawn on: lines, areas and words, in pixels.
+//! The sheet on which a figure is drawn: lines, areas and text, in pixels.
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
@@ -18,27 +18,27 @@ pub(super) const LABEL_TEXT: f64 = 17.0;
 /// Space between neighbours, px.
 pub(super) const SPACE: f64 = 8.0;
 
-/// Text that begins at its position.
+/// Position of text that begins at its anchor.
 pub(super) const LEFT: Pos = Pos { h_pos: HPos::Left, v_pos: VPos::Center };
 
 type DrawResult = Result<(), FigureError>;
 
-/// How points are joined; lines differ by more than colour.
+/// How the points of a series are joined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dash {
-    /// Not at all.
+    /// Not joined.
     None,
-    /// By an arrow from the first to the last.
+    /// An arrow from the first point to the last.
     Arrow,
-    /// By an unbroken line.
+    /// A solid line.
     Solid,
-    /// Long dashes.
+    /// A line of long dashes.
     Dashed,
-    /// Short dots.
+    /// A dotted line.
     Dotted,
 }
 
-/// A stroke of a width, px.
+/// A stroke of the given width, px.
 pub(super) fn pen(ink: impl Color, width: f64) -> ShapeStyle {
     ink.stroke_width(units(width) as u32)
 }
@@ -48,7 +48,7 @@ pub(super) fn axis_pen() -> ShapeStyle {
     pen(TEXT.mix(0.65), 1.2)
 }
 
-/// Text of a size, px, about its position.
+/// Text of the given size, px, centred at its position.
 pub(super) fn font(size: f64) -> TextStyle<'static> {
     let font = ("sans-serif", size * UNITS).into_font();
     TextStyle::from(font).color(&TEXT).pos(Pos::new(HPos::Center, VPos::Center))
@@ -59,7 +59,7 @@ pub(super) fn bold(size: f64) -> TextStyle<'static> {
     TextStyle { font: font(size).font.style(FontStyle::Bold), ..font(size).pos(LEFT) }
 }
 
-/// Pixels as whole units.
+/// Pixels in whole drawing units.
 pub(super) fn units(pixels: f64) -> i32 {
     (pixels * UNITS).round() as i32
 }
@@ -68,23 +68,26 @@ fn path(points: &[Point]) -> Vec<(i32, i32)> {
     points.iter().map(|[x, y]| (units(*x), units(*y))).collect()
 }
 
-/// The whole drawing, and the text that it is written to.
+/// The drawing area, and the SVG text that it writes to.
 pub(super) struct Sheet(pub(super) DrawingArea<Svg, Shift>, pub(super) Svg);
 
 impl Sheet {
+    /// An empty sheet that writes to `svg`.
     pub(super) fn new(svg: &Svg) -> Sheet {
         Sheet(svg.clone().into_drawing_area(), svg.clone())
     }
 
-    /// Writes markup as it is.
+    /// Writes markup without escaping.
     pub(super) fn markup(&self, text: &str) {
         self.1.text.borrow_mut().push_str(text);
     }
 
+    /// Draws a solid line through points, px.
     pub(super) fn line(&self, points: &[Point], pen: ShapeStyle) -> DrawResult {
         Ok(self.0.draw(&PathElement::new(path(points), pen))?)
     }
 
+    /// Draws a line through points, px, in the given style.
     pub(super) fn dashed(&self, points: &[Point], pen: ShapeStyle, dash: Dash) -> DrawResult {
         let (size, gap) = match dash {
             Dash::None => return Ok(()),
@@ -95,27 +98,31 @@ impl Sheet {
         Ok(self.0.draw(&DashedPathElement::new(path(points), size, gap, pen))?)
     }
 
+    /// Fills a polygon with these corners, px.
     pub(super) fn polygon(&self, points: &[Point], ink: impl Color) -> DrawResult {
         Ok(self.0.draw(&Polygon::new(path(points), ink.filled()))?)
     }
 
+    /// Fills a rectangle.
     pub(super) fn cell(&self, area: Area, ink: impl Color) -> DrawResult {
         let corners = path(&[[area.left, area.top], [area.right, area.bottom]]);
         Ok(self.0.draw(&Rectangle::new([corners[0], corners[1]], ink.filled()))?)
     }
 
+    /// Fills a circle; centre and radius in px.
     pub(super) fn disc(&self, centre: Point, radius: f64, ink: impl Color) -> DrawResult {
         Ok(self.0.draw(&Circle::new(path(&[centre])[0], units(radius), ink.filled()))?)
     }
 
+    /// Writes text at a position, px.
     pub(super) fn words(&self, text: &str, at: Point, style: &TextStyle) -> DrawResult {
         Ok(self.0.draw_text(text, style, path(&[at])[0])?)
     }
 
-    /// Fills an area with slanting lines, for cells without data; those of neighbours meet.
+    /// Fills an area with slanted lines, for cells without data; the lines of neighbouring areas meet.
     pub(super) fn hatch(&self, area: Area, rising: bool) -> DrawResult {
         const STEP: f64 = 8.0;
-        // Points of one slanting line share the sum, or the difference, of their coordinates.
+        // Points on one slanted line have a constant sum, or difference, of coordinates.
         let sign = if rising { 1.0 } else { -1.0 };
         let sums = [area.top, area.bottom].map(|y| [area.left, area.right].map(|x| y + sign * x));
         let ends = |of: fn(f64, f64) -> f64| sums.as_flattened().iter().copied().reduce(of).unwrap_or(0.0) / STEP;

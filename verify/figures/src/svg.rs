@@ -1,7 +1,7 @@
-//! The SVG writer behind plotters.
+//! The SVG backend for plotters.
 //!
-//! Plotters draws in whole units; one is a tenth of a pixel, which keeps curves smooth. Neutral ink becomes the page's own
-//! colours here: text in `currentColor`, outlines of text in the page's background.
+//! Plotters draws in integer units; one unit is a tenth of a pixel, so that curves stay smooth. Neutral colours become the page's own: text in
+//! `currentColor`, outlines of text in the page's background.
 
 use std::cell::RefCell;
 use std::fmt::{Error, Write};
@@ -16,21 +16,22 @@ use plotters_backend::{
 use super::colour::{DARK, ON_MAP, OVER_LINES, TEXT};
 use super::text::width_of;
 
-/// Units of the drawing in a pixel.
+/// Drawing units per pixel.
 pub(super) const UNITS: f64 = 10.0;
 
 type Done = Result<(), DrawingErrorKind<Error>>;
 
-/// A drawing in the making; copies write to the same text.
+/// A drawing in progress; clones write to the same text.
 #[derive(Clone, Default)]
 pub(super) struct Svg {
+    /// SVG text so far.
     pub(super) text: Rc<RefCell<String>>,
-    /// Width and height in units.
+    /// Width and height in drawing units.
     pub(super) size: (u32, u32),
 }
 
 impl Svg {
-    /// Writes an element; nothing where it would not be seen.
+    /// Writes an element, unless its colour is fully transparent.
     fn element(&self, colour: BackendColor, text: &str) -> Done {
         if colour.alpha == 0.0 {
             return Ok(());
@@ -43,7 +44,7 @@ impl Svg {
     }
 }
 
-/// A `fill` or `stroke`, with its opacity.
+/// A `fill` or `stroke` attribute with its opacity.
 pub(super) fn paint(name: &str, colour: BackendColor) -> String {
     let (r, g, b) = colour.rgb;
     let opacity = if colour.alpha < 1.0 { format!(" opacity=\"{}\"", colour.alpha) } else { String::new() };
@@ -62,7 +63,7 @@ fn list(points: impl IntoIterator<Item = BackendCoord>) -> String {
     points.into_iter().map(|(x, y)| format!("{},{}", px(x), px(y))).collect::<Vec<_>>().join(" ")
 }
 
-/// Text that stands in markup as it reads.
+/// Escapes text for markup.
 pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
@@ -90,7 +91,7 @@ impl DrawingBackend for Svg {
         self.draw_path([from, to], style)
     }
 
-    /// Rectangles are always filled. Their edges are not softened, so that neighbours leave no gap.
+    /// Rectangles are always filled. Their edges are not smoothed, so that neighbours leave no gap.
     fn draw_rect<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S, _: bool) -> Done {
         let [x, y, width, height] = [from.0, from.1, to.0 - from.0, to.1 - from.1].map(px);
         let shape =
@@ -124,7 +125,7 @@ impl DrawingBackend for Svg {
             HPos::Center => "middle",
             HPos::Right => "end",
         };
-        // Shares of the size by which a line's baseline lies below its top, middle and bottom.
+        // Distance of the baseline below a line's top, middle or bottom, as a share of the text size.
         let down = match anchor.v_pos {
             VPos::Top => 0.76,
             VPos::Center => 0.35,

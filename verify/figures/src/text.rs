@@ -1,8 +1,8 @@
-//! Width of words and notation of numbers.
+//! Width of text and notation of numbers.
 //!
-//! The reader's fonts are unknown when a figure is drawn: widths are estimates, wide enough for the common sans-serif faces.
+//! The reader's fonts are unknown when a figure is drawn. Widths are estimates that are large enough for common sans-serif faces.
 
-/// Estimated width of one line of text, in the unit of its size.
+/// Estimated width of one line of text, in the unit of `size`.
 pub(super) fn width_of(text: &str, size: f64) -> f64 {
     let ems = text.chars().map(|letter| match letter {
         'i' | 'j' | 'l' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' => 0.32,
@@ -15,12 +15,12 @@ pub(super) fn width_of(text: &str, size: f64) -> f64 {
     ems.sum::<f64>() * size
 }
 
-/// Width of the widest of some lines.
+/// Estimated width of the widest line.
 pub(super) fn widest<'a>(lines: impl IntoIterator<Item = &'a String>, size: f64) -> f64 {
     lines.into_iter().map(|line| width_of(line, size)).fold(0.0, f64::max)
 }
 
-/// Breaks text at spaces into lines no wider than `width`; a single long word stays whole.
+/// Breaks text at spaces into lines no wider than `width`; a long word stays whole.
 pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -32,7 +32,7 @@ pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     lines
 }
 
-/// A number to about three significant digits, with a true minus sign; powers of ten where it is very small or large.
+/// A number to about three significant digits, with a true minus sign; very small or large numbers have a power of ten.
 pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     if size > 0.0 && !(1e-3..1e5).contains(&size) {
@@ -48,7 +48,7 @@ pub(super) fn number(value: f64) -> String {
     fixed(value, (2.0 - size.max(1e-3).log10().floor()).clamp(0.0, 5.0) as usize)
 }
 
-/// A number with at most so many digits after the point.
+/// A number with at most `decimals` digits after the point.
 pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };

@@ -1,4 +1,4 @@
-//! Bars are as tall as their values, and what makes no bar is refused.
+//! Bars: heights are proportional to values, and invalid bars are refused.
 
 use finray_figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
 

@@ -1,4 +1,4 @@
-//! Charts and drawings to scale: series, signs and words are all there, and what has no position is refused.
+//! Charts and drawings to scale: all series, symbols and labels are drawn, and numbers without a position are refused.
 
 use finray_figures::{Axis, Chart, FigureError, Frame, Hue, Marker, Series, Spread};
 

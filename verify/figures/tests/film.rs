@@ -1,4 +1,4 @@
-//! Drawings that move.
+//! Animated drawings.
 
 use finray_figures::{Film, Frame, Hue, Series, Shot};
 

@@ -1,4 +1,4 @@
-//! What every figure shares, read from the drawing: its name, ticks and their names, words that are broken, legends and labels.
+//! The layout shared by all figures: name, ticks and their labels, line breaks, legends and labels.
 
 use finray_figures::{Axis, Cells, Chart, Class, FigureError, Frame, Hue, Map, Marker, Paint, Point, Series};
 

@@ -1,4 +1,4 @@
-//! Tests of `finray-figures`: each file tests the source file of its path; `layout` all figures at once.
+//! Tests of `finray-figures`: each file tests the source file of the same path; `layout` tests all figures.
 
 mod bars;
 mod chart;

@@ -1,4 +1,4 @@
-//! Maps: every cell is drawn, hatched or listed, and what does not fit together is refused.
+//! Maps: every cell is drawn, hatched or listed, and lists of wrong length are refused.
 
 use finray_figures::{Axis, Cells, Class, FigureError, Frame, Map, Paint};
 

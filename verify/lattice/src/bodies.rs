@@ -1,4 +1,4 @@
-//! The finger cut into rigid bodies: a rod at every junction, and short segments of plate and rib between the rods.
+//! Divides a finger into rigid bodies: a rod at every junction, and short segments of plates and ribs between the rods.
 
 use super::LatticeError;
 use super::springs::{Anchor, AxialSprings, BodyIndex, Segment, Spring};
@@ -7,71 +7,71 @@ use finray_model::frame::Section;
 use finray_model::mesh::{Load, LoadError};
 use finray_model::{Finger, NodeId, Vector};
 
-/// A rigid body, undeformed with its axes along those of the finger frame.
+/// A rigid body. Undeformed, its axes are parallel to those of the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
-    /// Where its centre rests, mm, finger frame.
+    /// Undeformed position of the centre, mm, finger frame.
     pub position: Vector,
-    /// Clamped: it never moves.
+    /// Whether the body is clamped and never moves.
     pub fixed: bool,
 }
 
-/// What a dead load does to one body: with the body's displacement u and rotation theta its work is
+/// Share of a dead load on one body. With the body's displacement u and rotation theta, its work is
 /// share F . u + F . R(theta) lever + M theta.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyLoad {
-    /// The body.
+    /// Body that carries the share.
     pub body: BodyIndex,
-    /// Force of the whole load F, N.
+    /// Force F of the whole load, N, finger frame.
     pub force: Vector,
-    /// Share of the force that this body takes.
+    /// Share of the force on this body, dimensionless.
     pub share: f64,
-    /// Lever that the force turns the body by, undeformed, mm.
+    /// Undeformed lever arm of the force on the body, mm.
     pub lever: Vector,
     /// Moment M, N mm.
     pub moment_nmm: f64,
 }
 
-/// A piece of the front plate that a load may stand on.
+/// A piece of the front plate that can carry a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FrontSpan {
-    /// Rigid with a rod: the anchor is at the position `at_mm`.
+    /// A rigid arm of a rod; its anchor is at the position `at_mm` along the plate.
     Arm { anchor: Anchor, at_mm: f64 },
-    /// Between two bodies.
+    /// A segment between two bodies.
     Segment { ends: [Anchor; 2], from_mm: f64, to_mm: f64 },
 }
 
-/// A straight piece of the front plate that one body carries along.
+/// A straight piece of the front plate that moves with one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrontPiece {
-    /// The body.
+    /// Body that carries the piece.
     pub body: BodyIndex,
-    /// From the centre of the body to the piece's ends, undeformed, mm; the end nearer to the base first.
+    /// Vectors from the body's centre to the ends of the piece, undeformed, mm; the end nearer to the base first.
     pub ends: [Vector; 2],
-    /// Where the piece begins, mm along the plate from its base.
+    /// Start of the piece, mm along the plate from its base.
     pub from_mm: f64,
 }
 
 /// Bodies and springs of a finger; see the [module](super).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Assembly {
-    /// The bodies: first those of the key nodes, then the segments between.
+    /// Bodies: first those of the key nodes, then those between segments.
     pub bodies: Vec<Body>,
-    /// The springs between them.
+    /// Springs between the bodies.
     pub springs: Vec<Spring>,
-    /// Where each key node sits, in the order of the nodes.
+    /// Body and arm of each key node, in the order of the nodes.
     pub key_nodes: Vec<Anchor>,
-    /// Pieces of the front plate from base to tip, each with the position where it ends, mm.
+    /// Pieces of the front plate from base to tip, each with the position of its end, mm.
     front: Vec<(f64, FrontSpan)>,
-    /// Axial springs of the segments.
+    /// Properties of the segments' axial springs.
     axial: AxialSprings,
 }
 
 impl Assembly {
-    /// Cuts a finger into segments of nearly the same length, `fineness` of them in a plate member of mean length.
+    /// Divides a finger into segments of nearly equal length, `fineness` of them in a plate member of mean length.
     ///
     /// # Errors
-    /// [`LatticeError::NoSegments`] for a fineness of zero, [`LatticeError::TooFine`] for more bodies than are of use.
+    /// [`LatticeError::NoSegments`] if `fineness` is 0, [`LatticeError::TooFine`] if there would be too many bodies.
     pub fn new(finger: &Finger, fineness: usize, axial: AxialSprings) -> Result<Assembly, LatticeError> {
         if fineness == 0 {
             return Err(LatticeError::NoSegments);
@@ -92,7 +92,7 @@ impl Assembly {
         Ok(assembly)
     }
 
-    /// A body at every key node; key nodes at one point have one, and so have the two rods of a rib that does not deform.
+    /// Adds a body at every key node. Key nodes at one point share a body, and so do the two rods of an undeformable rib.
     fn add_rods(&mut self, finger: &Finger) {
         let ribs = &finger.description().ribs;
         let welded = ribs.strip.is_none() && ribs.joints == Joints::Rigid;
@@ -164,7 +164,7 @@ impl Assembly {
                 let bar = Segment { ends, pinned: [true; 2], direction, length_mm: between.norm(), section };
                 self.springs.extend(bar.springs(self.axial));
             }
-            // Otherwise the rib is one body with its rods.
+            // An undeformable rib with rigid joints is part of its rods' body.
             return;
         };
         let arm = direction * finger.description().rod_arm_mm;
@@ -179,8 +179,7 @@ impl Assembly {
         }
     }
 
-    /// Puts bodies on the straight line between two anchors, at the inner ones of the `borders` along it; the ends of each
-    /// segment.
+    /// Adds bodies on the straight line between two anchors, at the inner `borders` (mm along it). Returns the end anchors of each segment.
     fn divide(&mut self, ends: [Anchor; 2], borders: &[f64]) -> Vec<[Anchor; 2]> {
         let [from, to] = ends.map(|end| self.bodies[end.body].position + end.arm);
         let (first, last) = (borders[0], borders[borders.len() - 1]);
@@ -194,7 +193,7 @@ impl Assembly {
         chain.windows(2).map(|pair| [pair[0], pair[1]]).collect()
     }
 
-    /// The surface of the front plate from base to tip, cut at the middles of its segments: a piece for each body.
+    /// The surface of the front plate from base to tip, cut at the middles of its segments: one piece per body.
     pub fn front_pieces(&self) -> Vec<FrontPiece> {
         let mut pieces: Vec<FrontPiece> = Vec::new();
         let mut add = |from: Anchor, by: Vector, from_mm: f64| match pieces.last_mut() {
@@ -215,14 +214,14 @@ impl Assembly {
         pieces
     }
 
-    /// Shares a load among the bodies that carry it.
+    /// Distributes a load over the bodies that carry it.
     ///
-    /// Between two bodies the plate bends as a cubic through both, so each takes the force by its cubic (Hermite) weight, at
-    /// a lever along its own direction. The force's part along the plate is shared the same way instead of linearly: up to a
-    /// tenth of it then acts on the wrong end of one segment, which stretches that segment and moves nothing else.
+    /// Between two bodies the plate bends as a cubic. Each body therefore takes the force with its cubic (Hermite) weight, at a lever along the
+    /// plate. The force's component along the plate has the same weights instead of linear ones. Up to a tenth of it then acts on the wrong end of
+    /// one segment; this changes that segment's axial strain only.
     ///
     /// # Errors
-    /// [`LoadError`] for a node that is missing or clamped, or a position that is not on the front plate.
+    /// [`LoadError`] if a node is missing or clamped, or a position is not on the front plate.
     pub fn body_loads(&self, finger: &Finger, load: &Load) -> Result<Vec<BodyLoad>, LoadError> {
         match *load {
             Load::Node { node, force, moment_nmm } => {
@@ -265,10 +264,10 @@ impl Assembly {
     }
 }
 
-/// Most segments of a lattice, far beyond any use.
+/// Largest number of segments of a lattice, far above any useful number.
 const MOST_SEGMENTS: f64 = 20_000.0;
-/// Axial rigidity of a hinged rib that does not deform, in units of the stiffer plate's. Its force bends the plates, which are far
-/// softer that way, so its own stretching does not show; a much stiffer one would settle more slowly.
+/// Axial rigidity of an undeformable hinged rib, relative to the stiffer plate's. Plates are much softer in bending, so the rib's own strain is
+/// negligible. A much stiffer rib would settle more slowly.
 const UNDEFORMABLE: f64 = 10.0;
 
 fn undeformable_bar(finger: &Finger) -> Section {
@@ -277,7 +276,7 @@ fn undeformable_bar(finger: &Finger) -> Section {
     Section { axial_rigidity_n, bending_rigidity_nmm2: 0.0 }
 }
 
-/// Free lengths of all members: of the back plate, of the front plate, ribs.
+/// Free lengths of all members, mm: back plate, front plate, ribs.
 fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
         let positions = finger.plate_positions_mm(plate);
@@ -292,22 +291,22 @@ fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
     plates.chain(ribs)
 }
 
-/// Mean free length of the plate members.
+/// Mean free length of the plate members, mm.
 fn mean_plate_member_mm(finger: &Finger) -> f64 {
     let count = 2 * (finger.rib_count() + 1);
     members_mm(finger).take(count).sum::<f64>() / count as f64
 }
 
-/// How many segments of about the wanted length a member is cut into.
+/// Number of segments of about `target_mm` in a member of `length_mm`; at least one.
 fn segments_of(length_mm: f64, target_mm: f64) -> usize {
     ((length_mm / target_mm).round() as usize).max(1)
 }
 
-/// A zone that ends within this share of a segment from another border does not cut a segment of its own, which would be too
-/// stiff to settle; it is spread over the one that it ends in.
+/// Shortest piece that the end of a zone may cut off, relative to the segment length. A shorter piece would be too stiff to settle;
+/// the zone is then averaged over the segment.
 const SHORTEST_CUT: f64 = 0.25;
 
-/// Where a member is cut: at the ends of zones, and between them into segments of about the wanted length.
+/// Borders of a member's segments, mm: at the ends of zones, and between them at about `target_mm`.
 fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64> {
     let mut ends: Vec<f64> = zones.iter().flat_map(|zone| [zone.from_mm, zone.to_mm]).collect();
     ends.sort_by(f64::total_cmp);
@@ -322,14 +321,14 @@ fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64>
     let mut borders = vec![from];
     for cut in cuts.windows(2) {
         let segments = segments_of(cut[1] - cut[0], target_mm);
-        // The last segment ends where the member ends, without rounding: a load at the tip must find it.
+        // The last border equals the member's end exactly, so that a load at the tip finds a segment.
         let within = (1..segments).map(|i| cut[0] + (cut[1] - cut[0]) * i as f64 / segments as f64);
         borders.extend(within.chain([cut[1]]));
     }
     borders
 }
 
-/// The section of a plate that has a given one at its base, at a position.
+/// Section of a plate at `s_mm`, from its section at the base.
 fn tapered(finger: &Finger, plate: Plate, of_base: Section, s_mm: f64) -> Section {
     let share = finger.thickness_mm(plate, s_mm) / finger.thickness_mm(plate, 0.0);
     Section {
@@ -338,7 +337,7 @@ fn tapered(finger: &Finger, plate: Plate, of_base: Section, s_mm: f64) -> Sectio
     }
 }
 
-/// Length-weighted mean of 1 / (product of the zones' factors) over a section of plate.
+/// Length-weighted mean of 1 / (product of the zones' modulus factors) between two positions of a plate, dimensionless.
 fn mean_compliance(zones: &[&Zone], from_mm: f64, to_mm: f64) -> f64 {
     let mut cuts = vec![from_mm, to_mm];
     cuts.extend(zones.iter().flat_map(|zone| [zone.from_mm, zone.to_mm]).filter(|cut| (from_mm..to_mm).contains(cut)));

@@ -1,4 +1,4 @@
-//! The lattice's elastic energy, and its equilibrium by Newton's method: what settling must arrive at.
+//! Elastic energy of the lattice, and its equilibrium by Newton's method.
 
 use super::bodies::{Assembly, BodyLoad};
 use super::pattern::Pattern;
@@ -11,7 +11,7 @@ use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use finray_model::Vector;
 use nalgebra::{Matrix6, Rotation2, Vector6};
 
-/// Motion of a body from rest: displacement of its centre (mm) and rotation (rad).
+/// Motion of a body from its undeformed pose.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BodyMotion {
     /// Displacement of the centre, mm.
@@ -21,24 +21,24 @@ pub struct BodyMotion {
 }
 
 impl BodyMotion {
-    /// A vector that the body carries along, mm.
+    /// Rotates a body-fixed vector, mm.
     pub fn carried(&self, arm: Vector) -> Vector {
         Rotation2::new(self.rotation) * arm
     }
 
-    /// Displacement of a point at `arm` from the centre, mm, without cancellation for small rotations.
+    /// Displacement of the point at `arm` from the centre, mm; exact for small rotations, without cancellation.
     pub fn displacement_at(&self, arm: Vector) -> Vector {
         Moved::by(self).displacement_at(arm)
     }
 }
 
-/// A motion with its rotation's sine and cosine, which many springs share.
+/// A motion with precomputed sine and cosine, which many springs share.
 #[derive(Debug, Clone, Copy)]
 struct Moved {
     displacement: Vector,
     rotation: f64,
     turn: Rotation2<f64>,
-    /// 1 less the cosine, without cancellation.
+    /// 1 - cos(rotation), computed without cancellation.
     versine: f64,
 }
 
@@ -55,31 +55,31 @@ impl Moved {
     }
 }
 
-/// How far a spring is deformed, with the first and second derivatives by x, y and rotation of its first body, then
-/// of its second.
+/// Deformation of a spring (mm or rad), with its first and second derivatives by x, y and rotation of both bodies.
 struct Deformed {
     value: f64,
     gradient: Vector6<f64>,
     curvature: Matrix6<f64>,
 }
 
-/// A vector times a transposed one.
+/// Outer product of two vectors.
 fn outer(a: &Vector6<f64>, b: &Vector6<f64>) -> Matrix6<f64> {
     Matrix6::from_fn(|i, j| a[i] * b[j])
 }
 
 impl Spring {
-    /// The deformation s. With the difference of the two points d = x2 + R2 a2 - x1 - R1 a1 it is |d| - |rest|, or n . d
-    /// with the normal n = R1 n0 that the first body carries, or the difference of the rotations.
+    /// Deformation s of the spring, mm or rad. The vector between its two points is d = x2 + R2 a2 - x1 - R1 a1. A distance spring has
+    /// s = |d| - |rest|. A transverse spring has s = n . d with the normal n = R1 n0 carried by the first body. For a rotation spring, s is the
+    /// difference of the rotations.
     fn deformed(&self, bodies: [Moved; 2]) -> Deformed {
         let [first, second] = self.ends;
         let arms = [bodies[0].turn * first.arm, bodies[1].turn * second.arm];
         let moved = bodies[1].displacement_at(second.arm) - bodies[0].displacement_at(first.arm);
-        // Derivative of a vector's product with d.
+        // Derivative of the product of a vector with d.
         let d_by = |along: Vector| {
             Vector6::new(-along.x, -along.y, along.perp(&arms[0]), along.x, along.y, -along.perp(&arms[1]))
         };
-        // A carried arm turns on: its second derivative by the rotation is minus itself.
+        // The second derivative of a rotated arm by the rotation is minus the arm.
         let turned = |along: Vector, curvature: &mut Matrix6<f64>| {
             curvature[(2, 2)] += along.dot(&arms[0]);
             curvature[(5, 5)] -= along.dot(&arms[1]);
@@ -92,7 +92,7 @@ impl Spring {
                 let across = d_by(Vector::new(-along.y, along.x));
                 let mut curvature = outer(&across, &(across / distance));
                 turned(along, &mut curvature);
-                // |d| - |rest|, without the cancellation of two nearly equal lengths.
+                // |d| - |rest|, without cancellation between two nearly equal lengths.
                 let value = moved.dot(&(rest + d)) / (distance + rest.norm());
                 Deformed { value, gradient: d_by(along), curvature }
             }
@@ -120,61 +120,61 @@ impl Spring {
     }
 }
 
-/// Newton's method found no stable equilibrium beyond a share of the load.
+/// Newton's method found no stable equilibrium beyond a fraction of the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BranchEnd {
-    /// Share of the load, 0..1, at which an equilibrium was last found.
+    /// Largest fraction of the load, 0 to 1, for which an equilibrium was found.
     pub converged_fraction: f64,
 }
 
-/// Energy of a lattice under dead loads, as a function of the motion of all its bodies.
+/// Energy of a lattice under dead loads, as a function of the motion of all bodies.
 #[derive(Debug, Clone)]
 pub struct Energy<'a> {
     assembly: &'a Assembly,
-    /// First of the three unknowns of each body; none for a clamped one.
+    /// Index of the first of three unknowns (x, y, rotation) of each body; `None` for a clamped body.
     unknowns: Vec<Option<usize>>,
     count: usize,
 }
 
-/// Energy of a spring, N mm, with its derivatives by x, y and rotation of its first body, then of its second.
+/// Energy of a spring, with its derivatives by x, y and rotation of the first body, then of the second.
 #[derive(Debug, Clone, Copy)]
 pub struct SpringEnergy {
-    /// Its bodies.
+    /// Bodies at the two ends.
     pub bodies: [BodyIndex; 2],
-    /// Value, N mm.
+    /// Elastic energy, N mm.
     pub energy: f64,
-    /// First derivatives, N and N mm.
+    /// First derivatives, 6 entries, N and N mm.
     pub gradient: Vector6<f64>,
-    /// Second derivatives, N/mm, N and N mm.
+    /// Second derivatives, 6 x 6, in N/mm, N and N mm.
     pub curvature: Matrix6<f64>,
 }
 
-/// Value, gradient and second derivatives of the energy.
+/// Energy with its gradient and second derivatives.
 #[derive(Debug, Clone)]
 pub struct Expansion {
     /// Elastic energy minus the work of the loads, N mm.
     pub energy: f64,
-    /// By x, y and rotation of every free body in turn: the forces out of balance, N and N mm.
+    /// Derivatives by x, y and rotation of every free body: the unbalanced forces, N, and moments, N mm.
     pub gradient: Vec<f64>,
-    /// Second derivatives: row, column and share; entries add up, lower triangle only.
+    /// Second derivatives as (row, column, value), lower triangle only; entries with equal indices add up. Units N/mm, N and N mm.
     pub curvature: Vec<Triplet<usize, usize, f64>>,
 }
 
-/// Newton's method has converged when a step gains less than this share of the largest energy that one gained: each
-/// squares the error of the one before, so the next would gain nothing.
+/// Newton's method has converged when the energy gain of a step falls below this share of the largest gain. Convergence is quadratic, so a further
+/// step would gain nothing.
 const CONVERGED: f64 = 1e-16;
-/// Steps of Newton's method before a part of the load is halved.
+/// Newton steps before the load increment is halved.
 const MOST_STEPS: usize = 30;
-/// Smallest part of the load that is tried.
+/// Smallest load increment, as a share of the whole interval.
 const SMALLEST_PART: f64 = 1e-4;
-/// A part of the load that turns a body by more, rad, is halved: Newton's method might have jumped to another equilibrium.
+/// Largest rotation of a body in one load increment, rad. A larger one may mean a jump to another equilibrium, so the increment is halved.
 const MOST_TURN: f64 = 0.6;
 
-/// A spring that is this many times as stiff as the median loses its force to rounding: positions of 150 mm are rounded by 1e-14 mm, which 240 N/mm,
-/// usual for a finger of TPU, make 2e-12 N, and the springs of a segment of 0.007 mm 1e-4 N.
+/// Stiffness, relative to the median, above which a spring's force is lost in rounding. Positions of 150 mm are rounded by 1e-14 mm. The error is 2e-12 N
+/// at 240 N/mm, usual for a TPU finger, but 1e-4 N in the springs of a segment of 0.007 mm.
 const STIFF: f64 = 1e4;
 
-/// What all second derivatives under the same loads share: where their entries are, and in which order the unknowns are eliminated.
+/// Sparsity pattern and elimination order, shared by all second derivatives under the same loads.
 struct Elimination {
     pattern: Pattern,
     order: SymbolicLlt<usize>,
@@ -187,7 +187,7 @@ impl Elimination {
         Some(Elimination { pattern, order })
     }
 
-    /// `None` if the second derivatives are not positive definite.
+    /// Cholesky factors; `None` if the second derivatives are not positive definite.
     fn factorised(&self, curvature: &[Triplet<usize, usize, f64>]) -> Option<Llt<usize, f64>> {
         let matrix = self.pattern.matrix(curvature)?;
         Llt::try_new_with_symbolic(self.order.clone(), matrix.as_ref(), Side::Lower).ok()
@@ -206,17 +206,17 @@ impl<'a> Energy<'a> {
         Energy { assembly, unknowns, count }
     }
 
-    /// Number of unknowns, three a free body.
+    /// Number of unknowns: three per free body.
     pub fn unknown_count(&self) -> usize {
         self.count
     }
 
-    /// The first of a body's three unknowns; none for a clamped one.
+    /// Index of a body's first unknown; `None` for a clamped body.
     pub fn first_unknown(&self, body: usize) -> Option<usize> {
         self.unknowns[body]
     }
 
-    /// Energy of every spring about a motion, in the order of the assembly.
+    /// Energy of every spring for given motions of the bodies, in the order of the assembly.
     pub fn springs(&self, motions: &[BodyMotion]) -> impl Iterator<Item = SpringEnergy> + use<'a> {
         let moved: Vec<Moved> = motions.iter().map(Moved::by).collect();
         self.assembly.springs.iter().map(move |spring| {
@@ -232,7 +232,7 @@ impl<'a> Energy<'a> {
         })
     }
 
-    /// Expands the energy about a motion under `factor` times the loads.
+    /// Expands the energy to second order about `motions`, under `factor` times the loads.
     pub fn expand(&self, motions: &[BodyMotion], loads: &[BodyLoad], factor: f64) -> Expansion {
         let mut expansion = Expansion { energy: 0.0, gradient: vec![0.0; self.count], curvature: Vec::new() };
         for SpringEnergy { bodies, energy, gradient, curvature } in self.springs(motions) {
@@ -264,12 +264,12 @@ impl<'a> Energy<'a> {
         expansion
     }
 
-    /// Force (N) and moment about the origin (N mm) that the springs put on the clamped bodies.
+    /// Force (N) and moment about the origin (N mm) of the springs on the clamped bodies.
     pub fn on_clamps(&self, motions: &[BodyMotion]) -> (Vector, f64) {
         self.on_bodies(motions, &self.clamped())
     }
 
-    /// Force (N) and moment about the origin (N mm) that the springs put on some bodies from the others.
+    /// Force (N) and moment about the origin (N mm) of the springs on the bodies marked in `are_held`, exerted by the other bodies.
     pub fn on_bodies(&self, motions: &[BodyMotion], are_held: &[bool]) -> (Vector, f64) {
         let (mut force, mut moment) = (Vector::zeros(), 0.0);
         for spring in &self.assembly.springs {
@@ -289,8 +289,8 @@ impl<'a> Energy<'a> {
         self.unknowns.iter().map(Option::is_none).collect()
     }
 
-    /// The clamped bodies, and those that springs tie to them so stiffly that rounding of positions hides the springs' forces. Where all is at rest, what
-    /// the others put on these bodies and what acts on them from outside is what the clamps bear.
+    /// Marks the clamped bodies, and those tied to them by springs so stiff that rounding hides the spring forces. At rest, the load on these bodies,
+    /// from the other bodies and from outside, equals the reaction of the clamps.
     pub fn stiff_base(&self) -> Vec<bool> {
         let is_translational = |spring: &&Spring| spring.deformation != Deformation::Turn;
         let springs: Vec<&Spring> = self.assembly.springs.iter().filter(is_translational).collect();
@@ -309,11 +309,11 @@ impl<'a> Energy<'a> {
         are_held
     }
 
-    /// Follows the loads from `from` to `to` times their size, beginning with the equilibrium `motions` at `from`; the
-    /// number of steps taken.
+    /// Follows the equilibrium as the load factor grows from `from` to `to`. `motions` is the equilibrium at `from`, and is updated. Returns the number
+    /// of Newton steps.
     ///
     /// # Errors
-    /// [`BranchEnd`] where no stable equilibrium follows; `motions` is then the last one found.
+    /// [`BranchEnd`] if the path has no further stable equilibrium; `motions` is then the last one found.
     pub fn follow(
         &self,
         motions: &mut Vec<BodyMotion>,
@@ -344,7 +344,7 @@ impl<'a> Energy<'a> {
         Ok(steps)
     }
 
-    /// Newton's method from a guess; the number of steps, or `None` if it does not converge to a stable equilibrium.
+    /// Newton's method from an initial guess. Returns the number of steps, or `None` if it does not converge to a stable equilibrium.
     fn converge(
         &self,
         motions: &mut [BodyMotion],

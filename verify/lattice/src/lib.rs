@@ -1,20 +1,20 @@
-//! The finger as a lattice of rigid bodies and springs, in which nothing of the beam model's elements or solver is used. Its springs
-//! are EA / l, 12 EI / l^3 and EI / l of the same sections: it is another discretisation of the same theory, and verifies solver and
-//! kinematics, not Euler-Bernoulli itself.
+//! A finger as a lattice of rigid bodies and springs: a second discretisation that verifies the beam solver.
 //!
-//! Plates and ribs are cut into short segments. Between two segments, and at every rod, sits a rigid body; a segment
-//! becomes an axial spring and two or three against bending, laid out in [`springs`]. [`settling`] lets the bodies move in
-//! the physics engine rapier until they rest. Their rest position is a minimum of the springs' [`energy`], which Newton's
-//! method finds as well: that separates errors of the lattice from those of the settling.
+//! The lattice uses neither the elements nor the solver of the beam model. Its springs have the stiffnesses EA / l, 12 EI / l^3 and EI / l of the
+//! same sections. It therefore verifies solver and kinematics, but not the Euler-Bernoulli theory.
 //!
-//! No parameter is fitted. For small displacements the lattice is exact at the key nodes, like a frame of slender beams;
-//! its geometrically nonlinear error falls with the third to fourth power of the segments' length.
+//! Plates and ribs are cut into short segments, with a rigid body between two segments and at every rod. Each segment becomes one axial spring and
+//! up to three bending springs ([`springs`]). The equilibrium is found twice: [`settling`] lets the bodies move in the physics engine rapier until
+//! they rest, and Newton's method minimises the springs' [`energy`]. The comparison separates errors of the lattice from those of settling.
 //!
-//! Every finger can be built: with arms, zones, hinged ribs, and ribs that do not deform (one body with their rods, or
-//! between hinges a bar ten times as stiff as a plate is along itself).
+//! No parameter is fitted. For small displacements the lattice is exact at the key nodes, like a frame of slender beams. Its geometrically
+//! nonlinear error falls with the third to fourth power of the segment length.
 //!
-//! [`grasp`] finds the equilibrium of two fingers with an object between, [`pressing`] with the same method that of one finger and an object that a hand
-//! holds, which rapier verifies ([`pressing::settled`]).
+//! The lattice supports every finger: rigid arms, zones, hinged ribs and undeformable ribs. An undeformable rib forms one body with its rods;
+//! between hinges it is a bar with ten times a plate's axial rigidity.
+//!
+//! [`grasp`] finds the equilibrium of two fingers with an object between them. [`pressing`] uses the same method for one finger and an object held
+//! by a hand; rapier verifies it ([`pressing::settled`]).
 #![forbid(unsafe_code)]
 
 pub mod bodies;
@@ -33,16 +33,16 @@ use finray_model::mesh::{FingerShape, Load, LoadError};
 use settling::{Dynamics, Settling};
 use springs::AxialSprings;
 
-/// Why a lattice was not built, or did not come to rest.
+/// Why a lattice cannot be built, or has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum LatticeError {
-    /// A fineness of zero.
+    /// The fineness is zero.
     #[error("a lattice has at least one segment a member")]
     NoSegments,
-    /// More bodies than are of use.
+    /// The lattice would have too many bodies.
     #[error("a lattice of fineness {fineness} has too many bodies: use a coarser one")]
     TooFine {
-        /// The number that was given.
+        /// Requested segments per plate member of mean length.
         fineness: usize,
     },
     /// The load is not on the finger.
@@ -51,105 +51,104 @@ pub enum LatticeError {
     /// A load is infinite or not a number.
     #[error("a load is not a finite number")]
     LoadNotFinite,
-    /// The bodies still moved when the steps ran out.
+    /// The bodies still move after the largest number of steps.
     #[error(
         "the lattice has not settled after {steps} steps: its bodies still move by {residual:.1e} of the largest displacement"
     )]
     NotSettled {
         /// Steps taken.
         steps: usize,
-        /// Largest movement between the last two looks, as a share of the largest displacement; infinite before the first.
+        /// Largest movement between the last two position checks, relative to the largest displacement; infinite before the second check.
         residual: f64,
     },
-    /// The outline of a front plate that tapers is not parallel to its middle line, which objects here take it for.
+    /// The front plate tapers. Contact assumes an outline parallel to the plate's middle line.
     #[error("finger.front.tip_thickness_mm: expected a front plate of one thickness where an object touches it")]
     Tapered,
-    /// An object that is to be pressed onto the finger does not start outside it.
+    /// The object overlaps the finger at the start.
     #[error("the object overlaps the undeformed finger by {overlap_mm:.3} mm where it starts")]
     Overlap {
-        /// How deep, mm.
+        /// Depth of the overlap, mm.
         overlap_mm: f64,
     },
-    /// An object pressed with a force goes free.
+    /// The finger does not hold the object against the applied force.
     #[error(
         "the finger does not hold the object against the force{}", touched_n.map_or(String::new(), |n| format!(": they last touched at {n:.3} N"))
     )]
     LetGo {
-        /// Force under which the object last touched the finger, N; `None` if it never did.
+        /// Force at which the object last touched the finger, N; `None` if it never did.
         touched_n: Option<f64>,
     },
-    /// No equilibrium with the object at its prescribed position.
+    /// No equilibrium exists with the object at its prescribed position.
     #[error("no stable equilibrium of finger and object is found{}", if *is_folded { ": the finger folds" } else { "" })]
     NoContactEquilibrium {
-        /// Whether a part of the finger has turned so far that it folds.
+        /// Whether a part of the finger has rotated so far that it folds.
         is_folded: bool,
     },
     /// Newton's method found no stable equilibrium on the way to the full load.
     #[error("no stable equilibrium of the lattice was found beyond {:.4} % of the load", 100.0 * converged_fraction)]
     NoEquilibrium {
-        /// Share of the load, 0..1, at which an equilibrium was last found.
+        /// Largest fraction of the load, 0 to 1, for which an equilibrium was found.
         converged_fraction: f64,
     },
 }
 
-/// A finger cut into rigid bodies with springs between them.
+/// A finger divided into rigid bodies connected by springs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lattice {
     finger: Finger,
     assembly: Assembly,
 }
 
-/// A finger come to rest.
+/// A finger that has come to rest in the physics engine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settled {
-    /// Motion of the key nodes.
+    /// Displacements and rotations of the key nodes.
     pub shape: FingerShape,
     /// Steps taken.
     pub steps: usize,
-    /// Largest movement of a body between the last two looks, as a share of the largest displacement.
+    /// Largest movement of a body between the last two position checks, relative to the largest displacement.
     pub residual: f64,
 }
 
 impl Lattice {
-    /// Builds a lattice with `fineness` segments in a plate member of mean length, and segments of about this length
-    /// everywhere.
+    /// Builds a lattice whose segments are about as long as a plate member of mean length divided by `fineness`.
     ///
     /// # Errors
-    /// [`LatticeError::NoSegments`], [`LatticeError::TooFine`].
+    /// [`LatticeError::NoSegments`] if `fineness` is 0, [`LatticeError::TooFine`] if there would be too many bodies.
     pub fn new(finger: &Finger, fineness: usize) -> Result<Lattice, LatticeError> {
         Lattice::with_axial_springs(finger, fineness, AxialSprings::default())
     }
 
-    /// [`new`](Lattice::new) with other axial springs than those of a beam.
+    /// Builds a lattice as [`new`](Lattice::new) does, but with other axial springs than those of a beam.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`new`](Lattice::new).
     pub fn with_axial_springs(finger: &Finger, fineness: usize, axial: AxialSprings) -> Result<Lattice, LatticeError> {
         Ok(Lattice { finger: finger.clone(), assembly: Assembly::new(finger, fineness, axial)? })
     }
 
-    /// The finger that it stands for.
+    /// The finger that the lattice represents.
     pub fn finger(&self) -> &Finger {
         &self.finger
     }
 
-    /// Its bodies and springs.
+    /// Bodies and springs of the lattice.
     pub fn assembly(&self) -> &Assembly {
         &self.assembly
     }
 
-    /// Shape in which the lattice comes to rest in rapier, all loads put on at once. The same loads give the same bits.
+    /// Lets the lattice settle in rapier under all loads at once. Equal loads give bit-identical results.
     ///
     /// # Errors
-    /// [`LatticeError::NotSettled`] after [`settling::MOST_STEPS`] steps; a load that is not on the finger.
+    /// [`LatticeError::NotSettled`] after [`settling::MOST_STEPS`] steps, [`LatticeError::Load`] or [`LatticeError::LoadNotFinite`] for a bad load.
     pub fn settle(&self, loads: &[Load]) -> Result<Settled, LatticeError> {
         self.settle_as(loads, Settling::default())
     }
 
-    /// [`settle`](Lattice::settle) with other sweeps, precision or limit of the steps.
+    /// Lets the lattice settle as [`settle`](Lattice::settle) does, with other numbers of sweeps or steps, or another precision.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`settle`](Lattice::settle).
     pub fn settle_as(&self, loads: &[Load], how: Settling) -> Result<Settled, LatticeError> {
         let loads = self.body_loads(loads)?;
         let mut dynamics = Dynamics::new(&self.assembly).settling_as(&how);
@@ -157,10 +156,10 @@ impl Lattice {
         Ok(Settled { shape: self.shape(&dynamics.motions()), steps: rest.steps, residual: rest.residual })
     }
 
-    /// Shape of least energy, by Newton's method: the stable equilibrium that follows from rest as the loads grow.
+    /// Finds the stable equilibrium by Newton's method, followed from rest as the loads grow.
     ///
     /// # Errors
-    /// [`LatticeError::NoEquilibrium`] where none follows; a load that is not on the finger.
+    /// [`LatticeError::NoEquilibrium`] if the path ends before the full load, [`LatticeError::Load`] or [`LatticeError::LoadNotFinite`] for a bad load.
     pub fn equilibrium(&self, loads: &[Load]) -> Result<FingerShape, LatticeError> {
         match self.path(loads, &[1.0])? {
             (mut shapes, None) => Ok(shapes.swap_remove(0)),
@@ -168,11 +167,11 @@ impl Lattice {
         }
     }
 
-    /// Shapes of least energy under growing multiples of the loads, each followed from the one before; and where
-    /// the path was lost, if it was.
+    /// Equilibria under increasing multiples `factors` of the loads, each followed from the one before. The second value says where the path ended, if
+    /// it did before the last factor.
     ///
     /// # Errors
-    /// A load that is not on the finger or not finite.
+    /// [`LatticeError::Load`] or [`LatticeError::LoadNotFinite`] for a bad load.
     pub fn path(&self, loads: &[Load], factors: &[f64]) -> Result<(Vec<FingerShape>, Option<BranchEnd>), LatticeError> {
         let loads = self.body_loads(loads)?;
         let energy = Energy::new(&self.assembly);
@@ -188,10 +187,10 @@ impl Lattice {
         Ok((shapes, None))
     }
 
-    /// Loads of the bodies that loads of the finger come to.
+    /// Distributes loads on the finger over the bodies that carry them.
     ///
     /// # Errors
-    /// [`LatticeError::Load`], [`LatticeError::LoadNotFinite`].
+    /// [`LatticeError::Load`] if a load is not on the finger, [`LatticeError::LoadNotFinite`] if it is not finite.
     pub fn body_loads(&self, loads: &[Load]) -> Result<Vec<BodyLoad>, LatticeError> {
         let mut shares = Vec::new();
         for load in loads {
@@ -201,7 +200,7 @@ impl Lattice {
         if shares.iter().all(finite) { Ok(shares) } else { Err(LatticeError::LoadNotFinite) }
     }
 
-    /// Motion of the key nodes where the bodies move so.
+    /// Displacements and rotations of the key nodes for given motions of all bodies.
     pub fn shape(&self, motions: &[BodyMotion]) -> FingerShape {
         FingerShape::new(&self.finger, |node| {
             let anchor = self.assembly.key_nodes[node.0 - 1];

@@ -1,12 +1,10 @@
-//! The lattice let loose in rapier until it comes to rest.
+//! Simulates the lattice in the physics engine rapier until it comes to rest.
 //!
-//! Only the position where it rests has a meaning: masses, time and damping are chosen so that it is reached soon. Every step,
-//! rapier solves the springs' forces at the end of the step by sweeps over them (projected Gauss-Seidel). The masses are
-//! dt^2 times the stiffness at each body, divided by `SOFTNESS`, so a sweep leaves the same share of the error in every
-//! lattice, whatever its units.
+//! Only the rest position is meaningful: masses, time step and damping are chosen for fast convergence. In every step, rapier solves for the spring
+//! forces at the end of the step by sweeps over the springs (projected Gauss-Seidel). The mass of a body is dt^2 times its stiffness, divided by
+//! `SOFTNESS`. A sweep therefore reduces the error by the same share in every lattice.
 //!
-//! Damping is kinetic: whenever the kinetic energy has passed a peak, all bodies are stopped. Springs carry none
-//! of their own.
+//! Damping is kinetic: all bodies are stopped whenever the kinetic energy has passed a peak. The springs have no damping.
 //!
 //! Reference: Cundall, "Explicit finite-difference methods in geomechanics" (1976), for kinetic damping.
 
@@ -20,37 +18,36 @@ use rapier2d::prelude::{
     PhysicsWorld, Pose, RigidBodyBuilder, RigidBodyHandle, SpringJointBuilder, Vector as RapierVector,
 };
 
-/// Length of a step, s. Its size changes nothing but the scale of the masses. It must not be 1: rapier then takes a motor
-/// without a limit of its force for a rigid constraint, which it subtracts from the other rows of the joint.
+/// Time step, s. Its size only scales the masses. It must not be 1: rapier then treats a motor without force limit as a rigid constraint and
+/// subtracts it from the joint's other rows.
 const STEP_S: f64 = 0.5;
-/// Stiffness times dt^2 over mass. Larger values move farther in a step, and take more sweeps for the same error.
+/// Stiffness times dt^2 over mass, dimensionless. Larger values move bodies farther per step, but need more sweeps for the same error.
 const SOFTNESS: f64 = 4.0;
-/// Sweeps in a step. The residual of the springs' forces after them shifts the rest position, less the more there are.
-/// Rapier's warm start of joints would not help: it hands
-/// each its old impulse only when its turn comes, and a sweep forgets where it began.
+/// Sweeps per step. The force residual that remains shifts the rest position; more sweeps reduce the shift. Rapier's warm start of joints would not
+/// help. It applies the old impulse of each joint only when its turn comes, and a sweep forgets its initial values.
 pub const SWEEPS: usize = 32;
 
-/// The lattice rests when no body has moved by more than this share of the largest displacement for as long as
-/// the slowest motion takes: `PATIENCE` times the steps to the first peak of the kinetic energy.
+/// Largest movement of a body, relative to the largest displacement, of a lattice at rest. It is measured over the duration of the slowest
+/// motion: `PATIENCE` times the steps to the first peak of the kinetic energy.
 pub const AT_REST: f64 = 2e-5;
-/// See [`AT_REST`]. From rest to the first peak is a quarter of a period.
+/// See [`AT_REST`]. The first peak comes a quarter of a period after the start.
 const PATIENCE: usize = 2;
-/// Fewest steps between two looks at the positions.
+/// Smallest number of steps between two position checks.
 const SHORTEST_WATCH: usize = 20;
-/// Displacements below this share of the finger's size count as this large: rapier keeps positions, whose rounding they near.
+/// Smallest displacement scale, relative to the finger's size. Rapier stores positions, whose rounding dominates smaller displacements.
 const RESOLUTION: f64 = 1e-9;
-/// Steps after which the lattice should long be at rest: the paper's finger takes 3000, one of spring steel 22000 (two segments a
-/// stretch), and more in proportion as segments are shorter.
+/// Largest number of steps. With two segments per member the paper's finger needs 3000 steps and one of spring steel 22000; shorter segments need
+/// proportionally more.
 pub const MOST_STEPS: usize = 200_000;
 
-/// How a lattice is let settle. The default is what it takes to rest where its energy is least.
+/// Settings of the settling. The defaults suffice to reach the minimum of the energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settling {
-    /// Sweeps over the springs in a step.
+    /// Sweeps over the springs per step.
     pub sweeps: usize,
-    /// Precision of the positions.
+    /// Precision of the stored positions.
     pub positions: Precision,
-    /// Steps after which it is given up.
+    /// Largest number of steps before settling fails.
     pub most_steps: usize,
 }
 
@@ -60,7 +57,7 @@ impl Default for Settling {
     }
 }
 
-/// Precision of the bodies' positions and rotations from step to step. All else is in double precision.
+/// Precision of the bodies' positions and rotations between steps. All other numbers are in double precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     /// 64 bits.
@@ -70,7 +67,7 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// A number as it is kept.
+    /// Rounds a number to this precision.
     pub fn round(self, x: f64) -> f64 {
         match self {
             Precision::Double => x,
@@ -82,29 +79,30 @@ impl Precision {
 /// Result of settling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rest {
-    /// Steps between two looks.
+    /// Steps between two position checks.
     pub watch: usize,
     /// Steps taken.
     pub steps: usize,
-    /// Largest movement between the last two looks, as a share of the largest displacement.
+    /// Largest movement between the last two position checks, relative to the largest displacement.
     pub residual: f64,
 }
 
 /// Bodies and joints of a lattice in a rapier world.
 pub(crate) struct Dynamics<'a> {
     assembly: &'a Assembly,
+    /// The rapier world.
     pub(crate) world: PhysicsWorld,
-    /// The lattice's bodies, in their order.
+    /// Handles of the lattice's bodies, in their order.
     pub(crate) handles: Vec<RigidBodyHandle>,
-    /// All bodies that move, the lattice's and others.
+    /// All moving bodies: the lattice's and others.
     moving: Vec<Moving>,
-    /// Precision of the positions.
+    /// Precision of the stored positions.
     positions: Precision,
     /// Kinetic energy after the last step, N mm.
     energy: f64,
 }
 
-/// A body that moves, with where it began.
+/// A moving body, with its initial position (mm), mass and moment of inertia.
 struct Moving {
     handle: RigidBodyHandle,
     start: RapierVector,
@@ -112,20 +110,22 @@ struct Moving {
     moment: f64,
 }
 
+/// Converts a vector to rapier's type.
 pub(crate) fn rapier(vector: Vector) -> RapierVector {
     RapierVector::new(vector.x, vector.y)
 }
 
+/// Converts a vector from rapier's type.
 pub(crate) fn own(vector: RapierVector) -> Vector {
     Vector::new(vector.x, vector.y)
 }
 
-/// The mass with which a stiffness (N/mm) moves in step with the others.
+/// Mass of a body with the given stiffness (N/mm), so that it moves in step with the others.
 pub(crate) fn mass_for(stiffness: f64) -> f64 {
     STEP_S * STEP_S * stiffness / SOFTNESS
 }
 
-/// A joint that moves like the spring: a motor that pulls back with a force (not an acceleration) in proportion.
+/// Joint that acts like the spring: a motor with a force (not an acceleration) proportional to the deformation.
 fn joint(spring: &Spring) -> GenericJoint {
     let [first, second] = spring.ends.map(|end| rapier(end.arm));
     let motor = |axis: JointAxis, angle: f64| {
@@ -182,14 +182,14 @@ impl<'a> Dynamics<'a> {
         dynamics
     }
 
-    /// The same with other sweeps and another precision.
+    /// Sets the number of sweeps and the precision.
     pub(crate) fn settling_as(mut self, how: &Settling) -> Dynamics<'a> {
         self.world.integration_parameters.num_internal_pgs_iterations = how.sweeps;
         self.positions = how.positions;
         self
     }
 
-    /// Puts a body that moves into the world.
+    /// Adds a moving body at `position` (mm), with its mass and moment of inertia.
     pub(crate) fn insert_moving(&mut self, position: Vector, mass: f64, moment: f64) -> RigidBodyHandle {
         let start = rapier(position);
         let properties = MassProperties::new(RapierVector::ZERO, mass, moment);
@@ -199,7 +199,7 @@ impl<'a> Dynamics<'a> {
         handle
     }
 
-    /// One step under dead loads.
+    /// Advances one step under dead loads.
     fn step(&mut self, loads: &[BodyLoad]) {
         for load in loads {
             let body = &mut self.world.bodies[self.handles[load.body]];
@@ -219,7 +219,7 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// Positions and rotations as they are kept.
+    /// Rounds positions and rotations to the stored precision.
     fn round_positions(&mut self) {
         let positions = self.positions;
         let kept = |x: f64| positions.round(x);
@@ -249,7 +249,7 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// Puts the lattice's bodies, at rest, where they have moved so.
+    /// Puts the lattice's bodies, at rest, into the poses of the given motions.
     pub(crate) fn place(&mut self, motions: &[BodyMotion]) {
         for ((handle, rest), motion) in self.handles.iter().zip(&self.assembly.bodies).zip(motions) {
             if !rest.fixed {
@@ -266,7 +266,7 @@ impl<'a> Dynamics<'a> {
         self.moving.iter().map(|moving| self.world.bodies[moving.handle].translation() - moving.start).collect()
     }
 
-    /// Motion of every body of the lattice from rest; rotations within half a turn.
+    /// Motion of every body of the lattice from its undeformed pose; rotations lie within half a turn.
     pub(crate) fn motions(&self) -> Vec<BodyMotion> {
         let motion = |(handle, rest): (&RigidBodyHandle, &super::bodies::Body)| {
             let body = &self.world.bodies[*handle];
@@ -275,7 +275,7 @@ impl<'a> Dynamics<'a> {
         self.handles.iter().zip(&self.assembly.bodies).map(motion).collect()
     }
 
-    /// One step; afterwards all bodies are stopped if the kinetic energy has passed its peak, and `true` is returned.
+    /// Advances one step, then stops all bodies if the kinetic energy has passed its peak. Returns whether it has.
     pub(crate) fn damped_step(&mut self, loads: &[BodyLoad]) -> bool {
         self.step(loads);
         let energy = self.kinetic_energy();
@@ -287,10 +287,10 @@ impl<'a> Dynamics<'a> {
         peak_passed
     }
 
-    /// Steps until the lattice rests.
+    /// Advances until the lattice rests.
     ///
     /// # Errors
-    /// [`LatticeError::NotSettled`] with the last residual if it does not within `most_steps`.
+    /// [`LatticeError::NotSettled`] with the last residual if the lattice still moves after `most_steps`.
     pub(crate) fn settle(&mut self, loads: &[BodyLoad], most_steps: usize) -> Result<Rest, LatticeError> {
         let mut steps = 1;
         while !self.damped_step(loads) && steps < most_steps {
@@ -299,10 +299,10 @@ impl<'a> Dynamics<'a> {
         self.watch(loads, (PATIENCE * steps).max(SHORTEST_WATCH), steps, most_steps)
     }
 
-    /// Goes on after `steps` until no moving body has moved for as long as a `watch` lasts, in steps.
+    /// Advances from step `steps` until no body has moved during `watch` steps.
     ///
     /// # Errors
-    /// [`LatticeError::NotSettled`] with the last residual if they still move after `most_steps`.
+    /// [`LatticeError::NotSettled`] with the last residual if bodies still move after `most_steps`.
     pub(crate) fn watch(
         &mut self,
         loads: &[BodyLoad],
@@ -331,8 +331,8 @@ impl<'a> Dynamics<'a> {
     }
 }
 
-/// Mass and moment of inertia of every body: dt^2 k / softness, with the stiffness k that the lattice at rest sets against the
-/// body's own motion.
+/// Mass and moment of inertia of every body: dt^2 k / softness. The stiffness k is the diagonal entry of the undeformed lattice for the body's
+/// own motion.
 fn inertia(assembly: &Assembly) -> Vec<(f64, f64)> {
     let energy = Energy::new(assembly);
     let at_rest = vec![BodyMotion::default(); assembly.bodies.len()];

@@ -1,4 +1,4 @@
-//! The surface that a lattice shows to an object: a ball for every rod of the front plate, capsules between.
+//! Contact surface of a lattice: a disc at every rod of the front plate, capsules between them.
 
 use super::bodies::BodyLoad;
 use super::energy::{BodyMotion, Energy};
@@ -10,12 +10,12 @@ use finray_model::mesh::FingerShape;
 use finray_model::{NodeId, Vector};
 use rapier2d::prelude::{CoefficientCombineRule, ColliderBuilder, Group, InteractionGroups, InteractionTestMode};
 
-/// Where on the finger an object touches it.
+/// The part of the finger that an object touches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TouchedPart {
-    /// The rod at a key node of the front plate.
+    /// Rod at a key node of the front plate.
     Rod(NodeId),
-    /// The front plate, mm along it from the base.
+    /// Front plate, at this position from its base, mm.
     Plate(f64),
 }
 
@@ -29,20 +29,20 @@ impl TouchedPart {
     }
 }
 
-/// One point at which the object pushes on the finger.
+/// A point at which the object pushes on the finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch {
-    /// Body of the lattice that is pushed.
+    /// Body of the lattice that carries the force.
     pub body: BodyIndex,
-    /// The part of the finger.
+    /// Touched part of the finger.
     pub part: TouchedPart,
     /// Whether the part is clamped, so that the force does not bend the finger.
     pub clamped: bool,
-    /// Where, finger frame, deformed, mm.
+    /// Contact point, finger frame, deformed, mm.
     pub point: Vector,
-    /// From the centre of the body to the point, as if the body had not turned, mm.
+    /// Vector from the body's centre to the point, in the undeformed orientation of the body, mm.
     pub arm: Vector,
-    /// Unit vector from the object into the finger.
+    /// Unit vector from the object into the finger, finger frame.
     pub normal: Vector,
     /// Force on the finger, N, finger frame.
     pub force: Vector,
@@ -54,7 +54,7 @@ pub struct Touch {
 #[derive(Clone, Copy)]
 pub(crate) enum Skin {
     Rod(NodeId),
-    /// Where the piece begins along the plate (mm), and the same point from the centre of its body.
+    /// Start of the piece along the plate (mm), and the same point relative to the body's centre (mm).
     Plate {
         from_mm: f64,
         from_arm: Vector,
@@ -64,25 +64,25 @@ pub(crate) enum Skin {
 const FINGER: Group = Group::GROUP_1;
 const OBJECT: Group = Group::GROUP_2;
 
-/// The finger touches the object alone, not itself.
+/// Collision groups: the finger touches the object, but not itself.
 fn groups(own: Group, other: Group) -> InteractionGroups {
     InteractionGroups::new(own, other, InteractionTestMode::And)
 }
 
-/// What the object touches: the finger.
+/// Collision groups of the object, which touches only the finger.
 pub(crate) fn groups_of_object() -> InteractionGroups {
     groups(OBJECT, FINGER)
 }
 
-/// Checks that the front plate's surface runs along its middle line.
+/// Checks that the front plate has one thickness, so that its surface is parallel to its middle line.
 ///
 /// # Errors
-/// [`LatticeError::Tapered`].
+/// [`LatticeError::Tapered`] if the plate tapers.
 pub(crate) fn require_one_thickness(lattice: &Lattice) -> Result<(), LatticeError> {
     if lattice.finger().tapers(Plate::Front) { Err(LatticeError::Tapered) } else { Ok(()) }
 }
 
-/// Gives the lattice its surface: a ball at every key node of the front plate, capsules between.
+/// Adds the contact surface to the world: a disc at every key node of the front plate, capsules between them.
 pub(crate) fn add_skin(
     lattice: &Lattice,
     rod_radius_mm: f64,
@@ -121,11 +121,11 @@ pub(crate) fn add_skin(
 }
 
 impl Lattice {
-    /// Shape of least energy under the forces of touches, kept as they are: if these are right, the shape in which they
-    /// were found. Newton's method knows nothing of contact, engine or object.
+    /// Equilibrium under the fixed forces of given contacts, by Newton's method without contact, engine or object. Correct contact forces reproduce the
+    /// shape in which they were found.
     ///
     /// # Errors
-    /// [`LatticeError::NoEquilibrium`] where there is none.
+    /// [`LatticeError::NoEquilibrium`] if no stable equilibrium is found.
     pub fn equilibrium_under(&self, touches: &[Touch]) -> Result<FingerShape, LatticeError> {
         let load = |touch: &Touch| BodyLoad {
             body: touch.body,

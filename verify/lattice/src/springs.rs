@@ -1,90 +1,88 @@
-//! The springs that stand for a short segment of beam between two rigid bodies.
+//! Springs that represent a short beam segment between two rigid bodies.
 
 use finray_model::Vector;
 use finray_model::frame::Section;
 
-/// Index of a body of a lattice, from 0.
+/// Index of a body in a lattice, from 0.
 pub type BodyIndex = usize;
 
-/// A point that a body carries along.
+/// A point fixed to a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor {
-    /// The body.
+    /// Body that carries the point.
     pub body: BodyIndex,
-    /// From the centre of the body to the point, undeformed, mm.
+    /// Vector from the body's centre to the point, undeformed, mm.
     pub arm: Vector,
 }
 
 impl Anchor {
-    /// The point farther along by `by`, mm, on the same body.
+    /// The point shifted by `by` (mm, undeformed) on the same body.
     pub fn moved(self, by: Vector) -> Anchor {
         Anchor { arm: self.arm + by, ..self }
     }
 }
 
-/// Deformation that a spring resists.
+/// Kind of deformation that a spring resists.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Deformation {
-    /// Change of the distance between its two points.
+    /// Change of the distance between its two points, mm.
     Distance {
-        /// From the first point to the second, undeformed, mm.
+        /// Vector from the first point to the second, undeformed, mm.
         rest: Vector,
     },
-    /// Displacement of the second point against the first, which it rests on, across a direction that the first body
-    /// carries along.
+    /// Displacement of the second point from the first, mm, normal to a direction that the first body carries. Undeformed, the points coincide.
     Across {
-        /// The direction, undeformed; a unit vector.
+        /// Unit vector of the direction, undeformed.
         direction: Vector,
     },
-    /// Rotation of the second body against the first.
+    /// Rotation of the second body relative to the first, rad.
     Turn,
 }
 
-/// A linear spring between two bodies: energy stiffness / 2 x deformation^2.
+/// A linear spring between two bodies with the energy stiffness / 2 * deformation^2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring {
     /// Its points on the two bodies.
     pub ends: [Anchor; 2],
-    /// Deformation that it resists.
+    /// Deformation that the spring resists.
     pub deformation: Deformation,
-    /// N / mm; for a rotation N mm.
+    /// Stiffness, N/mm; for a rotation N mm per rad.
     pub stiffness: f64,
 }
 
 /// A straight segment of slender beam between two anchors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// Where it begins and ends.
+    /// First and last point of the segment.
     pub ends: [Anchor; 2],
-    /// Whether it is free to turn at its ends.
+    /// Whether each end is hinged.
     pub pinned: [bool; 2],
     /// Unit vector from the first end to the second, undeformed.
     pub direction: Vector,
     /// Length, mm.
     pub length_mm: f64,
-    /// EA and EI.
+    /// Axial rigidity EA and bending rigidity EI.
     pub section: Section,
 }
 
-/// Share of the length by which the axial spring's points lie inside the segment, at ends that are not pinned.
+/// Inset of the axial spring's points from each unpinned end, as a share of the segment length.
 ///
-/// A beam that bends comes nearer with its ends although it is not stretched. With the ends turned by -phi and phi
-/// against the chord, a circular arc of length l has the chord l (1 - phi^2 / 6), and two points carried by the ends, c l
-/// inside, have the distance l (1 - 2 c) + l (c - 1 / 6) phi^2: unstretched for c = 1 / 6. The same share is right
-/// for a segment with one pinned end.
+/// Bending brings the ends of a beam closer together without axial strain. If the ends rotate by -phi and phi against the chord, an arc of length l
+/// has the chord l (1 - phi^2 / 6). Two points carried by the ends at the inset c l have the distance l (1 - 2 c) + l (c - 1 / 6) phi^2. It is
+/// constant for c = 1 / 6. The same share holds for a segment with one pinned end.
 pub const AXIAL_INSET: f64 = 1.0 / 6.0;
 
-/// Axial springs of the segments. The default is that of a beam; all else is there to see what it matters.
+/// Axial springs of the segments. The default is that of a beam; other values serve to study their effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxialSprings {
-    /// Share of the length by which their points lie inside the segment; see [`AXIAL_INSET`].
+    /// Inset of the spring's points from the segment ends, as a share of its length; see [`AXIAL_INSET`].
     pub inset: f64,
-    /// Their stiffness in units of EA / l; nought leaves them out.
+    /// Stiffness in units of EA / l; 0 removes the springs' effect.
     pub stiffness: f64,
 }
 
 impl AxialSprings {
-    /// Those of a slender beam.
+    /// Axial springs of a slender beam.
     pub const OF_A_BEAM: AxialSprings = AxialSprings { inset: AXIAL_INSET, stiffness: 1.0 };
 }
 
@@ -95,12 +93,11 @@ impl Default for AxialSprings {
 }
 
 impl Segment {
-    /// The springs of the segment, by its pins.
+    /// The springs of the segment, depending on its pins.
     ///
-    /// Between two clamped ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2, with
-    /// the turn of one end against the other, and the gap that opens across the beam at its middle if both halves stay straight.
-    /// The gap is measured half by the one end's direction and half by the other's, so that neither is preferred. A
-    /// segment with a pin is a cantilever, 3 EI / l^3, carried by the end that is not pinned; with two pins, a bar.
+    /// Between two clamped ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative
+    /// rotation of the ends, and `across` the gap at the middle if both halves stayed straight. Half of the gap's energy is measured in the direction
+    /// of each end, for symmetry. A segment with one pin is a cantilever, 3 EI / l^3, carried by the unpinned end. A segment with two pins is a bar.
     pub fn springs(&self, axial: AxialSprings) -> Vec<Spring> {
         let length = self.length_mm;
         let bending = self.section.bending_rigidity_nmm2;

@@ -1,4 +1,4 @@
-//! The energy of the lattice and where it is least.
+//! The energy of the lattice, and its minimum.
 
 use finray_lattice::bodies::{Assembly, Body, BodyLoad};
 use finray_lattice::energy::{BodyMotion, Energy};

@@ -1,4 +1,4 @@
-//! Tests of `finray-lattice`: each file tests the source file of its path.
+//! Tests of `finray-lattice`: each file tests the source file of the same path.
 
 mod energy;
 mod grasp {

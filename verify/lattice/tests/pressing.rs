@@ -1,4 +1,4 @@
-//! Pressed objects: equilibria against rapier, statics, and an independent contact frame.
+//! Pressed objects: equilibria compared with rapier, statics, and an independent contact solution with frame elements.
 
 use finray_lattice::Lattice;
 use finray_lattice::grasp::surface::Shape;

@@ -1,4 +1,4 @@
-//! Settling: the lattice rests where its energy is least, and where beams do.
+//! Settling: the lattice comes to rest at the minimum of its energy, and close to beams.
 
 use finray_lattice::settling::Settling;
 use finray_lattice::{Lattice, LatticeError, settling};

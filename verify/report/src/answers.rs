@@ -1,4 +1,4 @@
-//! The first screen: what a gripper builder asks, each answered in a line from the numbers.
+//! First screen of the report: a gripper builder's questions, each answered in one line from the results.
 
 use super::format::capitalised;
 use super::maps::small;
@@ -10,10 +10,10 @@ use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGM
 use finray_studies::settings::{CAMERA_FRAME_S, TWO_FORCES_N};
 use minijinja::value::Serde;
 
-/// Regions of a finger of which less than this share is trusted are named.
+/// Regions of a finger with a smaller share of trusted cells are named.
 const MOSTLY: f64 = 0.9;
 
-/// The five answers; those that a scene gives no numbers for are left out.
+/// The five answers; an answer without numbers for the scene is left out.
 pub(super) fn answers(study: &Study) -> Result<Vec<Answer>, ReportError> {
     let situations = situations(study);
     let all = [
@@ -28,7 +28,7 @@ pub(super) fn answers(study: &Study) -> Result<Vec<Answer>, ReportError> {
     Ok(all.into_iter().filter_map(said).collect())
 }
 
-/// What all of the page rests on.
+/// The assumptions behind the whole page.
 pub(super) fn caveat(study: &Study) -> Result<String, ReportError> {
     let finger = study.finger.description();
     let numbers = context! {
@@ -38,7 +38,7 @@ pub(super) fn caveat(study: &Study) -> Result<String, ReportError> {
     Ok(say("answers.caveat", Some(numbers))?.unwrap_or_default())
 }
 
-/// Trusted cells of those that carry the forces in each situation, and the weakest regions of the first.
+/// Trusted cells among those with an equilibrium in each situation, and the weakest regions in the first.
 fn trusted(study: &Study, situations: &[Situation]) -> Option<Value> {
     let [first, others @ ..] = situations else { return None };
     let counts = |situation: &Situation| {
@@ -56,10 +56,10 @@ fn trusted(study: &Study, situations: &[Situation]) -> Option<Value> {
     })
 }
 
-/// A part of the finger: its name, and what belongs to it, by position over the plate's length and direction in degrees.
+/// A region of the finger: its name, and a test by position over the plate's length and direction in degrees.
 type Region = (&'static str, fn(f64, f64) -> bool);
 
-/// The two regions in which most fails, worst first.
+/// The two regions with the smallest trusted shares, smallest first.
 fn weak_regions(study: &Study, situation: &Situation) -> Vec<Value> {
     const REGIONS: [Region; 5] = [
         ("the tenth of the plate next to the base", |s, _| s < 0.1),
@@ -74,7 +74,7 @@ fn weak_regions(study: &Study, situation: &Situation) -> Vec<Value> {
     weak.into_iter().take(2).map(|(share, name)| context! { share, name }).collect()
 }
 
-/// The main reason in each situation.
+/// The main cause of failure in each situation.
 fn why_not(study: &Study, situations: &[Situation]) -> Option<Value> {
     let [known, others @ ..] = situations else { return None };
     let is_wrong = |cell: &&MapCell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
@@ -101,14 +101,14 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<Value> {
     })
 }
 
-/// Which estimator to run.
+/// The recommended estimator, with its error and time.
 fn use_what(study: &Study) -> Result<Option<String>, ReportError> {
     let Some(way) = recommended(&study.speed_error) else {
         let numbers =
             context! { forces_n => study.checked_forces().scaled(TWO_FORCES_N), sigmas => LARGEST_BIAS_SIGMAS };
         return say("answers.no_setting", (!ways(&study.speed_error).is_empty()).then_some(numbers));
     };
-    // Without a previous answer, where that makes a difference.
+    // Time without a previous answer, if that differs.
     let slowest = way.cold.unwrap_or(way.one);
     let numbers = context! {
         estimator => way.one.estimator.map_or(way.one.model.as_str(), |estimator| estimator.label()),
@@ -131,7 +131,7 @@ fn linear(study: &Study) -> Option<f64> {
     TrustCounts::of(&map.worst()).share()
 }
 
-/// How often stated intervals hold, and where they do not.
+/// Coverage of the stated intervals, for the uniform finger and the softer one.
 fn how_sure(study: &Study) -> Option<Value> {
     let of = |truth| {
         let row = study.coverage.iter().find(|row| row.truth == truth && row.estimator == EstimatorId::Nonlinear)?;
@@ -142,7 +142,7 @@ fn how_sure(study: &Study) -> Option<Value> {
     Some(context! { known => of(TruthId::Corotational)?, softer => of(TruthId::Twin) })
 }
 
-/// What was verified, what was not, and where the beam model is beyond its limits.
+/// Results of verification, and where the beam model exceeds its limits.
 fn physics(study: &Study) -> Value {
     let counts = checks::counted(study).into_iter();
     let counts =

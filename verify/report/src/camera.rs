@@ -1,4 +1,4 @@
-//! From camera to force: what each property of the camera costs in millimetres, and these in the force.
+//! From camera to force: effect of each camera property on the marker position, mm, and on the force.
 
 use super::format::percent_two_digits;
 use crate::prelude::*;
@@ -6,7 +6,7 @@ use finray_studies::experiments::camera::{AS_IT_IS, ASKED_ERROR, CameraRow, Came
 use finray_studies::settings::CAMERA_NOISE_MM;
 
 const CSV: &str = "camera.csv";
-/// Height of a line of a drawing, px.
+/// Height of a row in a drawing, px.
 const LINE_PX: f64 = 24.0;
 const NEEDED_CSV: &str = "camera_needed.csv";
 
@@ -69,15 +69,15 @@ fn setting(row: &CameraRow) -> String {
     if row.is_rest_seen { format!("{}, image at rest", row.setting) } else { row.setting.to_owned() }
 }
 
-/// A number of a row.
+/// A numeric column of the table.
 type CameraQuantity = fn(&CameraRow) -> Option<f64>;
 
-/// A line of a drawing: conditions that differ in what displacements are counted from share one.
+/// Label of a row in a drawing; conditions that differ only in the reference of their displacements share a row.
 fn line(row: &CameraRow) -> String {
     if row.item == AS_IT_IS { row.item.to_owned() } else { format!("{}: {}", row.item, row.setting) }
 }
 
-/// Errors line by line, the paper's camera in the last; `None` where nothing has a place on a logarithmic axis.
+/// Errors row by row, with the paper's camera last; `None` if no error can be drawn on a logarithmic axis.
 fn drawing(
     camera: &CameraStudy,
     (title, axis): (&str, &str),
@@ -85,14 +85,14 @@ fn drawing(
     papers: Option<f64>,
     asked: Option<f64>,
 ) -> Result<Option<String>, FigureError> {
-    // What differs in the same thing stands together.
+    // Conditions that vary the same property stay together.
     let first = |item: &str| camera.rows.iter().position(|row| row.item == item);
     let mut rows: Vec<&CameraRow> = camera.rows.iter().collect();
     rows.sort_by_key(|row| first(row.item));
     let mut lines: Vec<String> = rows.into_iter().map(line).collect();
     lines.dedup();
     lines.push("the paper's camera".to_owned());
-    // From the top on.
+    // Rows are counted from the top.
     let at = |name: &str| (lines.len() - 1 - lines.iter().position(|other| other == name).unwrap_or(0)) as f64;
     let points = |is_rest_seen: bool| -> Vec<Point> {
         let rows = camera.rows.iter().filter(|row| row.is_rest_seen == is_rest_seen);
@@ -122,7 +122,7 @@ fn drawing(
     Chart::new(frame, [Axis::log(axis), Axis::categories("", lines)], series).svg().map(Some)
 }
 
-/// What the camera reaches, what it needs, and what costs most.
+/// The camera's accuracy, the accuracy needed, and the costliest property.
 fn in_words(camera: &CameraStudy) -> Option<Value> {
     let row = camera.as_it_is()?;
     let worst = camera.worst()?;

@@ -1,4 +1,4 @@
-//! Why sensing fails: maps of the largest cause, what each costs along the finger, and what clears it.
+//! Causes of sensing errors: maps of the largest cause, the cost of each along the finger, and remedies.
 
 mod drawings;
 mod rows;
@@ -13,14 +13,14 @@ use finray_studies::experiments::causes::{
 };
 
 const CSV: &str = "causes.csv";
-/// Maps of the largest cause that are drawn: least squares with a contact known and assumed.
+/// Number of maps of the largest cause: least squares with known and with assumed contact.
 const DRAWN: usize = 2;
-/// The finger at hand among the true fingers.
+/// The scene's finger among the models of the true finger.
 const OWN: TruthId = TruthId::Corotational;
-/// The finger that is fitted to the paper's Table I.
+/// The finger fitted to the paper's Table I.
 const FITTED: TruthId = TruthId::Twin;
 
-/// Where the nonlinear estimator fails along the normal, and the largest cause there.
+/// Regions in which the nonlinear estimator fails along the normal, with the largest cause in each.
 pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
     let map = find(study, truth, Practice::Nonlinear, contact)?;
     let force_n = study.forces.drawn_n();
@@ -41,7 +41,7 @@ pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactK
     })
 }
 
-/// A cause within a sentence.
+/// A cause as part of a sentence.
 fn because(cause: Cause) -> &'static str {
     match cause {
         Cause::Noise => "because of noise",
@@ -86,17 +86,18 @@ fn find(study: &Study, truth: TruthId, practice: Practice, contact: ContactKnowl
     study.causes.iter().find(is)
 }
 
-/// All maps, those of the finger at hand first.
+/// All maps, those of the scene's finger first.
 fn own_first(study: &Study) -> impl Iterator<Item = &CauseMap> {
     let (own, others): (Vec<_>, Vec<_>) = study.causes.iter().partition(|map| map.truth == OWN);
     own.into_iter().chain(others)
 }
 
-/// The maps over position and direction, those of the finger at hand first.
+/// The maps over position and direction, those of the scene's finger first.
 fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
     own_first(study).filter(|map| map.request.angles_deg.len() > 1)
 }
 
+/// Name of the map's estimator as part of a sentence.
 pub(super) fn estimator_in_words(map: &CauseMap) -> &'static str {
     match map.practice {
         Practice::LeastSquares => "least squares",
@@ -109,7 +110,7 @@ fn practice_in_words(map: &CauseMap) -> String {
     format!("{}, contact {}", estimator_in_words(map), map.contact.name())
 }
 
-/// The largest causes region by region.
+/// The largest cause in each region.
 fn by_region(study: &Study) -> Table {
     let force_n = study.forces.drawn_n();
     let cell = move |map: &CauseMap, region: Region| {
@@ -142,7 +143,7 @@ fn by_region(study: &Study) -> Table {
         )
 }
 
-/// Nodes, each with its cells under several forces along the normal.
+/// Contact nodes with their cells under several forces along the normal.
 fn at_nodes<'s>(study: &'s Study, map: &'s CauseMap) -> impl Iterator<Item = (NodeId, &'s CauseCell)> {
     let finger = &study.finger;
     let nodes = finger.contact_nodes().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
@@ -152,7 +153,7 @@ fn at_nodes<'s>(study: &'s Study, map: &'s CauseMap) -> impl Iterator<Item = (No
     })
 }
 
-/// Error at the nodes as remedies are taken one after the other.
+/// Errors at the nodes as remedies are applied one after the other.
 fn remedies(study: &Study) -> Option<Table> {
     let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed)?;
     let (rows, force_n) = (at_nodes(study, map), study.forces.drawn_n());

@@ -1,4 +1,4 @@
-//! Checks against other programs, closed forms and ourselves, and comparisons where a difference is expected.
+//! Checks against other programs, analytical solutions and internal references, and comparisons whose difference is expected.
 
 use super::format::verdict;
 use crate::prelude::*;
@@ -25,7 +25,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("checks", "Cross-checks", blocks).saying([in_words(study)])))
 }
 
-/// Where each check stands with its figures.
+/// Files that contain each check with its numbers.
 fn files() -> Table {
     Columns::<[&str; 2]>::new()
         .cells(Column::words("file"), |[file, _]| Cell::file(*file))
@@ -40,7 +40,7 @@ fn files() -> Table {
         )
 }
 
-/// How many checks pass, those against other programs first and each reference apart.
+/// Number of passed checks: first against other programs, then by reference.
 fn in_words(study: &Study) -> String {
     let about = |against: Against| match against {
         Against::OtherPrograms => "external checks (figures of another program)",
@@ -53,17 +53,17 @@ fn in_words(study: &Study) -> String {
     format!("Checks that pass: {}.", parts.collect::<Vec<_>>().join(", "))
 }
 
-/// The checks by whose figures they are against.
+/// Checks counted by kind of reference.
 pub(super) fn counted(study: &Study) -> Vec<Tally> {
     tallies(study.all_checks().collect::<Vec<_>>().into_iter())
 }
 
-/// Drawn for what agrees to the last bit, which has no place on a logarithmic axis.
+/// Drawn for a disagreement of 0, which a logarithmic axis cannot show.
 const LAST_BIT: f64 = f64::EPSILON;
-/// Where the fit's residuals are drawn.
+/// Row in which the residuals of the fit are drawn.
 const FITTED: &str = "the paper's Table I";
 
-/// How far each independent reference is off, check by check, and what was fitted apart.
+/// Disagreement with each independent reference, one point per check; fitted residuals are separate.
 fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     let mut found: Vec<(Kind, &str, f64)> =
         study.all_checks().filter_map(|check| Some((check.kind, &*check.source, check.disagreement?))).collect();
@@ -76,7 +76,7 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     if sources.is_empty() {
         return Ok(None);
     }
-    // Rows run downwards.
+    // Rows run from top to bottom.
     sources.reverse();
     let row = |of: &str| sources.iter().position(|source| *source == of).unwrap_or(0) as f64;
     let of_kind = |kind: Kind| {
@@ -102,7 +102,7 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     Ok(Some(Figure::wide(svg, caption, CSV)))
 }
 
-/// The checks in short: a row for each reference, grouped by its kind, with how close its closest check comes to failing.
+/// Summary of the checks: one row per reference, grouped by kind, with the smallest margin to its tolerance.
 fn by_source(checks: &[&Check]) -> Table {
     type Source<'c> = (Kind, &'c str);
     let mut sources: Vec<Source> = Vec::new();

@@ -26,13 +26,13 @@ pub(super) fn section(Results { claims, .. }: Results) -> Result<Option<Section>
     Ok(Some(Section::new("claims", "The paper's claims", blocks).saying([counted(claims)])))
 }
 
-/// A verdict in its colour.
+/// A verdict as a coloured cell.
 pub fn verdict(verdict: ClaimVerdict) -> Cell {
     let words = verdict.in_words();
     match verdict {
         ClaimVerdict::Reproduced => Cell::shaded(words, Shade::Pass),
         ClaimVerdict::Refuted | ClaimVerdict::NotReproduced => Cell::shaded(words, Shade::Fail),
-        // What a simulation betters is no success against a measurement.
+        // A result that holds only in simulation does not confirm a measurement.
         ClaimVerdict::InSimulation
         | ClaimVerdict::LessInSimulation
         | ClaimVerdict::Depends
@@ -40,7 +40,7 @@ pub fn verdict(verdict: ClaimVerdict) -> Cell {
     }
 }
 
-/// How many claims have which verdict.
+/// Number of claims by verdict.
 pub fn counted(claims: &[Claim]) -> String {
     let counts = ClaimVerdict::ALL.map(|verdict| {
         let count = claims.iter().filter(|claim| claim.verdict == verdict).count();

@@ -14,17 +14,17 @@ use finray_studies::experiments::contact_scene::{ForceRow, SceneStep, SeenContac
 use std::collections::BTreeMap;
 
 const CSV: &str = "contact_scenes.csv";
-/// Length of the largest force's arrow, as a share of the front plate's.
+/// Length of the arrow of the largest force, as a share of the front plate's length.
 const LONGEST_ARROW: f64 = 0.2;
 
-/// A row of a scene, with the noise samples of its step and which of their forces it is.
+/// A row of a scene, with the noise samples of its step and the index of its force among them.
 type StepRow<'s> = (&'s SceneStudy, &'s ForceRow, Option<(&'s NoiseSamples, usize)>);
 
 fn rows(scene: &SceneStudy) -> impl Iterator<Item = StepRow<'_>> {
     let mut sensed = 0;
     scene.rows.iter().map(move |row| {
         let samples = scene.steps.get(row.step - 1).and_then(|studied| studied.samples.as_ref());
-        // Rows of a step are its contacts, those on the clamp not sensed, then the total: the order of the samples.
+        // A step has one row per contact, then the total, in the order of the samples; contacts on the clamp are not sensed.
         let which = sensed;
         sensed = match row.contact.as_str() {
             "total" => 0,
@@ -79,23 +79,23 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(section.saying(words::verdict(&study.contact_scenes)?)))
 }
 
-/// A press as it is drawn.
+/// Data of a drawn press.
 pub struct DrawnPress<'p> {
-    /// The finger.
+    /// The pressed finger.
     pub finger: &'p Finger,
     /// Name of the scene.
     pub name: &'p str,
     /// Standard deviation of one coordinate of markers and outline points, mm.
     pub noise_mm: f64,
-    /// Outline of the object about its own point, closed, mm.
+    /// Closed outline of the object, relative to its reference point, mm.
     pub outline: &'p [Vector],
-    /// True and sensed forces of every step.
+    /// True and sensed forces of all steps, one row per contact.
     pub rows: &'p [ForceRow],
-    /// The last step.
+    /// The last step, which the drawing shows.
     pub last: &'p SceneStep,
 }
 
-/// Finger and object at the end of a press, and forces over the travel, on one sheet.
+/// Drawing of finger and object at the end of a press, and forces over the travel, on one sheet.
 ///
 /// # Errors
 /// [`FigureError`] if there is nothing to draw.
@@ -131,7 +131,7 @@ fn drawing(press: &DrawnPress) -> Result<String, FigureError> {
     let outline = press.outline.iter().map(|corner| point(&(corner + pressed.object))).collect();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
     let largest_n = worst(last.contacts.iter().map(|seen| seen.force.norm()));
-    // Small forces keep an arrow that can be seen.
+    // Arrows of small forces keep a visible length.
     let length_mm = |force_n: f64| longest_mm * (0.3 + 0.7 * force_n / largest_n);
     let arrows = last.contacts.iter().map(|seen| {
         let foot = seen.point - seen.force.normalize() * length_mm(seen.force.norm());
@@ -148,7 +148,7 @@ fn drawing(press: &DrawnPress) -> Result<String, FigureError> {
     Chart::to_scale(Frame::half(press.name, alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
-/// One contact through the steps in which it is there.
+/// One contact over the steps in which it exists: points of travel (mm) and force (N).
 #[derive(Default)]
 struct Course {
     truth: Vec<[f64; 2]>,
@@ -156,14 +156,14 @@ struct Course {
     intervals: Vec<[f64; 2]>,
 }
 
-/// The rods that a position on the front plate lies between.
+/// The two nodes between which a position on the front plate lies.
 fn between(finger: &Finger, s_mm: f64) -> String {
     let (nodes, places) = (finger.plate_nodes(Plate::Front), finger.plate_positions_mm(Plate::Front));
     let after = places.iter().position(|place| *place > s_mm).filter(|after| *after > 0);
     after.map_or(String::new(), |after| format!(", nodes {} to {}", nodes[after - 1], nodes[after]))
 }
 
-/// True forces as lines and sensed forces as signs, over the travel; `None` of a press without forces.
+/// True forces as lines and sensed forces as symbols, over the travel (mm); `None` for a press without forces.
 fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> {
     let series = courses(press.finger, press.rows);
     if series.is_empty() {
@@ -172,12 +172,12 @@ fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> 
     let title = format!("{}: true and sensed, {} mm noise", press.name, press.noise_mm);
     let frame = Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", press.name));
     let end_mm = press.rows.iter().map(|row| row.travel_mm).fold(0.0, f64::max);
-    // Signs at the end stand clear of the frame.
+    // The axis extends beyond the last point, so that symbols stay clear of the frame.
     let axes = [Axis::linear("travel of the object, mm").within(0.0, 1.06 * end_mm), Axis::linear("force, N")];
     Ok(Some(Chart::new(frame, axes, series).svg()?))
 }
 
-/// For each contact, and the total, the true forces as a line and the sensed ones as signs.
+/// True forces as lines and sensed forces as symbols, for each contact and for the total.
 fn courses(finger: &Finger, rows: &[ForceRow]) -> Vec<Series> {
     let mut courses: BTreeMap<(usize, String), Course> = BTreeMap::new();
     for row in rows {

@@ -1,11 +1,11 @@
-//! How fine a mesh must be: table and figure.
+//! Convergence of the mesh: table and figure.
 
 use super::format::{or_nothing, percent_two_digits};
 use crate::prelude::*;
 use finray_studies::experiments::convergence::{Convergence, MeshSize};
 
 const CSV: &str = "convergence.csv";
-/// Errors worth comparing with.
+/// Reference errors drawn as lines.
 const REFERENCES: [(f64, &str); 2] = [(0.01, "1 %"), (1e-4, "0.01 %")];
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -27,11 +27,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("convergence", "How fine a mesh must be", blocks)))
 }
 
-/// A series a force: nodes and error.
+/// Error over number of nodes, one series per force.
 fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
     let series = |(n, force_n): (usize, f64)| {
         let points = convergence.meshes.iter().enumerate().filter_map(|(mesh, size)| {
-            // An error of nothing has no place on a logarithmic axis.
+            // An error of 0 cannot be drawn on a logarithmic axis.
             let error = convergence.error(mesh, force_n).filter(|error| *error > 0.0)?;
             Some([size.nodes as f64, error])
         });

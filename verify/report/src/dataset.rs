@@ -1,6 +1,6 @@
-//! What is a table of the page, a CSV file beside it and an array of `summary.json` at once: its columns are written once.
+//! Numbers that appear as a table of the page, a CSV file and an array of `summary.json`: each column is defined once.
 //!
-//! [`Columns`] say where each part of a row stands: key in files, heading and [`Format`] on the page. A [`Dataset`] has rows.
+//! [`Columns`] define the key in files, and the heading and [`Format`] on the page. A [`Dataset`] adds the rows.
 
 mod value;
 
@@ -10,7 +10,7 @@ use super::page::{self, Cell, Table};
 use finray_files::csv_text;
 use serde::{Serialize, Serializer};
 
-/// The columns of a table over rows of type `R`.
+/// Columns of a table with rows of type `R`.
 pub struct Columns<'c, R>(Vec<Column<'c, R>>);
 
 struct Column<'c, R> {
@@ -27,19 +27,19 @@ impl<R> Default for Columns<'_, R> {
 }
 
 impl<'c, R: 'c> Columns<'c, R> {
-    /// No columns yet.
+    /// An empty list of columns.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A column of the files: its key, with the unit, and its values.
+    /// Adds a column of the files: its key, which includes the unit, and its values.
     pub fn file<V: Into<Value>>(mut self, key: &'static str, of: impl Fn(&R) -> V + 'c) -> Self {
         let value = move |row: &R| of(row).into();
         self.0.push(Column { in_files: Some((key, Box::new(value))), on_page: None });
         self
     }
 
-    /// A column of files and page.
+    /// Adds a column of files and page.
     pub fn both<V: Into<Value>>(
         self,
         key: &'static str,
@@ -50,18 +50,18 @@ impl<'c, R: 'c> Columns<'c, R> {
         self.file(key, of).page(heading, format, of)
     }
 
-    /// A column of the page alone.
+    /// Adds a column of the page only.
     pub fn page<V: Into<Value>>(self, heading: impl Into<String>, format: Format, of: impl Fn(&R) -> V + 'c) -> Self {
         self.cells(heading_of(heading, format), move |row| format.cell(&of(row).into()))
     }
 
-    /// A column of the page alone whose cells need more than a format.
+    /// Adds a column of the page only, whose cells need more than a format.
     pub fn cells(mut self, heading: page::Column, of: impl Fn(&R) -> Cell + 'c) -> Self {
         self.0.push(Column { in_files: None, on_page: Some((heading, Box::new(of))) });
         self
     }
 
-    /// A column for each of several things, all made the same way.
+    /// Adds one column for each of `things`, all made by `add`.
     pub fn each<T>(self, things: impl IntoIterator<Item = T>, add: impl Fn(Self, T) -> Self) -> Self {
         things.into_iter().fold(self, add)
     }
@@ -83,7 +83,7 @@ fn heading_of(heading: impl Into<String>, format: Format) -> page::Column {
     page::Column { name: heading.into(), numeric: format != Format::Words }
 }
 
-/// Rows under a name.
+/// Rows with a name.
 pub struct Dataset<'s> {
     csv: String,
     rows: Box<dyn Rows + 's>,
@@ -99,13 +99,13 @@ enum GoesTo {
     SummaryAlone,
 }
 
-/// Rows that know their own texts.
+/// Rows that know their own formats.
 trait Rows {
     fn csv(&self) -> Result<String, csv::Error>;
     fn json(&self) -> Result<String, serde_json::Error>;
 }
 
-/// Rows that are written as they are.
+/// Rows that are serialised unchanged.
 struct Records<T>(Vec<T>);
 
 impl<T: Serialize> Rows for Records<T> {
@@ -118,7 +118,7 @@ impl<T: Serialize> Rows for Records<T> {
     }
 }
 
-/// Values by row, under keys.
+/// Values by row, with their keys.
 struct Values {
     keys: Vec<&'static str>,
     rows: Vec<Vec<Value>>,
@@ -126,7 +126,7 @@ struct Values {
 
 impl Rows for Values {
     fn csv(&self) -> Result<String, csv::Error> {
-        // A list is one field.
+        // A list occupies a single field.
         let flat = |value: &Value| match value {
             Value::List(_) => Value::Text(value.in_words()),
             other => other.clone(),
@@ -152,7 +152,7 @@ impl Serialize for Fields<'_> {
 }
 
 impl<'s> Dataset<'s> {
-    /// Rows under columns, for a CSV file of this name and the array of the summary that is called as the file is.
+    /// Rows with columns, for the CSV file `csv` and the summary's array of the same name.
     pub fn new<R: 's>(csv: &str, columns: &Columns<'s, R>, rows: impl IntoIterator<Item = R>) -> Self {
         let rows: Vec<R> = rows.into_iter().collect();
         let in_files = || columns.0.iter().filter_map(|column| column.in_files.as_ref());
@@ -165,24 +165,24 @@ impl<'s> Dataset<'s> {
         Dataset { csv: csv.to_owned(), rows: Box::new(values), is_empty, table, goes_to: GoesTo::Both }
     }
 
-    /// The same of rows that are written as an experiment has them.
+    /// As [`new`](Self::new), for rows that are serialised unchanged.
     pub fn records<T: Serialize + 's>(csv: &str, rows: impl IntoIterator<Item = T>) -> Self {
         let rows = Records(rows.into_iter().collect());
         let (csv, is_empty) = (csv.to_owned(), rows.0.is_empty());
         Dataset { csv, rows: Box::new(rows), is_empty, table: Table::default(), goes_to: GoesTo::Both }
     }
 
-    /// Only as a CSV file.
+    /// Writes the CSV file only, without the summary's array.
     pub fn csv_alone(self) -> Self {
         Dataset { goes_to: GoesTo::CsvAlone, ..self }
     }
 
-    /// Only as an array of the summary.
+    /// Writes the summary's array only, without a CSV file.
     pub fn summary_alone(self) -> Self {
         Dataset { goes_to: GoesTo::SummaryAlone, ..self }
     }
 
-    /// The page's table of the columns that are shown.
+    /// The page's table, with the columns shown there.
     pub fn table(self, caption: impl Into<String>) -> Table {
         Table { caption: caption.into(), ..self.table }
     }
@@ -195,7 +195,7 @@ impl<'s> Dataset<'s> {
         Ok(Some((self.csv.clone(), self.rows.csv()?)))
     }
 
-    /// Key and text of the summary's array, empty without rows.
+    /// Key and JSON text of the summary's array, which may be empty; `None` for a dataset without an array.
     pub fn json(&self) -> Result<Option<(&str, String)>, serde_json::Error> {
         if self.goes_to == GoesTo::CsvAlone {
             return Ok(None);

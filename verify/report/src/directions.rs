@@ -10,7 +10,7 @@ use finray_studies::experiments::direction::{
 const CSV: &str = "directions.csv";
 const FRICTIONLESS_CSV: &str = "directions_without_friction.csv";
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    // Errors are root mean squares; without samples the finger carries no such force.
+    // Errors are root mean squares. A cell has no samples if the finger has no equilibrium under its force.
     let by_cell = Columns::<&DirectionCell>::new()
         .file("s_mm", |cell| cell.s_mm)
         .file("angle_deg", |cell| cell.angle_deg)
@@ -83,7 +83,7 @@ impl DirectionMap<'_> {
         places.dedup();
         let angles: Vec<f64> =
             cells.iter().take_while(|cell| Some(&cell.s_mm) == places.first()).map(|cell| cell.angle_deg).collect();
-        // Cells go by position, then direction; rows of the map by direction, then position.
+        // Cells are ordered by position, then direction; rows of the map by direction, then position.
         let row = |angle| cells.iter().skip(angle).step_by(angles.len().max(1)).map(|cell| value(cell)).collect();
         let title = format!("{force_n} N");
         let frame = Frame::third(&title, format!("{title}: {what}, by position and true direction of the force."));
@@ -98,13 +98,13 @@ impl DirectionMap<'_> {
     }
 }
 
-/// Classes of the error of an identifiable direction, deg.
+/// Classes of the error of an identifiable direction, degrees.
 fn degree_classes() -> Vec<Class> {
     let green = percent_classes().into_iter().take(3).zip([1.0, 3.0, IDENTIFIED_DEG]);
     green.map(|(class, up_to)| Class { up_to, label: format!("up to {up_to} deg"), ..class }).collect()
 }
 
-/// In which cells both are identifiable.
+/// Cells in which force and direction are identifiable.
 fn where_identifiable(directions: &DirectionStudy) -> Option<Value> {
     let share = |force_n: &f64| match directions.identified(*force_n) {
         [_, 0] => None,
@@ -134,7 +134,7 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<Value> {
     is_known.then_some(numbers)
 }
 
-/// How much better it is to assume the deformed normal.
+/// Gain from assuming the deformed normal instead of an unknown direction.
 fn without_friction(directions: &DirectionStudy) -> Option<Value> {
     let [small_n, _, large_n] = directions.forces_n;
     let error = |assumed: Assumption, force_n: f64| {
@@ -156,7 +156,7 @@ fn without_friction(directions: &DirectionStudy) -> Option<Value> {
     })
 }
 
-/// Error of the force by position, a line for each assumption.
+/// Error of the force by position, one line per assumption.
 fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figure, FigureError> {
     let series = Assumption::ALL.iter().enumerate().map(|(n, &assumed)| {
         let rows = directions.without_friction.iter().filter(|row| row.assumed == assumed && row.force_n == force_n);

@@ -1,4 +1,4 @@
-//! What the origin of the undeformed positions does to the bounds of sensing: a table.
+//! Effect of the reference positions of undeformed nodes on the bounds of sensing: a table.
 
 use crate::prelude::*;
 use finray_studies::experiments::displacement_noise::{
@@ -11,7 +11,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     vec![Dataset::records(CSV, study.displacement_noise.iter().flat_map(|noise| &noise.rows))]
 }
 
-/// A set of contacts under the models in turn: independent, two images, motor angle.
+/// A set of contacts under each noise model: independent, two images, motor angle.
 type OfSet<'s> = &'s [DisplacementNoiseRow];
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
@@ -45,7 +45,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(section.saying(say("displacement_noise.says", in_words(noise))?)))
 }
 
-/// How much larger the bounds become.
+/// Increase of the bounds.
 fn in_words(study: &DisplacementNoiseStudy) -> Option<Value> {
     let of = |name: &'static str| study.rows.iter().filter(move |row| row.noise == name);
     let worse = of("motor angle").zip(of("independent")).map(|(motor, alone)| motor.bound_n / alone.bound_n);

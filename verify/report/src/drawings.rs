@@ -1,4 +1,4 @@
-//! Drawings of a study: its numbers arranged for [`figures`](finray_figures).
+//! Drawings of a study, made with [`figures`](finray_figures).
 
 use super::format::list;
 use crate::prelude::*;
@@ -8,8 +8,8 @@ use finray_studies::experiments::table_one::TableOne;
 
 /// Limits of the two shades of the paper's Table I, %.
 pub(super) const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
-/// The one palette of errors: the largest error of each class, %, and its colour. Two shades of green are trusted, amber and red are not;
-/// lightness falls on either side of the threshold, so that the order survives colour blindness and grey print.
+/// The palette of errors: largest error of each class, %, and its colour (red, green, blue). Two shades of green mean trusted; amber and red do not.
+/// Lightness falls on both sides of the threshold, so that the order survives colour blindness and grey print.
 const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
     (2.0, [0x1f, 0x8a, 0x57]),
     (5.0, [0x6c, 0xbf, 0x8b]),
@@ -17,24 +17,28 @@ const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
     (25.0, [0xf2, 0xb1, 0x34]),
     (f64::INFINITY, [0xb0, 0x35, 0x2b]),
 ];
+/// Axis label of the position along the front plate, mm.
 pub(super) const ALONG_THE_PLATE: &str = "position along the front plate from the base, mm";
-/// The same where there is little room.
+/// Short axis label, for small plots.
 const ALONG_IN_SHORT: &str = "position from the base, mm";
+/// Axis label of the force direction, degrees.
 pub(super) const DIRECTION_AXIS: &str = "force direction, deg from normal (+ to tip)";
+/// Label of the finger frame's longitudinal axis, mm.
 pub(super) const ALONG_AXIS: &str = "base to tip, mm";
+/// Label of the finger frame's transverse axis, mm.
 pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 
 /// Ranks of cells without an error, after those of the classes.
 const REFUSED: usize = ERROR_CLASSES.len();
 const NO_EQUILIBRIUM: usize = REFUSED + 1;
 
-/// Rank of an error among the classes.
+/// Rank of an error (a share) among the classes.
 pub(super) fn error_rank(error: f64) -> usize {
     let finite = &ERROR_CLASSES[..ERROR_CLASSES.len() - 1];
     finite.iter().take_while(|(up_to, _)| 100.0 * error > *up_to).count()
 }
 
-/// Rank of an outcome, with its error where there is one.
+/// Rank of a cell by its state, and by its error if it was answered.
 pub(super) fn rank_of(state: CellState, error: Option<f64>) -> usize {
     match (state, error) {
         (CellState::WithoutEquilibrium, _) => NO_EQUILIBRIUM,
@@ -43,7 +47,7 @@ pub(super) fn rank_of(state: CellState, error: Option<f64>) -> usize {
     }
 }
 
-/// Words and filling of each class of errors, by its largest error in percent.
+/// Classes of errors by their largest error in percent, with legend text and fill.
 pub fn percent_classes() -> Vec<Class> {
     let last = ERROR_CLASSES.len() - 1;
     let words = |rank: usize| match rank {
@@ -60,7 +64,7 @@ pub fn percent_classes() -> Vec<Class> {
     ERROR_CLASSES.iter().enumerate().map(class).collect()
 }
 
-/// The same by rank, then what has no error.
+/// Classes by rank, followed by those of cells without an error.
 pub(super) fn error_classes() -> Vec<Class> {
     let hatched = |label: &str, rising| Class {
         up_to: 0.0,
@@ -72,20 +76,20 @@ pub(super) fn error_classes() -> Vec<Class> {
     all.enumerate().map(|(rank, class)| Class { up_to: rank as f64, ..class }).collect()
 }
 
-/// Cells of ranks by direction, then position, from ranks by position, then direction.
+/// Cells of a map by direction, then position, from ranks by position, then direction.
 pub(super) fn ranked(positions_mm: &[f64], angles_deg: &[f64], ranks: &[usize]) -> Cells {
     let of_angle =
         |angle: usize| ranks.iter().skip(angle).step_by(angles_deg.len()).map(|rank| Some(*rank as f64)).collect();
     Cells::new(positions_mm, angles_deg, (0..angles_deg.len()).map(of_angle).collect())
 }
 
-/// Errors of a map under one force, or under the worst of all.
+/// Cells of a map's errors under one force, or under the worst force of each cell.
 pub(super) fn error_cells(map: &AccuracyMap, force_n: Option<f64>) -> Cells {
     let ranks: Vec<usize> = map.worst_of(force_n).iter().map(|cell| rank_of(cell.state, cell.worst_error)).collect();
     ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks)
 }
 
-/// Drawings in rows of `columns`, as one.
+/// Combines drawings in rows of `columns`.
 pub(super) fn side_by_side(drawings: &[String], columns: usize) -> String {
     let sizes: Vec<[f64; 2]> = drawings.iter().map(|svg| size(svg)).collect();
     let (mut top, mut width, mut inner) = (0.0_f64, 0.0_f64, String::new());
@@ -105,7 +109,7 @@ pub(super) fn side_by_side(drawings: &[String], columns: usize) -> String {
     )
 }
 
-/// Width and height of a drawing, from its view box.
+/// Width and height of a drawing, px, from its view box.
 fn size(svg: &str) -> [f64; 2] {
     let inside =
         svg.split_once("viewBox=\"").and_then(|(_, rest)| rest.split_once('"')).map_or("", |(inside, _)| inside);
@@ -113,7 +117,7 @@ fn size(svg: &str) -> [f64; 2] {
     [numbers.next().unwrap_or(0.0), numbers.next().unwrap_or(0.0)]
 }
 
-/// The same drawing as a file of its own: dark ink on white, where a page would lend its colours.
+/// The drawing as a separate file: dark ink on white instead of the page's colours.
 pub fn standalone(svg: &str) -> String {
     let head = svg.find('>').map_or(0, |end| end + 1);
     let (open, rest) = svg.split_at(head);
@@ -121,11 +125,12 @@ pub fn standalone(svg: &str) -> String {
     format!("{open}<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{rest}")
 }
 
+/// A vector as a point of a drawing, mm.
 pub(super) fn point(v: &Vector) -> [f64; 2] {
     [v.x, v.y]
 }
 
-/// Accuracy map of one force, or of the worst of all.
+/// Accuracy map under one force (N), or under the worst force of each cell.
 ///
 /// # Errors
 /// [`FigureError`] if the map has no cells.
@@ -146,7 +151,7 @@ pub(super) fn plate_map(finger: &Finger, frame: Frame, classes: Vec<Class>, cell
     Map { top: Some(node_axis(finger)), ..Map::new(frame, [Axis::linear(ALONG_IN_SHORT), y], classes, cells) }
 }
 
-/// Small maps of ranked errors over the whole plate and all directions: names of the columns, and rows with theirs.
+/// Small maps of ranked errors over the whole plate and all directions, with the names of columns and rows.
 pub(super) fn small_maps(
     finger: &Finger,
     frame: Frame,
@@ -154,7 +159,7 @@ pub(super) fn small_maps(
     rows: Vec<(String, Vec<Option<Cells>>)>,
 ) -> Map {
     let (rows, plots): (Vec<String>, Vec<Vec<Option<Cells>>>) = rows.into_iter().unzip();
-    // The last tick would touch the first of the next plot.
+    // No tick at the plate's end: its label would touch the first tick of the next plot.
     let length_mm = finger.plate_length_mm(Plate::Front);
     let step_mm =
         [500.0, 200.0, 100.0, 50.0, 20.0, 10.0].into_iter().find(|step| 1.5 * step <= length_mm).unwrap_or(5.0);
@@ -164,21 +169,21 @@ pub(super) fn small_maps(
     Map { columns, ..Map::grid(frame, [x, y], error_classes(), rows, plots.concat()) }
 }
 
-/// Node numbers along the front plate.
+/// Axis of node numbers along the front plate.
 fn node_axis(finger: &Finger) -> Axis {
-    // Thinned evenly, so that they do not run into each other.
+    // Evenly thinned, so that the numbers do not overlap.
     let every = finger.contact_nodes().len().div_ceil(13);
     let marks = finger.contact_nodes().rev().step_by(every);
     Axis::linear("node")
         .named(marks.filter_map(|node| Some((finger.front_position_mm(node)?, node.to_string()))).collect())
 }
 
-/// A line to compare percentages with.
+/// A reference line at a percentage.
 pub(super) fn percent_line(value: f64) -> (f64, String) {
     (value, format!("{value} %"))
 }
 
-/// Front plate, back plate and ribs, at rest.
+/// Lines of the undeformed front plate, back plate and ribs, mm.
 pub(super) fn at_rest(finger: &Finger) -> [Lines; 3] {
     [Part::Front, Part::Back, Part::Ribs].map(|part| {
         let lines = finger.outline().into_iter().filter(|(of, _)| *of == part);
@@ -195,7 +200,7 @@ pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
         nodes.into_iter().map(|node| (point(&finger.position(node)), node.to_string())).unzip()
     };
     let free = (1..=finger.key_node_count()).map(NodeId).filter(|node| !clamps.contains(node)).collect();
-    // An arrow on the middle of the front plate shows what an angle of zero means.
+    // An arrow at the middle of the front plate shows the direction of angle 0.
     let length = finger.plate_length_mm(Plate::Front);
     let middle = finger.plate_point(Plate::Front, 0.54 * length);
     let arrow = |angle_deg: f64, label: &str, hue| {
@@ -219,7 +224,7 @@ pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
     Chart::to_scale(Frame::full("Numbers of the key nodes", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
-/// The finger at rest and bent.
+/// The finger, undeformed and under load.
 pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
     let finger = &study.finger;
     let mut series = Series::lines("at rest", at_rest(finger).concat(), Hue::Faint, 3.0);
@@ -242,7 +247,7 @@ pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
     .svg()
 }
 
-/// Bars of errors, in percent as their words have it.
+/// Bars of errors in percent; `errors` are shares.
 pub(super) fn error_bars(label: impl Into<String>, hue: Hue, errors: impl IntoIterator<Item = Option<f64>>) -> Bars {
     let percent = |error: f64| match error {
         small if small < 0.00995 => (1e4 * small).round() / 100.0,
@@ -251,7 +256,7 @@ pub(super) fn error_bars(label: impl Into<String>, hue: Hue, errors: impl IntoIt
     Bars { label: label.into(), hue, values: errors.into_iter().map(|error| error.map(percent)).collect() }
 }
 
-/// Table I as bars: the paper's mean errors and ours.
+/// Table I as bars: the paper's mean errors and the computed ones.
 pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
     let rows = tables.first().map_or(&[][..], |table| &table.rows[..]);
     let paper = error_bars("paper", Hue::Neutral, rows.iter().map(|row| Some(row.paper_mean_error)));

@@ -1,4 +1,4 @@
-//! Which estimator: what each keeps, states, needs and costs, in one table; and how often stated intervals hold.
+//! Comparison of the estimators: accuracy, coverage, requirements and cost in one table.
 
 use super::format::{percent, time};
 use super::maps::small;
@@ -13,11 +13,11 @@ const ESTIMATORS_CSV: &str = "estimators.csv";
 /// An estimator on the uniform finger.
 struct Row<'s> {
     estimator: EstimatorId,
-    /// Cells of its map with the contact known.
+    /// Trusted cells of its map with known contact.
     cells: Option<TrustCounts>,
-    /// How often its intervals hold.
+    /// Coverage of its intervals.
     coverage: Option<&'s CoverageRow>,
-    /// Time of one force from a frame.
+    /// Time to compute one force from an image's displacements, s.
     seconds: Option<f64>,
 }
 
@@ -28,7 +28,7 @@ fn rows(study: &Study) -> impl Iterator<Item = Row<'_>> {
         best.or_else(|| of.min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))).map(|way| way.one.seconds)
     };
     EstimatorId::ALL.iter().map(move |&estimator| {
-        // The cells that the overview draws, so that no two shares differ by their grid.
+        // The same cells as in the overview, so that shares do not differ by their grid.
         let map = small(study, TruthId::Corotational, estimator, study.noise_mm > 0.0);
         let of = |row: &&CoverageRow| row.truth == TruthId::Corotational && row.estimator == estimator;
         Row {
@@ -78,7 +78,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ))
 }
 
-/// What a camera's rate leaves of the differences in time.
+/// Fastest and slowest estimator, s; `None` if the slowest takes a tenth of a camera frame or more.
 fn says(study: &Study) -> Option<Value> {
     let times: Vec<f64> = rows(study).filter_map(|row| row.seconds).collect();
     let [fastest, slowest] = [f64::min, f64::max].map(|of| times.iter().copied().reduce(of));
@@ -87,7 +87,7 @@ fn says(study: &Study) -> Option<Value> {
     (share < 0.1).then(|| context! { fastest, slowest, share, frame_ms => 1e3 * CAMERA_FRAME_S })
 }
 
-/// Intervals by finger and estimator.
+/// Coverage of the intervals by finger and estimator.
 fn intervals(study: &Study) -> Result<Vec<Block>, ReportError> {
     let of_samples = |row: &CoverageRow, count: usize| count as f64 / row.samples.max(1) as f64;
     let columns = Columns::<&CoverageRow>::new()

@@ -1,4 +1,4 @@
-//! Numbers in words: each way of writing a number stands here once.
+//! Number formats of the report, each defined once.
 
 pub use finray_studies::statistics::Span;
 
@@ -6,10 +6,10 @@ use super::page::{Cell, Shade};
 use finray_studies::sampling::scatter::ScatterRow;
 use finray_studies::settings::{GROSS_ERROR, TRUSTED_ERROR};
 
-/// Stands where there is no number.
+/// Text for a missing number.
 pub const NOTHING: &str = "-";
 
-/// A figure for reading: four significant digits, powers of ten where it is very small or large.
+/// A number with four significant digits; very small or large numbers have a power of ten.
 pub fn figure(value: f64) -> String {
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
@@ -19,7 +19,7 @@ pub fn figure(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// A share in percent: two significant digits below 1 %, a decimal below 10 %.
+/// A share in percent: two significant digits below 1 %, one decimal below 10 %.
 pub fn percent(share: f64) -> String {
     match 100.0 * share.abs() {
         0.0 => "0 %".to_owned(),
@@ -30,12 +30,12 @@ pub fn percent(share: f64) -> String {
     }
 }
 
-/// A share in percent with so many decimals.
+/// A share in percent with this number of decimals.
 pub fn percent_with(share: f64, decimals: usize) -> String {
     format!("{:.decimals$} %", 100.0 * share)
 }
 
-/// A share in percent with two significant digits, down to where rounding begins.
+/// A share in percent with two significant digits, down to rounding errors.
 pub fn percent_two_digits(share: f64) -> String {
     match 100.0 * share {
         0.0 => "0 %".to_owned(),
@@ -44,7 +44,7 @@ pub fn percent_two_digits(share: f64) -> String {
     }
 }
 
-/// A time in three significant digits, as of stopwatches: `228 \u{b5}s`.
+/// A time with three significant digits: `228 \u{b5}s`.
 pub fn time(seconds: f64) -> String {
     let (value, unit) = match seconds {
         s if s < 1e-3 => (1e6 * s, "\u{b5}s"),
@@ -55,7 +55,7 @@ pub fn time(seconds: f64) -> String {
     format!("{value:.digits$} {unit}")
 }
 
-/// An error: amber above 10 %, red above 25 %, where the paper shades its Table I.
+/// An error in percent: amber above 10 %, red above 25 %, the shades of the paper's Table I.
 pub fn error(share: f64) -> Cell {
     let shade = match share {
         e if e > GROSS_ERROR => Some(Shade::Red),
@@ -65,7 +65,7 @@ pub fn error(share: f64) -> Cell {
     Cell { shade, ..Cell::plain(percent(share)) }
 }
 
-/// An error in the words given, shaded as [`error`] is.
+/// An error with the given text, shaded as [`error`] is.
 pub fn error_as(words: impl Into<String>, share: f64) -> Cell {
     Cell { text: words.into(), ..error(share) }
 }
@@ -75,39 +75,39 @@ pub fn or_nothing(value: Option<impl ToString>) -> String {
     value.map_or_else(|| NOTHING.to_owned(), |value| value.to_string())
 }
 
-/// Whether a tolerance holds, in green or red.
+/// Whether a tolerance holds: the text `kept` in green or `broken` in red.
 pub fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
     if holds { Cell::shaded(kept, Shade::Pass) } else { Cell::shaded(broken, Shade::Fail) }
 }
 
-/// Words with a capital at their head.
+/// The text with a capital first letter.
 pub fn capitalised(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Numbers or words in a row.
+/// Items joined by the text `between`.
 pub fn list<T: ToString>(items: impl IntoIterator<Item = T>, between: &str) -> String {
     items.into_iter().map(|item| item.to_string()).collect::<Vec<_>>().join(between)
 }
 
-/// Node numbers in a sentence: `19 and 20`.
+/// Node numbers as part of a sentence: `19 and 20`.
 pub fn nodes_in_words(nodes: &[usize]) -> String {
     list(nodes, " and ")
 }
 
-/// Share of refused cases, `0` of none.
+/// Share of refused cases; `0` without cases.
 pub fn share_refused<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> String {
     share_of_counts(rows.into_iter().map(|row| [row.refused, row.cases]))
 }
 
-/// The same of numbers of refused and of answered cases.
+/// Share of refused cases, from pairs of refused and answered counts.
 pub fn share_of_counts(counts: impl Iterator<Item = [usize; 2]>) -> String {
     let [refused, answered] = counts.fold([0, 0], |[r, a], [refused, answered]| [r + refused, a + answered]);
     if refused == 0 { "0".to_owned() } else { percent(refused as f64 / (refused + answered) as f64) }
 }
 
-/// `5.1 % (4.2\u{2013}6.0)`: mean, least and greatest.
+/// Mean, least and greatest: `5.1 % (4.2\u{2013}6.0)`.
 pub fn span_in_words(span: Span) -> String {
     let bare = |share: f64| percent(share).trim_end_matches(" %").to_owned();
     let [least, greatest] = [span.least, span.greatest].map(bare);
@@ -117,7 +117,7 @@ pub fn span_in_words(span: Span) -> String {
     }
 }
 
-/// `4.2 % to 6.0 %`.
+/// Least and greatest: `4.2 % to 6.0 %`.
 pub fn range_of(span: Span) -> String {
     format!("{} to {}", percent(span.least), percent(span.greatest))
 }

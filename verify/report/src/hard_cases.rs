@@ -1,4 +1,4 @@
-//! Hard cases: what is checked at the edge of what can be computed, and the results.
+//! Hard cases: checks at the limits of what can be computed, and their results.
 
 use super::format::{figure, verdict};
 use crate::prelude::*;
@@ -38,7 +38,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("hard-cases", "Hard cases", blocks).saying([in_words(&study.hard_cases)])))
 }
 
-/// Which cases fail a check.
+/// Cases that fail a check.
 fn in_words(cases: &[HardCase]) -> String {
     let broken: Vec<&str> = cases.iter().filter(|case| !case.passes()).map(|case| case.case).collect();
     match &broken[..] {
@@ -47,7 +47,7 @@ fn in_words(cases: &[HardCase]) -> String {
     }
 }
 
-/// The results: words, then figure by figure, a line each.
+/// Results of a case: its text, then one line per number.
 fn outcome(case: &HardCase) -> String {
     let mut lines = case.notes.clone();
     lines.extend(case.checks.iter().map(compared));

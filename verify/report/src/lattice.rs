@@ -1,4 +1,4 @@
-//! The finger as rigid bodies and springs: how near it is to beams, what that rests on, and what sensing makes of it.
+//! The finger as rigid bodies and springs: its difference from beams, its assumptions, and sensing on it.
 
 pub mod words;
 
@@ -15,16 +15,16 @@ use finray_studies::problems::lattice::FINENESS;
 const CSV: &str = "lattice.csv";
 const AXIAL_CSV: &str = "lattice_axial_springs.csv";
 const SETTLING_CSV: &str = "lattice_settling.csv";
-/// Room beside the first and the last point of the figure, as a factor of their places.
+/// Margin beside the first and the last point of the figure, as a factor on their position.
 const BESIDE: f64 = 1.08;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     data(study.lattice.as_ref())
 }
 
-/// Errors and costs by fineness and force; the lattice with other axial springs; ways of settling.
+/// Errors and costs by fineness and force; the lattice with other axial springs; settings of settling.
 pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
-    // Errors are shares of the largest displacement: from converged beams, and of the settled lattice from its equilibrium.
+    // Errors are relative to the largest displacement: of the equilibrium from converged beams, and of the settled lattice from its equilibrium.
     let fineness = Columns::<(&FinenessRow, usize)>::new()
         .file("segments_a_stretch", |(row, _)| row.fineness)
         .file("bodies", |(row, _)| row.bodies)
@@ -55,7 +55,7 @@ pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
     ]
 }
 
-/// Sweeps and precision of settling; no error where it does not settle.
+/// Sweeps and precision of settling; no error if the lattice does not settle.
 pub fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
     let columns = Columns::<&SettlingRow>::new()
         .both("sweeps", "sweeps a step", Format::Plain, |row| row.sweeps)
@@ -93,7 +93,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(section.saying(words::verdict(lattice)?)))
 }
 
-/// What the axial springs matter.
+/// Effect of the axial springs on the difference from beams.
 pub fn axial(lattice: &LatticeStudy) -> Table {
     let cell = |row: &&AxialRow, force: usize| match &row.errors {
         Some(errors) => error_as(percent_two_digits(errors[force]), errors[force]),
@@ -120,7 +120,7 @@ fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportErr
     ))
 }
 
-/// What each estimator errs by on the lattice, by position.
+/// Error of each estimator on the lattice, by position.
 pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let force_n = lattice.sensing.largest_n();
     let title = format!("lattice truth, no noise, {force_n} N, worst direction");
@@ -142,7 +142,7 @@ pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     ))
 }
 
-/// A series a force.
+/// Difference over fineness, one series per force.
 pub fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
     let forces_n = rows.first().map_or(&[][..], |row| &row.forces_n);
     let series: Vec<Series> = forces_n

@@ -1,4 +1,4 @@
-//! From a [`Study`] to page, figures, tables and the summary for machines. Nothing is computed here.
+//! Turns a [`Study`] into page, figures, tables and a machine-readable summary. Nothing is computed here.
 #![forbid(unsafe_code)]
 
 mod answers;
@@ -50,16 +50,16 @@ use std::path::PathBuf;
 /// Version of finray that makes the report.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Why a report could not be put together.
+/// Why a report could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A figure could not be drawn.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// The page could not be filled in.
+    /// The page could not be rendered.
     #[error("page: {0}")]
     Page(#[from] minijinja::Error),
-    /// The sentences of the page are no templates.
+    /// The sentences of the page are not valid templates.
     #[error("words of the page: {0}")]
     Words(String),
     /// A table could not be written.
@@ -70,7 +70,7 @@ pub enum ReportError {
     Summary(#[from] serde_json::Error),
 }
 
-/// What a report is made from.
+/// The results from which a report is made.
 #[derive(Clone, Copy)]
 struct Results<'s> {
     study: &'s Study,
@@ -80,16 +80,16 @@ struct Results<'s> {
 /// A report, ready to be written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Name within the folder and text: `index.html`, `summary.json` and a CSV behind every figure.
+    /// Relative path and text of each file: `index.html`, `summary.json` and a CSV file behind every figure.
     pub files: Vec<(PathBuf, String)>,
-    /// What the numbers say: the head of the page, then what its sections say.
+    /// Conclusions: the answers at the head of the page, then the statements of its sections.
     pub verdict: Vec<String>,
 }
 
-/// Puts the report on a study together.
+/// Makes the report of a study.
 ///
 /// # Errors
-/// [`ReportError`] if a figure has nothing to draw.
+/// [`ReportError`] if a figure has nothing to draw, or a template or table fails.
 pub fn report(study: &Study, claims: &[Claim]) -> Result<Report, ReportError> {
     let results = Results { study, claims };
     let page = sections::page(results)?;
@@ -106,7 +106,7 @@ pub fn report(study: &Study, claims: &[Claim]) -> Result<Report, ReportError> {
     Ok(Report { files, verdict })
 }
 
-/// `summary.json`: every figure that the page shows, for machines. Arrays come as their datasets write them.
+/// `summary.json`: every number that the page shows. Arrays are written by their datasets.
 fn summary(scene: &str, verdict: &[String], data: &[Dataset]) -> Result<String, ReportError> {
     let mut fields = vec![
         ("scene", serde_json::to_string(scene)?),
@@ -116,7 +116,7 @@ fn summary(scene: &str, verdict: &[String], data: &[Dataset]) -> Result<String, 
     for dataset in data {
         fields.extend(dataset.json()?);
     }
-    // No JSON text holds a line break that is not its layout.
+    // Line breaks in JSON text are layout only, so they can be indented.
     let fields = fields.into_iter().map(|(key, text)| format!("  \"{key}\": {}", text.replace('\n', "\n  ")));
     Ok(format!("{{\n{}\n}}\n", fields.collect::<Vec<_>>().join(",\n")))
 }

@@ -1,4 +1,4 @@
-//! Where sensing fails: an overview of all truths and estimators, then the maps one by one and what explains them.
+//! Where sensing fails: an overview of all truths and estimators, single maps, and their explanation.
 
 pub mod drawings;
 mod tables;
@@ -12,7 +12,7 @@ use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 
 pub(super) use tables::map_csv_name;
 
-/// A map of the overview: on the coarse grid where it was computed on the fine one, which would only weigh the page down.
+/// A map of the overview. A map on the fine grid is reduced to the coarse one to keep the page small.
 pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy: bool) -> Option<AccuracyMap> {
     let map = study.map_by(truth, estimator, noisy)?;
     let coarse = study.map_by(truth, EstimatorId::Ridge, noisy).map(|map| &map.request);
@@ -22,7 +22,7 @@ pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy
     })
 }
 
-/// A quantity of explanations.
+/// A quantity of the explanations.
 type ExplainedQuantity = fn(&Explanation) -> Option<f64>;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -49,7 +49,7 @@ fn overview(study: &Study, shown: MapFilter) -> Result<Figure, ReportError> {
     Ok(Figure::wide(drawings::overview(study, shown)?, caption, OVERVIEW_CSV))
 }
 
-/// The finest maps of the co-rotational finger: with what bias, and with what scatter.
+/// The finest maps of the co-rotational finger, with their bias and scatter.
 fn in_full(study: &Study) -> Result<Vec<Block>, ReportError> {
     let noisy = study.noise_mm > 0.0;
     let maps = [EstimatorId::LeastSquares, EstimatorId::Nonlinear].into_iter();

@@ -1,4 +1,4 @@
-//! The networks that ship, then how they are trained and how large they must be.
+//! The shipped networks, their training, and the size that they need.
 
 use super::format::{NOTHING, error_as, list, percent_with, share_refused, verdict};
 use super::trainings;
@@ -9,7 +9,7 @@ use finray_studies::statistics::mean;
 
 const CSV: &str = "networks.csv";
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    // A row for the mean of the forces, and for their sum where there are several.
+    // One row for the mean of the forces, and one for their sum if there are several.
     let quantities = |row: &'s ScatterRow| [Some((row, None)), sum(row).map(|sum| (row, Some(sum)))];
     let rows = study.networks.iter().flat_map(|networks| &networks.rows).flat_map(quantities).flatten();
     let columns = Columns::<(&ScatterRow, Option<&Scatter>)>::new()
@@ -25,7 +25,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     std::iter::once(Dataset::new(CSV, &columns, rows)).chain(trainings::datasets(&study.records)).collect()
 }
 
-/// The sum of several forces.
+/// Scatter of the sum of several forces.
 fn sum(row: &ScatterRow) -> Option<&Scatter> {
     row.sum.as_ref().filter(|_| row.nodes.len() > 1)
 }
@@ -52,7 +52,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok((!blocks.is_empty()).then(|| Section::new("networks", "The sensing network", blocks).saying(says)))
 }
 
-/// How near the networks come to the bound, and how many tolerances hold.
+/// Distance of the networks' errors from the bound, and number of tolerances that hold.
 fn in_words(networks: &NetworkStudy) -> Option<Value> {
     // As many digits as distinguish an error from its bound.
     let percent = |share| percent_with(share, 2);

@@ -1,6 +1,6 @@
-//! The report as one HTML page that needs nothing but itself.
+//! The report as one self-contained HTML page.
 //!
-//! A page is plain data, rendered through one template; SVG goes in as it is, other text escaped.
+//! A page is plain data, rendered through one template. SVG is inserted unchanged; other text is escaped.
 
 use finray_model::estimators::EstimatorId;
 use finray_studies::truths::TruthId;
@@ -10,35 +10,35 @@ use minijinja::{AutoEscape, Environment, context};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Script of the section in which the reader chooses what is drawn.
+/// Script of the interactive section.
 pub const SCRIPT: &str = include_str!("explore/explore.js");
-/// Its style.
+/// Style sheet of the interactive section.
 pub const STYLE: &str = include_str!("explore/explore.css");
 
 /// A whole page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Page {
-    /// Name of the page.
+    /// Title of the page.
     pub title: String,
-    /// One sentence under the title.
+    /// One sentence below the title.
     pub subtitle: String,
-    /// The reader's questions with their answers; shown before everything else.
+    /// The reader's questions with their answers, shown first.
     pub answers: Vec<Answer>,
-    /// What the answers rest on.
+    /// Assumptions behind the answers.
     pub caveat: String,
-    /// The drawings beside and below the answers.
+    /// Drawings beside and below the answers.
     pub lead: Vec<Figure>,
-    /// Words below these drawings.
+    /// Text below these drawings.
     pub lead_caption: String,
-    /// Numbers for the script that answers the reader's choices; `None`: no such section.
+    /// Data of the interactive section; `None` leaves the section out.
     pub explore: Option<String>,
-    /// The results, question by question, in the order of the table of contents.
+    /// The results by question, in the order of the table of contents.
     pub questions: Vec<Question>,
     /// Small print at the end.
     pub footer: String,
 }
 
-/// A question, answered in few sentences.
+/// A question with a short answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Answer {
     /// The question.
@@ -52,77 +52,77 @@ pub struct Answer {
 pub struct Question {
     /// Anchor for links within the page.
     pub id: String,
-    /// The question, in few words.
+    /// The question in a few words.
     pub heading: String,
     /// The sections, in order.
     pub sections: Vec<Section>,
 }
 
-/// A part of the page under its own heading.
+/// A part of the page with its own heading.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Section {
     /// Anchor for links within the page.
     pub id: String,
     /// Heading, also shown in the table of contents.
     pub heading: String,
-    /// What the section's numbers say, in sentences; shown before the rest.
+    /// Conclusions from the section's numbers, shown first.
     pub says: Vec<String>,
-    /// What the section is made of, in order.
+    /// Content of the section, in order.
     pub blocks: Vec<Block>,
 }
 
-/// One thing in a section.
+/// One element of a section.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Block {
     /// A paragraph.
     Text {
-        /// Its words.
+        /// Text of the paragraph.
         paragraph: String,
     },
-    /// Several points, one below the other.
+    /// A bulleted list.
     List {
-        /// The points' words.
+        /// Text of each item.
         items: Vec<String>,
     },
-    /// A figure on its own.
+    /// A single figure.
     Figure(Figure),
-    /// Figures side by side, one below the other where the screen is narrow.
+    /// Figures side by side, or one below the other on a narrow screen.
     Figures {
         /// The figures.
         figures: Vec<Figure>,
     },
     /// A table.
     Table(Table),
-    /// Blocks that are shown when asked for (and in print).
+    /// Blocks shown on request, and in print.
     Details {
-        /// The line that is always shown.
+        /// The visible line.
         summary: String,
-        /// What it hides.
+        /// The hidden blocks.
         blocks: Vec<Block>,
     },
 }
 
-/// A drawing with words below it.
+/// A drawing with a caption.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figure {
-    /// The drawing; put into the page as it is, so it must come from our own code.
+    /// SVG of the drawing. It is inserted unescaped, so it must not contain foreign text.
     pub svg: String,
-    /// Words below the drawing.
+    /// Text below the drawing.
     pub caption: String,
-    /// Where the drawn numbers lie, seen from the page.
+    /// File with the drawn numbers, relative to the page.
     pub csv: Option<String>,
-    /// A wide drawing is scrolled sideways on a narrow screen rather than shrunk beyond reading.
+    /// Whether the drawing scrolls sideways on a narrow screen instead of shrinking.
     pub wide: bool,
 }
 
 impl Figure {
-    /// A drawing that is as wide as the page's column.
+    /// A drawing as wide as the page's column.
     pub fn wide(svg: String, caption: impl Into<String>, csv: impl Into<String>) -> Figure {
         Figure { svg, caption: caption.into(), csv: Some(csv.into()), wide: true }
     }
 
-    /// A drawing that shares its row with another, or is read on a phone.
+    /// A drawing for half a row, or for a phone.
     pub fn narrow(svg: String, caption: impl Into<String>, csv: impl Into<String>) -> Figure {
         Figure { wide: false, ..Figure::wide(svg, caption, csv) }
     }
@@ -131,47 +131,47 @@ impl Figure {
 /// Numbers in rows and columns.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Table {
-    /// Words above the table.
+    /// Text above the table.
     pub caption: String,
     /// The columns.
     pub columns: Vec<Column>,
-    /// The rows, each with one cell a column.
+    /// The rows, with one cell per column.
     pub rows: Vec<Vec<Cell>>,
-    /// Where the same numbers lie as a file, seen from the page.
+    /// File with the same numbers, relative to the page.
     pub csv: Option<String>,
 }
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Column {
-    /// Its heading.
+    /// Heading of the column.
     pub name: String,
-    /// Numbers are set flush right, words flush left.
+    /// Whether cells are right-aligned, as numbers are.
     pub numeric: bool,
 }
 
 /// A cell of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
-    /// What stands in it.
+    /// Text of the cell.
     pub text: String,
-    /// Its background.
+    /// Background of the cell.
     pub shade: Option<Shade>,
-    /// A file that its text leads to, seen from the page.
+    /// File to which the text links, relative to the page.
     pub link: Option<String>,
 }
 
-/// What a cell's background says.
+/// Meaning of a cell's background.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shade {
-    /// Green: as it should be.
+    /// Green: passed.
     Pass,
-    /// Red: not as it should be.
+    /// Red: failed.
     Fail,
-    /// Amber: an error of more than a tenth.
+    /// Amber: an error above 10 %.
     Amber,
-    /// Red: an error of more than a quarter.
+    /// Red: an error above 25 %.
     Red,
 }
 
@@ -180,25 +180,25 @@ pub fn text(paragraph: impl Into<String>) -> Block {
     Block::Text { paragraph: paragraph.into() }
 }
 
-/// Blocks under a line that opens them.
+/// Blocks below a line that opens them.
 pub fn details(summary: impl Into<String>, blocks: Vec<Block>) -> Block {
     Block::Details { summary: summary.into(), blocks }
 }
 
 impl Section {
-    /// A section by its anchor, heading and blocks; its numbers say nothing yet.
+    /// A section with anchor, heading and blocks, without conclusions.
     pub fn new(id: &str, heading: &str, blocks: Vec<Block>) -> Self {
         Self { id: id.to_owned(), heading: heading.to_owned(), says: Vec::new(), blocks }
     }
 
-    /// The section with the sentences that its numbers say.
+    /// Adds conclusions to the section.
     pub fn saying(self, says: impl IntoIterator<Item = String>) -> Self {
         Self { says: says.into_iter().collect(), ..self }
     }
 }
 
 impl Column {
-    /// A column of words.
+    /// A column of text.
     pub fn words(name: impl Into<String>) -> Self {
         Self { name: name.into(), numeric: false }
     }
@@ -220,24 +220,24 @@ impl Cell {
         Self { shade: Some(shade), ..Self::plain(text) }
     }
 
-    /// The name of a file beside the page, which it leads to.
+    /// A cell that names and links to a file beside the page.
     pub fn file(name: impl Into<String>) -> Self {
         let name = name.into();
         Self { link: Some(name.clone()), ..Self::plain(name) }
     }
 }
 
-/// What is meant by the names of true fingers and estimators, told where a pointer rests on one.
+/// Explanations of the names of true fingers and estimators, shown when the pointer rests on a name.
 pub(super) fn about() -> BTreeMap<&'static str, &'static str> {
     let fingers = TruthId::ALL.iter().map(|truth| (truth.label(), truth.help()));
     fingers.chain(EstimatorId::ALL.iter().map(|estimator| (estimator.label(), estimator.help()))).collect()
 }
 
-/// The page as HTML.
+/// Renders the page as HTML.
 pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    // Lines that hold only a template's instructions leave no empty line behind.
+    // Lines with only template instructions leave no empty line.
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;

@@ -1,4 +1,4 @@
-//! Two contacts at once: which pairs of nodes can be trusted, and why neighbours are hard.
+//! Two contacts at once: which pairs of nodes can be trusted, and why neighbours are difficult.
 
 use super::drawings::percent_classes;
 use super::format::{list, nodes_in_words, range_of};
@@ -9,7 +9,7 @@ use finray_studies::settings::TWO_FORCES_N;
 const CSV: &str = "pairs.csv";
 const EACH: &str = "Mean error of each force, %";
 const SUM: &str = "Mean error of the sum of both, %";
-/// Its cells are about square, px.
+/// Height of the matrix, px, at which its cells are about square.
 const MATRIX_HEIGHT: f64 = 480.0;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -33,7 +33,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     vec![Dataset::new(CSV, &columns, rows)]
 }
 
-/// Root mean square of a force's error over its bound, the worse of the two forces.
+/// Root mean square error over the Cramer-Rao bound, for the worse of the two forces.
 fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
     row.forces.iter().filter_map(|force: &Scatter| Some(force.bound?.over_bound)).reduce(f64::max)
 }
@@ -64,7 +64,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("pairs", "Two contacts at once", blocks)))
 }
 
-/// One quantity of every pair, the nonlinear estimator above the diagonal.
+/// One quantity of every pair, with the nonlinear estimator above the diagonal.
 fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option<f64>) -> Result<String, FigureError> {
     let mut nodes: Vec<usize> = noise.pairs.iter().flat_map(|row| row.nodes.clone()).collect();
     nodes.sort_unstable();
@@ -78,7 +78,7 @@ fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option
     };
     let names: Vec<String> = nodes.iter().map(ToString::to_string).collect();
     let at: Vec<f64> = (0..nodes.len()).map(|n| n as f64).collect();
-    // Rows run downwards.
+    // Rows run from top to bottom.
     let down: Vec<f64> = at.iter().rev().copied().collect();
     let values = (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect();
     let cells = Cells::new(&at, &down, values);
@@ -94,7 +94,7 @@ fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option
     .svg()
 }
 
-/// Short enough for a cell: 0.62, 2.4, 47.
+/// A number short enough for a cell: 0.62, 2.4, 47.
 fn two_digits(value: f64) -> String {
     match value {
         value if value < 0.995 => format!("{value:.2}"),
@@ -103,7 +103,7 @@ fn two_digits(value: f64) -> String {
     }
 }
 
-/// Which pairs can be trusted.
+/// Pairs that can be trusted.
 fn trusted(noise: &NoiseStudy) -> Option<Value> {
     let sums = |rows: &[ScatterRow]| Some(range_of(Span::of(rows.iter().filter_map(|row| Some(row.sum?.mean_error)))?));
     let bad = noise.pairs.iter().filter(|row| !row.is_within(TRUSTED_ERROR)).map(|row| nodes_in_words(&row.nodes));
@@ -118,10 +118,10 @@ fn trusted(noise: &NoiseStudy) -> Option<Value> {
     })
 }
 
-/// Why neighbours are hard.
+/// Cause of the large errors of neighbours.
 fn neighbours(noise: &NoiseStudy) -> Option<Value> {
     let pairs = || noise.pairs.iter().zip(&noise.condition_numbers);
-    // Errors and condition numbers of pairs by how many nodes apart they are.
+    // Errors and condition numbers of pairs, by their distance in nodes.
     let apart = |wanted: fn(usize) -> bool| {
         let of = pairs().filter(move |(row, _)| wanted(row.nodes[1] - row.nodes[0]));
         let errors = range_of(Span::of(of.clone().filter_map(|(row, _)| row.mean_error()))?);

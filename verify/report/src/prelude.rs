@@ -1,4 +1,4 @@
-//! What every section is written with: tables and their files, blocks of the page, sentences, drawings, and what they speak of.
+//! Common imports of the sections: tables and files, blocks of the page, sentences, drawings, and types of the studies.
 
 pub(crate) use crate::dataset::{Columns, Dataset, Format};
 pub(crate) use crate::format::Span;

@@ -1,4 +1,4 @@
-//! Nonlinear sensing under camera noise, against the Cramer-Rao bound.
+//! Nonlinear sensing under camera noise, compared with the Cramer-Rao bound.
 
 use super::format::{list, nodes_in_words, range_of};
 use crate::prelude::*;
@@ -8,7 +8,7 @@ use finray_studies::settings::{ONE_FORCE_N, TWO_FORCES_N};
 const CSV: &str = "noise.csv";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    // A row for each force, and for the sum where there are several.
+    // One row per force, and one for the sum if there are several.
     let quantities = |row: &'s ScatterRow| {
         let forces = row.nodes.iter().zip(&row.forces).map(|(node, scatter)| (format!("force at {node}"), *scatter));
         let sum = row.sum.filter(|_| row.nodes.len() > 1).map(|sum| ("sum".to_owned(), sum));
@@ -36,7 +36,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let [one_n, two_n] = [ONE_FORCE_N, TWO_FORCES_N].map(|range_n| study.checked_forces().scaled(range_n));
     let numbers = context! { one_n, two_n, cases };
     let mut blocks = vec![paragraph("noise.about", numbers)?];
-    // No force of the range may be carried at a node.
+    // A node may have no force of the range under which the finger has an equilibrium.
     let first = |row: &ScatterRow| row.forces.first().copied();
     let single = Columns::<&ScatterRow>::new()
         .page("node", Format::Plain, |row| row.nodes[0])
@@ -59,7 +59,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("noise", "Nonlinear sensing", blocks).saying(say("noise.says", in_words(noise))?)))
 }
 
-/// The range of the mean errors over the nodes.
+/// Range of the mean errors over the nodes.
 fn in_words(noise: &NoiseStudy) -> Option<Value> {
     let range = |rows: &[ScatterRow]| {
         let errors = range_of(Span::of(rows.iter().filter_map(ScatterRow::mean_error))?);

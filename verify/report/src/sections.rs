@@ -1,4 +1,4 @@
-//! The sections of the report, and what follows from them: the page, the CSV files and the arrays of the summary.
+//! All sections of the report: they yield the page, the CSV files and the arrays of the summary.
 
 use super::dataset::Dataset;
 use super::page::{Page, Question, Section};
@@ -8,10 +8,10 @@ use super::{
     scatter, shapes, speed_error, table_one, table_two, times, trust, twin,
 };
 
-/// A section: the question that it answers, its part of the page (`None` where a scene has no such study), and its data.
+/// A section: its question, its part of the page (`None` if the scene has no such study), and its data.
 struct Entry(Asked, fn(Results) -> Result<Option<Section>, ReportError>, for<'s> fn(Results<'s>) -> Vec<Dataset<'s>>);
 
-/// The questions of the reader, in the order of the page.
+/// Questions of the reader, in the order of the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Asked {
     Where,
@@ -36,7 +36,7 @@ impl Asked {
     }
 }
 
-/// Every section, in the order of the page. To add one: its experiment, its file in this folder, a row here.
+/// Every section, in the order of the page. A new section needs its experiment, its file in this folder, and a row here.
 const SECTIONS: &[Entry] = &[
     Entry(Asked::Where, maps::section, maps::datasets),
     Entry(Asked::Where, pairs::section, pairs::datasets),
@@ -79,7 +79,7 @@ pub(super) fn page(results: Results) -> Result<Page, ReportError> {
         let of_question = SECTIONS.iter().filter(|Entry(of, ..)| *of == asked);
         let sections = of_question.filter_map(|Entry(_, section, _)| section(results).transpose());
         let sections = sections.collect::<Result<Vec<_>, _>>()?;
-        // Of another finger than the paper's some questions have no answer.
+        // Some questions have no answer for a finger other than the paper's.
         if !sections.is_empty() {
             questions.push(Question { id, heading, sections });
         }

@@ -1,4 +1,4 @@
-//! What an answer costs, and how far it is off.
+//! Time and error of each solver and estimator.
 
 use super::format::{NOTHING, or_nothing, time};
 use crate::prelude::*;
@@ -36,7 +36,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         (Task::SenseNeighbours, "two neighbouring forces from a frame"),
     ] {
         let points: Vec<&SpeedErrorPoint> = points.iter().filter(|point| point.task == task).collect();
-        // An error of nothing has no place on a logarithmic axis.
+        // An error of 0 cannot be drawn on a logarithmic axis.
         if points.iter().any(|point| point.error > 0.0) {
             let floor = if task == Task::Solve { floor } else { None };
             blocks.push(Block::Figure(Figure::wide(
@@ -52,10 +52,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ))
 }
 
-/// An error that a model of the finger may add: the tolerance of the paper's mesh of key nodes.
+/// Largest error of a good shape, relative: the tolerance of the paper's mesh of key nodes.
 const GOOD_SHAPE: f64 = 0.01;
 
-/// Which model of the finger to run at which cost: the fastest that is good enough, the nearest, and linear theory.
+/// Recommended models of the finger: the fastest of sufficient accuracy, the most accurate, and linear theory.
 fn in_words(study: &Study) -> Option<Value> {
     let points = study.speed_error.iter().filter(|point| point.task == Task::Solve && !is_peer(point));
     let points: Vec<&SpeedErrorPoint> = points.filter(|point| point.error.is_finite()).collect();
@@ -82,7 +82,7 @@ fn is_peer(point: &SpeedErrorPoint) -> bool {
     matches!(point.timed_by, TimedBy::OtherProgram { .. })
 }
 
-/// The model, and whose it is where it is another program's.
+/// Name of the model, and of its program if another than finray.
 fn name(point: &SpeedErrorPoint) -> String {
     match &point.timed_by {
         TimedBy::OtherProgram { program, .. } => format!("{program}: {}", point.model),
@@ -93,12 +93,12 @@ fn name(point: &SpeedErrorPoint) -> String {
     }
 }
 
-/// Microseconds, and the error: of forces in percent.
+/// Time in microseconds, and error; errors of forces in percent.
 fn place(point: &SpeedErrorPoint) -> [f64; 2] {
     [1e6 * point.seconds, if point.task == Task::Solve { 1.0 } else { 100.0 } * point.error]
 }
 
-/// Error over time, a point each; failures are said in its label.
+/// Error over time, one point per setting; labels state failures.
 pub fn drawing(
     task: Task,
     points: &[&SpeedErrorPoint],
@@ -110,7 +110,7 @@ pub fn drawing(
     let mut series: Vec<Series> = Vec::new();
     for group in drawn.chunk_by(|a, b| name(a) == name(b)) {
         let one = Series::nth(series.len(), name(group[0]), group.iter().map(|point| place(point)).collect());
-        // Points that nobody would choose have no words, unless they failed: the table names them.
+        // Dominated points have no label unless they failed; the table names them.
         let labels = group.iter().map(|point| match point.failed {
             0 if point.on_front => point.mesh().to_owned(),
             0 => String::new(),
@@ -129,9 +129,9 @@ pub fn drawing(
     chart.compared(floor.map(|left| (left, "may be left in the reference".to_owned()))).svg()
 }
 
-/// Every point with its times, error and failures.
+/// All points with their times, errors and failures.
 pub fn table(points: &[SpeedErrorPoint]) -> Table {
-    // Amber: what speaks against a way.
+    // Amber marks a disadvantage.
     let amber_if = |amber: bool, words: String| Cell { shade: amber.then_some(Shade::Amber), ..Cell::plain(words) };
     Columns::<&SpeedErrorPoint>::new()
         .page("answer", Format::Words, |point| answer(point.task))

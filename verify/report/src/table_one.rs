@@ -1,4 +1,4 @@
-//! The paper's Table I: its errors by node beside ours, for each direction that its weights may have had.
+//! The paper's Table I: its errors by node beside the computed ones, for each possible direction of its weights.
 
 use super::drawings;
 use super::format::{list, percent};
@@ -9,7 +9,7 @@ use finray_studies::experiments::table_one::{TableOne, TableOneRow, WEIGHTS_G};
 const CSV: &str = "table_one.csv";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    // A row a weight.
+    // One row per weight.
     let rows = study.tables_one.iter().flat_map(|table| table.rows.iter().map(move |row| (table, row)));
     let rows = rows.flat_map(|(table, row)| (0..row.errors.len().min(WEIGHTS_G.len())).map(move |i| (table, row, i)));
     let weights = Columns::<(&TableOne, &TableOneRow, usize)>::new()
@@ -52,7 +52,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ))
 }
 
-/// How much of the paper's large errors geometric nonlinearity gives, whichever way the finger lay.
+/// Share of the paper's large errors that geometric nonlinearity explains, for each orientation of the finger.
 fn in_words(tables: &[TableOne]) -> Value {
     let by_node = (0..tables[0].rows.len()).map(|row| tables.iter().map(|table| &table.rows[row]).collect::<Vec<_>>());
     let large: Vec<_> = by_node.filter(|rows| rows[0].paper_mean_error > TRUSTED_ERROR).collect();

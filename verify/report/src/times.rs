@@ -1,4 +1,4 @@
-//! How long the report took, part by part: where the next slow part is seen.
+//! Duration of each part of the report, to find slow parts.
 
 use crate::prelude::*;
 use finray_studies::study::PartTime;

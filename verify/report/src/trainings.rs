@@ -1,4 +1,4 @@
-//! Recorded trainings: recipes side by side, and the error by number of cases and by size of the network.
+//! Recorded trainings: comparison of recipes, and error by number of cases and by network size.
 
 use super::format::{NOTHING, Span, error_as, list, share_of_counts, span_in_words};
 use super::table_two::recorded_settings;
@@ -8,17 +8,17 @@ use finray_studies::experiments::table_two::COMPARED_SETS;
 
 const RECIPES_CSV: &str = "training_recipes.csv";
 const CURVES_CSV: &str = "training_curves.csv";
-/// Name and how it is shown.
+/// Names of the recipes in the records and in tables.
 pub const RECIPES: [(&str, &str); 4] = [("a", "(a)"), ("a, by spread", "(a), by spread"), ("b", "(b)"), ("c", "(c)")];
 
 pub(super) fn datasets(records: &Records) -> [Dataset<'_>; 2] {
     [Dataset::records(RECIPES_CSV, &records.recipes), Dataset::records(CURVES_CSV, &records.curves)]
 }
 
-/// The tables of what was recorded; nothing where nothing was.
+/// Tables of the recorded trainings; empty without records.
 ///
 /// # Errors
-/// [`ReportError`] if the words of the page lack a number.
+/// [`ReportError`] if a sentence of the page lacks a number.
 pub fn blocks(records: &Records) -> Result<Vec<Block>, ReportError> {
     if records.recipes.is_empty() {
         return Ok(Vec::new());
@@ -63,7 +63,7 @@ pub fn by_recipe(recorded: &[RecipeRow]) -> Table {
         .table("On the uniform finger: mean error over the seeds (least to greatest)", RECIPES_CSV, lines)
 }
 
-/// Networks of recipe (c) that differ in their seed alone, a line each.
+/// Networks of recipe (c) that differ only in their seed, one row each.
 pub fn by_size(recorded: &[CurveRow]) -> Table {
     let alike = |a: &CurveRow, b: &CurveRow| {
         (&a.curve, &a.nodes, a.samples, &a.hidden_layers) == (&b.curve, &b.nodes, b.samples, &b.hidden_layers)

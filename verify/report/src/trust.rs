@@ -1,4 +1,4 @@
-//! Where a force can be trusted: the first screen's drawings, counts and files, all by the worst force of each cell.
+//! Where a force can be trusted: drawings, counts and files of the first screen, by the worst force of each cell.
 
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, at_rest, error_classes, point, rank_of};
 use super::format::{capitalised, percent};
@@ -9,51 +9,55 @@ use finray_studies::sampling::map::MapRequest;
 use finray_studies::sampling::worst::WorstCell;
 
 const CSV: &str = "trust.csv";
-/// Cells of the contact that is only assumed.
+/// File with the cells of the assumed contact.
 pub(super) const ASSUMED_CSV: &str = "map_corotational_nonlinear_contact_assumed.csv";
-/// Positions at which all directions are drawn.
+/// Number of positions at which all directions are drawn.
 const FANS: usize = 6;
-/// Length of a fan's rays, as a share of the plate's.
+/// Length of a fan's rays, as a share of the plate's length.
 const REACH: f64 = 0.1;
 /// Half the width of the coloured plate, as a share of its length.
 const HALF_WIDTH: f64 = 0.012;
 
-/// Knowledge under which the recommended estimator is asked.
+/// Assumptions under which the recommended estimator is evaluated.
 pub(super) struct Situation<'s> {
-    /// In short, for files and headings.
+    /// Short name for files and headings.
     pub name: &'static str,
-    /// What is known, what not.
+    /// Known and unknown quantities.
     pub about: String,
-    /// What is not, within a sentence.
+    /// Unknown quantities, as part of a sentence.
     pub in_words: String,
+    /// Knowledge of the contact.
     pub contact: ContactKnowledge,
-    /// Where its cells are.
+    /// File with the cells.
     csv: &'static str,
+    /// Map of the errors.
     pub map: &'s AccuracyMap,
+    /// Cells with their worst force.
     pub cells: Vec<WorstCell>,
-    /// Counts of the positions and directions that every situation has.
+    /// Counts over the positions and directions that all situations share.
     pub common: TrustCounts,
 }
 
 impl Situation<'_> {
-    /// Counts of a region, by position over the plate's length and direction in degrees.
+    /// Counts over a region, tested by position over the plate's length and direction in degrees.
     pub(super) fn counts(&self, finger: &Finger, region: impl Fn(f64, f64) -> bool) -> TrustCounts {
         let length_mm = finger.plate_length_mm(Plate::Front);
         TrustCounts::of(self.cells.iter().filter(|cell| region(cell.s_mm / length_mm, cell.angle_deg)))
     }
 
+    /// Counts over all cells.
     pub(super) fn all(&self) -> TrustCounts {
         TrustCounts::of(&self.cells)
     }
 
-    /// Noise samples refused in the cells that answer, and all samples of these.
+    /// Number of refused noise samples in answered cells, and of all their samples.
     fn refused_samples(&self) -> [usize; 2] {
         let answered = self.map.cells.iter().filter(|cell| cell.state() == CellState::Answered);
         answered.fold([0, 0], |[refused, all], cell| [refused + cell.samples - cell.answered, all + cell.samples])
     }
 }
 
-/// The ideal case first, then what a user meets.
+/// The ideal situation first, then practical ones.
 pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
     let noisy = study.noise_mm > 0.0;
     let mapped = |truth| study.map_by(truth, EstimatorId::Nonlinear, noisy);
@@ -120,12 +124,12 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
     all
 }
 
-/// What the drawings show.
+/// Caption of the drawings.
 pub(super) fn caption(study: &Study) -> Result<String, ReportError> {
     Ok(say("trust.caption", Some(context! { forces_n => study.forces.of_maps_n() }))?.unwrap_or_default())
 }
 
-/// A finger for each situation.
+/// One drawing of the finger per situation.
 pub(super) fn figures(Results { study, .. }: Results) -> Result<Vec<Figure>, ReportError> {
     situations(study).iter().enumerate().map(|(nth, situation)| figure(study, situation, nth == 0)).collect()
 }
@@ -140,7 +144,7 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     let alt = format!(
         "{title}. The finger, base on the left; its front plate coloured by the error along the normal, fans by the error in every direction."
     );
-    // The ideal case stands large above the others.
+    // The ideal situation is drawn large, above the others.
     let frame = if is_first { Frame::full(&title, alt) } else { Frame::half(&title, alt) };
     let drawn = Chart::to_scale(
         frame.with_plot_height(if is_first { 400.0 } else { 250.0 }),
@@ -163,7 +167,7 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     Ok(Figure { wide: is_first, ..Figure::wide(chart.svg()?, caption, situation.csv) })
 }
 
-/// Contact nodes along the level axis.
+/// Axis of contact nodes in horizontal direction.
 fn node_ticks(finger: &Finger) -> Axis {
     let every = finger.contact_nodes().len().div_ceil(13);
     let nodes = finger.contact_nodes().step_by(every).map(|node| (finger.position(node).x, node.to_string()));
@@ -203,7 +207,7 @@ fn patches(finger: &Finger, situation: &Situation) -> Vec<Patch> {
     painted.into_iter().map(|(_, patch)| patch).collect()
 }
 
-/// Rank of a cell, best first, and its area.
+/// Rank of a cell (0 is best), and its area.
 fn patch(cell: &WorstCell, classes: &[Class], outline: Vec<[f64; 2]>) -> (usize, Patch) {
     let rank = rank_of(cell.state, cell.worst_error);
     (rank, Patch { class: classes[rank].clone(), outline })

@@ -1,4 +1,4 @@
-//! What the page says: sentences of `words.toml`, with numbers that the sections compute.
+//! Sentences of the page: templates of `words.toml`, filled with numbers that the sections compute.
 
 use super::ReportError;
 use super::format::{percent, percent_two_digits, percent_with, time};
@@ -8,7 +8,7 @@ use minijinja::{Environment, Value};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// By section, then sentence.
+/// Templates by section, then sentence.
 type Sentences = BTreeMap<String, BTreeMap<String, String>>;
 
 static WORDS: LazyLock<Result<Environment<'static>, String>> = LazyLock::new(|| {
@@ -24,12 +24,12 @@ static WORDS: LazyLock<Result<Environment<'static>, String>> = LazyLock::new(|| 
     Ok(words)
 });
 
-/// A paragraph with its numbers.
+/// A paragraph with its numbers filled in.
 pub(super) fn paragraph(sentences: &str, numbers: Value) -> Result<Block, ReportError> {
     Ok(text(say(sentences, Some(numbers))?.unwrap_or_default()))
 }
 
-/// A sentence with its numbers, nothing where there are none.
+/// A sentence with its numbers filled in; `None` without numbers.
 pub(super) fn say(sentence: &str, numbers: Option<Value>) -> Result<Option<String>, ReportError> {
     let Some(numbers) = numbers else { return Ok(None) };
     let words = WORDS.as_ref().map_err(|error| ReportError::Words(error.clone()))?;

@@ -1,4 +1,4 @@
-//! One dataset as CSV, as an array of the summary and as a table of the page.
+//! A dataset as a CSV file, as an array of the summary, and as a table of the page.
 
 use finray_report::dataset::{Columns, Dataset, Format};
 use finray_report::page::{Cell, Shade};

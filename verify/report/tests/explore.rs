@@ -1,4 +1,4 @@
-//! The script and style of the questions that a reader asks have the palette and limits of the drawings.
+//! The interactive section uses the palette and limits of the drawings.
 
 use finray_figures::Paint;
 use finray_report::drawings::percent_classes;

@@ -1,4 +1,4 @@
-//! Numbers in words.
+//! Number formats of the report.
 
 use finray_report::format::{
     Span, capitalised, figure, percent, percent_two_digits, share_of_counts, span_in_words, time,

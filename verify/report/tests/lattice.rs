@@ -1,4 +1,4 @@
-//! The figures and tables of the lattice: what has no equilibrium or no error is said, not drawn.
+//! Figures and tables of the lattice: missing equilibria and errors are stated, not drawn.
 
 mod samples;
 mod words;

@@ -1,4 +1,4 @@
-//! Tests of `finray-report`: each file tests the source file of its path.
+//! Tests of `finray-report`: each file tests the source file of the same path.
 
 mod claims;
 mod dataset;

@@ -1,4 +1,4 @@
-//! Residuals over the image that they belong to.
+//! Marker residuals drawn over their image.
 
 use finray_report::measured::picture::{magnified, svg};
 use finray_studies::experiments::measured::picture::{Arrow, Picture};

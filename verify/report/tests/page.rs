@@ -1,4 +1,4 @@
-//! The page: words are escaped, every block is shown, nothing is fetched.
+//! The page: text is escaped, every block is shown, nothing is loaded from elsewhere.
 
 use finray_report::page::{Answer, Block, Cell, Column, Figure, Page, Question, Section, Shade, Table, render};
 

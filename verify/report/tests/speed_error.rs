@@ -1,4 +1,4 @@
-//! The drawing of error over time: every point is named, failures are marked.
+//! The chart of error over time: every point has a name, and failures are marked.
 
 use finray_report::page::{Cell, Shade};
 use finray_report::speed_error::{drawing, table};

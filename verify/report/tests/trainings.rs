@@ -1,4 +1,4 @@
-//! Recorded trainings are gathered over their seeds.
+//! Recorded trainings are summarised over their seeds.
 
 use finray_report::page::Table;
 use finray_report::trainings::{RECIPES, blocks, by_recipe, by_size};

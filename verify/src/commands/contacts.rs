@@ -1,4 +1,4 @@
-//! The contacts of a command line, at nodes and at positions.
+//! The contacts given on the command line, at nodes or at positions along the plate.
 
 use super::parse::{AskedContact, contact_at_node, contact_at_position};
 use crate::commands::prelude::*;
@@ -9,15 +9,15 @@ use finray_model::sensor::{AskedDirection, SensorContacts};
 const AT_NODES: &str = "contact";
 const AT_POSITIONS: &str = "contact-at";
 
-/// `--contact` and `--contact-at` in the order in which they are given, which clap's derive keeps for each alone.
+/// Values of `--contact` and `--contact-at` in their joint order on the command line. Clap's derive keeps the order of each option only.
 pub struct Contacts(Vec<AskedContact>);
 
 impl Contacts {
-    /// The contacts with the scene's friction and object, and `measured_deg`, the direction of the measured force: all or none with standard deviations;
-    /// with them, forces lie within the cone of `friction`.
+    /// Combines the contacts with the scene's friction and object. Either all contacts or none have standard deviations; with them, forces lie in the
+    /// cone of the coefficient `friction`. `measured_deg` is the direction of the measured force, degrees.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where friction or object of a direction is unknown, or only some contacts have standard deviations.
+    /// [`Failure::BadInput`] if the scene lacks the friction or object that a direction needs, or if only some contacts have standard deviations.
     pub fn of(&self, scene: &Scene, friction: f64, measured_deg: Option<f64>) -> Result<SensorContacts, Failure> {
         if self.0.iter().any(|asked| asked.has_deviation() && asked.measured().is_none()) {
             return Err(bad_input(
@@ -46,7 +46,7 @@ impl Contacts {
         self.0.len()
     }
 
-    /// Whether a direction is that of the measured force.
+    /// Whether any direction is `measured`.
     pub fn ask_measured(&self) -> bool {
         self.0.iter().any(|asked| asked.direction == AskedDirection::Measured)
     }

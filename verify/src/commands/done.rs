@@ -1,21 +1,22 @@
-//! The last line of a command on standard error: what came out, and where.
+//! The summary line that a command prints last on standard error: its result and the written files.
 
 use finray_files::is_standard_stream;
 use std::fmt::{self, Display};
 use std::path::Path;
 
-/// What a command computed, and the files that it wrote.
+/// Summary of a command: its result, and the files that it wrote.
 pub struct Done {
     result: String,
     files: Vec<String>,
 }
 
 impl Done {
+    /// A summary of a result, without files.
     pub fn new(result: impl Display) -> Done {
         Done { result: result.to_string(), files: Vec::new() }
     }
 
-    /// Names a file that was written; standard output needs no name.
+    /// Adds a written file; standard output is not listed.
     pub fn to(mut self, file: &Path) -> Done {
         if !is_standard_stream(file) {
             self.files.push(file.display().to_string());
@@ -23,7 +24,7 @@ impl Done {
         self
     }
 
-    /// Names each of the files that were written.
+    /// Adds several written files.
     pub fn to_each<'f>(self, files: impl IntoIterator<Item = &'f Path>) -> Done {
         files.into_iter().fold(self, Done::to)
     }
@@ -39,7 +40,7 @@ impl Display for Done {
     }
 }
 
-/// A number of things in words: the noun with an s, unless there is one.
+/// A count with its noun, in the plural unless the count is 1.
 pub fn count(number: usize, noun: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{number} {noun}{plural}")

@@ -1,4 +1,4 @@
-//! `finray grasp`
+//! The command `finray grasp`.
 
 use crate::commands::prelude::*;
 use clap::value_parser;
@@ -11,7 +11,7 @@ use finray_studies::experiments::grasp::{
     Eyes, FINENESS, GraspEnd, GraspError, GraspScene, GraspStep, Summary, finger_name,
 };
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray grasp fixtures/scenes/grasp/disc.toml --out disc
@@ -20,34 +20,34 @@ Examples:
 
 Guide: finray guide press-and-grasp";
 
-/// Grasp a free object with two fingers, carry it and put it down: true and sensed forces.
+/// Simulate a gripper that grasps, carries and puts down an object: true and sensed forces.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML) with a gripper, a free object and a grasp; - for standard input
     scene: PathBuf,
-    /// Standard deviation of one coordinate of node or outline, mm [default: the scene's, or 0]
+    /// Standard deviation of one coordinate of a node or outline point, mm [default: the scene's, or 0]
     #[arg(long, help_heading = "Sensing", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Sense from rendered images of each finger; --noise-mm is then of outlines alone
+    /// Sense from rendered images of each finger; --noise-mm then applies to outlines only
     #[arg(long, help_heading = "Sensing")]
     images: bool,
-    /// Noise of the images, grey levels of 255
+    /// Standard deviation of pixel noise, grey levels of 255
     #[arg(long, help_heading = "Sensing", value_name = "S", default_value_t = 2.0, value_parser = not_negative, requires = "images")]
     grey_noise: f64,
-    /// Blur of the images, px
+    /// Standard deviation of the Gaussian image blur, px
     #[arg(long, help_heading = "Sensing", value_name = "S", default_value_t = 0.8, value_parser = not_negative, requires = "images")]
     blur_px: f64,
-    /// Sense with an estimator of `finray sense`, which takes contacts as read, without friction
+    /// Use an estimator of `finray sense`, which takes contacts as exact and frictionless
     #[arg(long, help_heading = "Sensing", value_name = "E", value_parser = listed::<EstimatorId>())]
     estimator: Option<EstimatorId>,
     /// Seed of the noise
     #[arg(long, help_heading = "Sensing", value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Segments of the lattice in a plate member
+    /// Lattice segments per plate member
     #[arg(long, value_name = "N", default_value_t = FINENESS as u16, value_parser = value_parser!(u16).range(1..=12))]
     fineness: u16,
-    /// Folder of the results
+    /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "finray-grasp")]
     out: PathBuf,
 }
@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
     let name = name_of(&arguments.scene);
     let bad = |error: GraspError| {
-        // What is missing stands on no line: the first is named, as for any other key.
+        // A missing table has no line number; the message names line 1, as for any missing key.
         let at = if matches!(error, GraspError::Missing { .. } | GraspError::NotFree) { "line 1: " } else { "" };
         match Failure::from(error) {
             Failure::BadInput(message) => Failure::BadInput(format!("{name}: {at}{message}")),

@@ -1,4 +1,4 @@
-//! Shared by `finray map`, `sweep` and `merge`: the grid, the truths and estimators on it, and the output of the table.
+//! Code shared by `finray map`, `sweep` and `merge`: the grid of cells, the models and estimators evaluated on it, and the output table.
 
 use crate::commands::prelude::*;
 use finray_files::{Reader, Stream, load_network_and_digest};
@@ -18,25 +18,25 @@ use std::io::Read;
 pub struct GridArguments {
     /// Scene file (TOML); - for standard input [default: the paper's finger]
     scene: Option<PathBuf>,
-    /// Network of `finray train` [default: those that ship]
+    /// Network file of `finray train` [default: the shipped networks]
     #[arg(long, value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Sizes of the force, N, as 1,2,3
+    /// Magnitudes of the force, N, for instance 1,2,3
     #[arg(long, help_heading = "Cells", value_name = "F", value_delimiter = ',', default_values_t = [3.0], value_parser = positive)]
     force_n: Vec<f64>,
-    /// Noise samples of a cell
+    /// Noise samples per cell (position and direction)
     #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: u32,
-    /// First seed of the noise
+    /// Seed of the noise
     #[arg(long, help_heading = "Cells", value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// About how many positions along the front plate
+    /// Approximate number of positions along the front plate
     #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     places: u32,
-    /// Degrees between directions, up to 80 on both sides of the normal; 90: the normal alone
+    /// Angle between directions, degrees; they reach 80 to both sides of the normal; 90: only the normal
     #[arg(long, help_heading = "Cells", value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
     step_deg: f64,
-    /// Compute only share I of N, for `finray merge`
+    /// Compute only share I of N; `finray merge` joins the shares
     #[arg(long, help_heading = "Cells", value_name = "I/N")]
     shard: Option<Shard>,
     /// Result file; - for standard output
@@ -44,15 +44,17 @@ pub struct GridArguments {
     out: PathBuf,
 }
 
-/// Truths and estimators to run.
+/// Models of the true finger and estimators to evaluate.
 pub struct Candidates<'a> {
+    /// Models of the true finger.
     pub truths: &'a [TruthId],
+    /// Estimators of the forces.
     pub estimators: &'a [EstimatorId],
-    /// Standard deviations of one measured coordinate, mm; none given: the scene's camera, else no noise.
+    /// Standard deviations of one measured coordinate, mm. If empty, the noise of the scene's camera, or else 0.
     pub noise_mm: &'a [f64],
 }
 
-/// Computes a table and writes it, row by row, with what belongs beside it.
+/// Computes a table and writes it row by row, with the figure of a map beside it.
 pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> Result<Done, Failure> {
     if arguments.network.is_some() && !candidates.estimators.contains(&EstimatorId::Network) {
         return Err(bad_input("--network is for --estimator network"));
@@ -99,7 +101,7 @@ fn grid(
     scene: &Scene,
     truths: &[Box<dyn Truth + '_>],
 ) -> Result<Grid, Failure> {
-    // A truth that answers at some positions alone decides where all are asked.
+    // A truth with fixed positions, such as exported data, determines the positions of the whole grid.
     let given = truths.iter().map(|truth| truth.positions(&arguments.force_n)).collect::<Result<Vec<_>, _>>()?;
     let (positions_mm, angles_deg) = given
         .into_iter()
@@ -126,7 +128,7 @@ fn grid(
     })
 }
 
-/// An estimator that refuses every position and direction, as a network of another finger, is no candidate.
+/// Checks that the estimator can answer at least one position and direction of the grid; returns its first refusal otherwise.
 fn require_an_answer(finger: &Finger, estimator: &dyn Estimator, grid: &Grid) -> Result<(), Failure> {
     let at_rest = Measurement::at_rest(finger);
     let mut refusal = None;
@@ -186,7 +188,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Done,
     Ok(Done::new(result).to(&out).to_each(beside.iter().map(|(path, _)| path.as_path())))
 }
 
-/// Why a stream ends before its end.
+/// Why the output stream ends early.
 enum Stop {
     Unread,
     Failed(Failure),
@@ -198,19 +200,19 @@ impl<E: Into<Failure>> From<E> for Stop {
     }
 }
 
-/// The accuracy map that a whole table is; `None` of a sweep.
+/// The accuracy map of a complete table; `None` for a sweep.
 pub fn map_of(request: &Request, table: impl Read) -> Result<Option<AccuracyMap>, Failure> {
     let is_map = request.table == Table::Map;
     is_map.then(|| AccuracyMap::from_csv(request, table).map_err(bad_input)).transpose()
 }
 
-/// A map's figure, beside its table.
+/// Path and text of the map's figure, beside its table `out`.
 pub fn figure(finger: &Finger, map: &AccuracyMap, out: &Path) -> Result<(PathBuf, String), Failure> {
     let figure = map_figure_svg(finger, map, None).map_err(not_computed)?;
     Ok((figure_path(out), standalone(&figure)))
 }
 
-/// Share of a map's cells that is trusted under the worst of its forces.
+/// Summary of a map: the share of cells that are trusted under their worst force.
 pub fn trusted(map: &AccuracyMap) -> String {
     let counts = TrustCounts::of(&map.worst());
     let share = counts.share().map_or("none".to_owned(), |share| format!("{:.0} %", 100.0 * share));
@@ -221,7 +223,7 @@ pub fn trusted(map: &AccuracyMap) -> String {
     }
 }
 
-/// The path of a table, unless it would be its figure's.
+/// The path of a table; for a map, the suffix becomes csv if the path is the figure's.
 pub fn table_path(table: Table, out: &Path) -> PathBuf {
     if table == Table::Map { path_beside_figure(out) } else { out.to_owned() }
 }

@@ -1,14 +1,14 @@
-//! `finray gripper`
+//! The command `finray gripper`.
 
 use super::parse::{MotorAngles, motor_angles};
 use crate::commands::prelude::*;
 use finray_model::gripper::{Gripper, LinkageErrors, NodeErrors};
 use finray_model::keys::{GRIPPER, SceneTable};
 
-/// Steps of the motor in the paper's experiments, degrees (sec. V-C).
+/// Motor step of the paper's experiments, degrees (sec. V-C).
 const STEP_DEG: f64 = 22.5;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray gripper fixtures/scenes/gripper.toml --motor-deg -1800:1800:360
@@ -17,19 +17,19 @@ Examples:
 
 Guide: finray guide press-and-grasp";
 
-/// Where a gripper's two fingers stand, from the angle of its motor or from how far it is open.
+/// Compute the poses of a gripper's two fingers from its motor angle or its opening.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML) with a gripper; - for standard input
     scene: PathBuf,
-    /// Motor angles, degrees: one, or FROM:TO:STEP [default: the whole reach in steps of 22.5]
+    /// Motor angle, or a range FROM:TO:STEP, degrees [default: the whole reach in steps of 22.5]
     #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, value_parser = motor_angles, conflicts_with = "opening_mm")]
     motor_deg: Option<MotorAngles>,
-    /// Find the motor angle for this distance between the tips, mm; the one nearest to 0
+    /// Distance between the tips, mm, instead of a motor angle; takes the solution nearest to 0 degrees
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     opening_mm: Option<f64>,
-    /// Errors (standard deviations) of motor angle, play of the screw, and each length
+    /// Standard deviation of the motor angle, backlash of the screw, standard deviation of each length
     #[arg(long, value_name = "DEG,MM,MM", value_parser = linkage_errors)]
     errors: Option<LinkageErrors>,
     /// Result file; - for standard output
@@ -45,7 +45,7 @@ fn linkage_errors(text: &str) -> Result<LinkageErrors, String> {
     }
 }
 
-/// What is appended to a row with --errors.
+/// Columns added by `--errors`: error of the worst node by each cause, mm.
 #[derive(Serialize)]
 struct ErrorColumns {
     motor_error_mm: Option<f64>,
@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             })?;
             vec![motor_deg]
         }
-        // Whole steps from motor angle 0.
+        // Whole steps, counted from motor angle 0.
         (None, None) => {
             let [first, last] = [(from_deg / STEP_DEG).ceil() as i64, (to_deg / STEP_DEG).floor() as i64];
             (first..=last).map(|step| step as f64 * STEP_DEG).collect()

@@ -1,4 +1,4 @@
-//! `finray guide`
+//! The command `finray guide`.
 
 use crate::commands::prelude::*;
 use finray_fixtures::PAPER_SCENE;
@@ -6,21 +6,21 @@ use finray_model::keys;
 use finray_verify::files::write_text;
 use finray_verify::guide::GUIDES;
 
-/// The one topic that is made from a table of the program.
+/// Name and task of the only generated guide, made from the table of scene keys.
 const SCENE: (&str, &str) = ("scene", "Every table and key of a scene file: unit, range, default and meaning");
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray guide
   finray guide sense
   finray guide scene";
 
-/// Print a guide: without a topic the list of topics.
+/// Print a guide, or the list of topics.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The topic
+    /// Topic of the guide [default: the list of topics]
     topic: Option<String>,
 }
 
@@ -38,11 +38,11 @@ pub fn run(arguments: &Arguments) -> Result<Option<Done>, Failure> {
         },
     };
     write_text(Path::new("-"), &text)?;
-    // A page to be read ends with its own last line.
+    // A printed guide has no summary line.
     Ok(None)
 }
 
-/// The reference of scene files, with the paper's finger as an example.
+/// The reference of all scene keys, with the paper's finger as an example.
 fn scene() -> String {
     format!(
         "# Scene files\n\

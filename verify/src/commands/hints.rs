@@ -1,4 +1,4 @@
-//! What a scene or a file says that is possible, and hardly meant.
+//! Warnings about valid but implausible input.
 
 use super::print_message;
 use finray_files::observations::RefusedImage;
@@ -6,11 +6,11 @@ use finray_files::{Elsewhere, name_of, of_another_finger};
 use finray_model::Finger;
 use std::path::Path;
 
-/// Young's modulus of diamond, MPa, rounded down: what is stiffer is in another unit.
+/// Young's modulus of diamond, MPa, rounded down. A larger modulus is probably in another unit.
 const STIFFEST_MPA: f64 = 1e6;
 const PA_A_MPA: f64 = 1e6;
 
-/// Warns of moduli that are more likely in Pa than in MPa.
+/// Warns of moduli that are probably in Pa instead of MPa.
 pub fn of_moduli(path: &Path, finger: &Finger) {
     let description = finger.description();
     let plates = [("front", description.front.youngs_modulus_mpa), ("back", description.back.youngs_modulus_mpa)];
@@ -24,7 +24,7 @@ pub fn of_moduli(path: &Path, finger: &Finger) {
     }
 }
 
-/// Warns of displacements that are another finger's.
+/// Warns of a displacement file that belongs to another finger.
 pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
     if let Some(Elsewhere { node, stated, own }) = of_another_finger(path, text, finger) {
         print_message(format_args!(
@@ -39,7 +39,7 @@ pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
     }
 }
 
-/// Warns of images that were refused when they were located, and are left out.
+/// Warns of images that `finray locate` refused; they are left out.
 pub fn of_refused(refused: &[RefusedImage]) {
     for RefusedImage { image, reason } in refused {
         print_message(format_args!("warning: {image} is left out, as it was refused when it was located: {reason}"));

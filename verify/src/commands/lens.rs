@@ -1,4 +1,4 @@
-//! `finray lens`
+//! The command `finray lens`.
 
 use crate::commands::prelude::*;
 use finray_files::load_turned_image;
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::fmt::Write;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray lens --grid-mm 5 --image grid1.png grid2.png grid3.png --out lens.toml
@@ -17,14 +17,14 @@ Examples:
 
 Guide: finray guide lens";
 
-/// Find the lens of a camera from images of a plane grid of dots or holes, or of a chessboard.
+/// Calibrate a camera's lens from images of a plane grid of dots or holes, or of a chessboard.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Distance between dots, side of a square, or distance between rows of an asymmetric grid, mm
+    /// Distance between dots, side of a chessboard square, or row spacing of an asymmetric grid, mm
     #[arg(long, value_name = "P", value_parser = positive)]
     grid_mm: f64,
-    /// Image of the grid (PNG, JPEG); several of one camera
+    /// Images of the grid (PNG, JPEG), all from one camera
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     image: Vec<PathBuf>,
     /// Also write the pose of the grid's plane
@@ -35,10 +35,10 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Standard deviation of a focal length, as a share of it, beyond which it is warned of: the parallax of what lies off the grid's plane is wrong by
-/// about as large a share.
+/// Relative standard deviation of the focal length above which a warning is printed. The parallax of points off the grid's plane has about the
+/// same relative error.
 const LARGEST_FOCAL_SHARE: f64 = 0.05;
-/// Largest differences between images of a plane that is in the same place: of its normal, deg, and of its distance from the camera, as a share.
+/// Largest difference between images of one fixed plane: of its normal, degrees, and of its relative distance from the camera.
 const SAME_NORMAL_DEG: f64 = 0.5;
 const SAME_DISTANCE: f64 = 0.005;
 
@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(format!("lens of {} in {}", count(dots, points), count(grids.len(), "image"))).to(&arguments.out))
 }
 
-/// The pose of the plane that all images show.
+/// The mean pose of the plane that all images show; an error if the images show different planes.
 fn pose_of_plane(fit: &LensFit) -> Result<Pose, String> {
     let ray = fit.lens.ray(&fit.lens.middle()).map_err(|error| format!("--plane: the middle of the image {error}"))?;
     let seen: Vec<[Vector3<f64>; 2]> = fit
@@ -152,7 +152,7 @@ fn to_toml(fit: &LensFit, arguments: &Arguments, kind: GridKind, dots: usize) ->
     text
 }
 
-/// Says so where the focal length is less certain than distances and slants can bear.
+/// A warning if the focal length is too uncertain for distances and slants.
 fn uncertain_focus(fit: &LensFit) -> Option<String> {
     let share = fit.sds[0] / fit.lens.focal_px()[0];
     (share > LARGEST_FOCAL_SHARE).then(|| {
@@ -164,7 +164,7 @@ fn uncertain_focus(fit: &LensFit) -> Option<String> {
     })
 }
 
-/// Says which parameters the images do not show.
+/// A note that names the lens parameters which the images do not determine.
 fn not_shown(fit: &LensFit) -> Option<String> {
     let names: Vec<&str> =
         LENS_PARAMETERS.iter().zip(fit.is_shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();

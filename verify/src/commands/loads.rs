@@ -1,4 +1,4 @@
-//! Loads on a finger and the equilibrium under them, as `solve` and `render` take them.
+//! Loads on a finger and the equilibrium under them, for `solve` and `render`.
 
 use super::Failure;
 use super::parse::{NodeLoad, PositionLoad, node_load, position_load};
@@ -7,32 +7,32 @@ use finray_model::mesh::FingerShape;
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh};
 
-/// Elements a member of ever finer meshes of a finger that is drawn. The first that moves no marker by more than this, mm, against the one before
-/// is drawn: a third of it is still to come (errors fall with the square of the element length), a thousandth of a pixel at ten px a mm.
+/// Elements per member of successively finer meshes. `render` draws the first mesh that moves no marker by more than `DRAWN_MM` relative to the
+/// mesh before. About a third of that change remains, because errors fall with the square of the element length: 0.001 px at 10 px per mm.
 const DRAWN_ELEMENTS: [usize; 7] = [4, 8, 16, 32, 64, 128, 256];
 const DRAWN_MM: f64 = 3e-4;
 
-/// Loads and the mesh that carries them.
+/// Loads of the command line, and the mesh that carries them.
 #[derive(clap::Args)]
 pub struct Loads {
-    /// Force (N) and moment (N mm) on a key node, finger frame
+    /// Force (N) and optional moment (N mm) on a key node, in the finger frame
     #[arg(long, value_name = "NODE:FX,FY[,M]", value_parser = node_load, num_args = 1.., allow_hyphen_values = false)]
     load: Vec<NodeLoad>,
-    /// Force (N) at a position on the front plate (mm from its base), at an angle from the normal
+    /// Force (N) on the front plate, at S_MM from its base and ANGLE_DEG from the inward normal
     #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = position_load, num_args = 1..)]
     load_at: Vec<PositionLoad>,
-    /// Nodes of the mesh [default: key nodes; `render` refines it]
+    /// Number of mesh nodes [default: the key nodes; `render` refines until the image converges]
     #[arg(long, value_name = "N")]
     mesh_nodes: Option<usize>,
 }
 
 impl Loads {
-    /// Whether there are none.
+    /// Whether no load is given.
     pub fn is_empty(&self) -> bool {
         self.load.is_empty() && self.load_at.is_empty()
     }
 
-    /// The mesh.
+    /// Builds the mesh.
     pub fn mesh(&self, finger: &Finger) -> Result<Mesh, Failure> {
         Ok(match self.mesh_nodes {
             None => Mesh::key_nodes(finger),
@@ -40,7 +40,7 @@ impl Loads {
         })
     }
 
-    /// The shape that an image shows: under the loads on the mesh that was asked for, or on one that is fine enough.
+    /// The shape that an image shows: on the requested mesh, or refined until markers no longer move.
     pub fn drawn_shape(&self, finger: &Finger) -> Result<FingerShape, Failure> {
         let on = |mesh: &Mesh| Ok::<_, Failure>(mesh.shape(&self.equilibrium(mesh, Kinematics::Corotational)?.0));
         if self.is_empty() {
@@ -63,7 +63,7 @@ impl Loads {
         Ok(shape)
     }
 
-    /// The equilibrium under the loads, to the last digit, and the loads on the mesh.
+    /// The equilibrium under the loads to rounding accuracy, and the loads on the mesh.
     pub fn equilibrium(&self, mesh: &Mesh, kinematics: Kinematics) -> Result<(FrameMotion, Vec<FrameLoad>), Failure> {
         let finger = mesh.finger();
         let node_loads =

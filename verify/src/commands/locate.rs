@@ -1,4 +1,4 @@
-//! `finray locate`
+//! The command `finray locate`.
 
 use crate::commands::prelude::*;
 use finray_files::image_names;
@@ -11,10 +11,10 @@ use finray_model::scene::{MarkerLook, Markers};
 use nalgebra::UnitComplex;
 use rayon::prelude::*;
 
-/// Residual of the pose at rest, px, beyond which more than the noise of an image and a lens that was found is in it.
+/// Residual of the pose from the unloaded image, px, above which a warning is printed. Image noise and lens errors alone stay below it.
 const SURE_REST_PX: f64 = 0.3;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray locate fixtures/scenes/camera.toml --image fixtures/pictures/camera.png --out nodes.csv
@@ -23,16 +23,16 @@ Examples:
 
 Guide: finray guide photographs";
 
-/// Locate the markers of a finger in images: positions and displacements of its nodes.
+/// Locate a finger's markers in images, and compute the displacements of its nodes.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Image of the finger (PNG, JPEG); several in the order they were taken; - for standard input
+    /// Images of the finger (PNG, JPEG), in the order they were taken; - for standard input
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     image: Vec<PathBuf>,
-    /// Image of the unloaded finger: gives the pose, and displacements count from it
+    /// Image of the unloaded finger, from which pose and displacements are measured
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
     /// Result file; - for standard output
@@ -83,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(done).to(&arguments.out))
 }
 
-/// What one image shows.
+/// Markers and radii found in one image.
 struct SeenImage {
     observation: Observation,
     radii: SeenRadii,
@@ -92,7 +92,7 @@ struct SeenImage {
 
 type SeenImages = Vec<Result<SeenImage, Failure>>;
 
-/// All images; where they show other radii than the scene's, a word on it, and what they show with those radii if that is something else.
+/// Locates all images. If the markers have other radii than the scene's, it prints a message and searches again with the radii seen.
 fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Observer) -> SeenImages {
     let found = all_images(arguments, observer);
     let others = OtherRadius::of(scene, &radii(&found));
@@ -124,10 +124,10 @@ fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Obser
     found
 }
 
-/// Markers that two searches have farther apart than so many standard deviations are not alike.
+/// Largest distance, in standard deviations, between the positions of one marker in two searches that count as equal.
 const ALIKE_SIGMAS: f64 = 3.0;
 
-/// Whether two searches of the same images have the same markers in the same places.
+/// Whether two searches found the same markers at the same positions in all images.
 fn are_alike(one: &SeenImages, other: &SeenImages) -> bool {
     let is_alike = |(a, b): (&ObservedMarker, &ObservedMarker)| {
         let apart_mm = a.position.zip(b.position).map(|(a, b)| (a - b).norm());
@@ -147,7 +147,7 @@ fn radii(images: &SeenImages) -> Vec<&SeenRadii> {
     images.iter().flatten().map(|seen| &seen.radii).collect()
 }
 
-/// Each image by itself, unless markers are tracked.
+/// Locates each image on its own, in parallel, unless markers are tracked from image to image.
 fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
     if observer.is_tracking() {
         return arguments.image.iter().map(|path| observed(&mut observer, path)).collect();
@@ -155,10 +155,10 @@ fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
     arguments.image.par_iter().map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect()
 }
 
-/// Turn of a base against those of half of the images, degrees, from which on its image may have been turned.
+/// Rotation of a base relative to half of the other images, degrees, above which its image was probably turned.
 const TURNED_DEG: f64 = 150.0;
 
-/// Warns of images in which the base is turned against half of all.
+/// Warns of images whose base is rotated by more than `TURNED_DEG` relative to at least half of all images.
 fn warn_of_turned(images: &[Result<Observation, RefusedImage>]) {
     let turn = |seen: &Observation| seen.base.filter(|base| base.is_known).map(|base| base.pose.rotation);
     let turns: Vec<_> = images.iter().flatten().filter_map(|seen| Some((&seen.image, turn(seen)?))).collect();
@@ -172,10 +172,10 @@ fn warn_of_turned(images: &[Result<Observation, RefusedImage>]) {
     }
 }
 
-/// Markers with a shade of which no more than this share is found: hidden ones are few, ones of another size many.
+/// Share of grey markers found, at or below which a warning is printed. Occlusion hides few markers; a wrong radius loses many.
 const MANY_LOST: f64 = 0.75;
 
-/// Warns of markers that are lost though nothing may hide them.
+/// Warns if many grey markers are missing, which a wrong radius explains better than occlusion.
 fn warn_of_lost(path: &Path, scene: &Scene, seen: &Observation) {
     let Some(Markers { radius_mm, look: MarkerLook::Grey { .. }, .. }) = scene.markers else { return };
     let (all, found) = (scene.finger.marked_nodes().len(), seen.markers.len());
@@ -188,7 +188,7 @@ fn warn_of_lost(path: &Path, scene: &Scene, seen: &Observation) {
     }
 }
 
-/// Warns of a base that is not where displacements need it.
+/// Warns if the base's pose is uncertain, or disagrees with the markers of clamped nodes.
 fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
     if seen.base.is_some_and(|base| !base.is_known) {
         print_message(format_args!(
@@ -205,10 +205,10 @@ fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
     }
 }
 
-/// The scene's locator, with the image of the unloaded finger.
+/// Builds the scene's marker locator, with the image of the unloaded finger if given.
 fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>, Failure> {
     let path = &arguments.scene;
-    // What the scene lacks is said before an image is read.
+    // Report missing tables of the scene before reading an image.
     camera_of(path, scene)?;
     let markers = markers_of(path, scene)?;
     let pose_is_sought = arguments.rest.is_some() && matches!(markers.look, MarkerLook::Coloured { .. });
@@ -222,7 +222,7 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
     })
 }
 
-/// Warns of an image of the unloaded finger that is not quite the scene's.
+/// Warns if markers in the unloaded image are far from those of the scene's unloaded finger.
 fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
     if let (Some(residual_px), Some(path)) = (observer.rest_residual_px(), &arguments.rest)
         && residual_px > SURE_REST_PX
@@ -235,7 +235,8 @@ fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
     }
 }
 
-/// What the markers of clamped nodes say against the pose from which displacements count; `None` of a base that moves or has no markers.
+/// Describes how the markers of clamped nodes contradict the pose from which displacements are measured.
+/// `None` if they agree, if the base moves, or if no clamped node has a marker.
 fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
     let mut nodes = finger.clamped_nodes().into_iter().filter(|node| finger.has_marker(*node)).peekable();
     if seen.base.is_some() || nodes.peek().is_none() {

@@ -1,10 +1,10 @@
-//! `finray map`
+//! The command `finray map`.
 
 use super::grid::{Candidates, GridArguments, run as run_grid};
 use crate::commands::prelude::*;
 use finray_studies::sampling::sweep::Table;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray map fixtures/scenes/paper.toml --noise-mm 0.067 --out map.csv      (and map.svg)
@@ -13,16 +13,16 @@ Examples:
 
 Guide: finray guide maps-and-sweeps";
 
-/// Map where sensing can be trusted: error of the sensed force by position and direction.
+/// Map the error of the sensed force by contact position and force direction.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
-    /// The true finger
+    /// Model of the true finger
     #[arg(long, value_parser = listed::<TruthId>(), default_value_t = TruthId::Corotational)]
     truth: TruthId,
-    /// The estimator
+    /// Estimator of the forces
     #[arg(long, value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
     /// Standard deviation of one coordinate, mm [default: the scene's, or 0]

@@ -1,4 +1,4 @@
-//! `finray merge`
+//! The command `finray merge`.
 
 use super::grid::{figure, map_of, table_path, trusted};
 use crate::commands::prelude::*;
@@ -6,7 +6,7 @@ use finray_files::{Reader, Stream, write_from};
 use finray_studies::sampling::sweep::{MergeError, Shards};
 use std::io::Read;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray map fixtures/scenes/paper.toml --shard 1/2 --out 1.csv
@@ -19,10 +19,10 @@ Guide: finray guide clusters";
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Files that were written with --shard
+    /// Files written with --shard, in any order
     #[arg(value_name = "SHARD", required = true)]
     shards: Vec<PathBuf>,
-    /// Result file; the figure of a map takes its name with .svg; - for standard output
+    /// Result file; a map also writes its figure, with suffix .svg; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }
@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(result).to(&out).to_each(figure.iter().map(|(path, _)| path.as_path())))
 }
 
-/// Writes what is read to standard output, a device or a pipe.
+/// Copies the table to standard output, a device or a pipe.
 fn pour(mut table: impl Read, out: &Path) -> Result<(), Failure> {
     const AT_ONCE: usize = 1 << 16;
     let mut stream = Stream::open(out)?;

@@ -1,4 +1,4 @@
-//! The commands: what each takes, reads and writes.
+//! The commands of `finray`: arguments, input and output of each.
 
 pub mod calibrate;
 pub mod grasp;
@@ -51,14 +51,14 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Its message.
+    /// Message of the failure.
     pub fn reason(&self) -> &str {
         match self {
             Failure::BadInput(message) | Failure::NotComputed(message) => message,
         }
     }
 
-    /// One message on standard error, and the exit code.
+    /// Prints the message on standard error, and returns the exit code.
     pub fn report(&self) -> ExitCode {
         let (message, code) = match self {
             Failure::BadInput(message) => (message, 2),
@@ -69,13 +69,13 @@ impl Failure {
     }
 }
 
-/// Prints a message on standard error. One that cannot be written, as on a full disk, changes neither result nor exit code.
+/// Prints a message on standard error. A failed write, for example on a full disk, changes neither result nor exit code.
 pub fn print_message(message: impl Display) {
     let _ = io::stderr().write_all(format!("{message}\n").as_bytes());
 }
 
-/// Prints what clap answers instead of a command, and its exit code: help and version are results, which must be written;
-/// anything else is a message.
+/// Prints clap's own answer (help, version or usage error) and returns its exit code. Help and version must reach standard output;
+/// a lost usage error is ignored.
 pub fn print_answer(answer: &clap::Error) -> ExitCode {
     match answer.print().and_then(|()| io::stdout().flush()) {
         Err(reason) if !answer.use_stderr() && reason.kind() != io::ErrorKind::BrokenPipe => {
@@ -85,27 +85,27 @@ pub fn print_answer(answer: &clap::Error) -> ExitCode {
     }
 }
 
-/// Bad input, by what is wrong with it.
+/// Failure because of bad input.
 fn bad_input(reason: impl ToString) -> Failure {
     Failure::BadInput(reason.to_string())
 }
 
-/// A result that is not there, by why it is not.
+/// Failure because a result could not be computed.
 fn not_computed(reason: impl ToString) -> Failure {
     Failure::NotComputed(reason.to_string())
 }
 
-/// Path of the figure beside a table.
+/// Path of the figure written beside a table: the same name with suffix svg.
 fn figure_path(table: &Path) -> PathBuf {
     table.with_extension("svg")
 }
 
-/// The path of a table, with another ending if it would be its figure's.
+/// The path of a table; if it equals the figure's path, the suffix becomes csv.
 fn path_beside_figure(table: &Path) -> PathBuf {
     if figure_path(table) == table { table.with_extension("csv") } else { table.to_owned() }
 }
 
-/// Refuses a scene and a further file that both come from standard input, which can be read only once.
+/// Refuses a scene and another file that both come from standard input, which can be read only once.
 fn not_both_from_standard_input(scene: &Path, other: &Path, option: &str) -> Result<(), Failure> {
     if is_standard_stream(scene) && is_standard_stream(other) {
         let message = format!("the scene and {option} cannot both be -: standard input can be read only once");
@@ -222,14 +222,14 @@ impl From<Refusal> for Failure {
     }
 }
 
-/// Requests are numbers, texts and lists, which TOML has room for.
+/// A request holds only numbers, texts and lists, all of which TOML can represent.
 impl From<toml::ser::Error> for Failure {
     fn from(error: toml::ser::Error) -> Failure {
         not_computed(error)
     }
 }
 
-/// Results are made in memory, so a CSV writer has nothing to fail on but memory.
+/// Results are written to memory, so the CSV writer fails only if memory runs out.
 impl From<csv::Error> for Failure {
     fn from(error: csv::Error) -> Failure {
         not_computed(error)

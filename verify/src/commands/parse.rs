@@ -1,4 +1,4 @@
-//! The small languages of the command line: loads, contacts, plain numbers.
+//! Parsers of command-line values: loads, contacts, numbers.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use finray_model::registry::Listed;
@@ -6,22 +6,29 @@ use finray_model::sensing::{Contact, ContactPosition, Direction, MeasuredContact
 use finray_model::sensor::AskedDirection;
 use finray_model::{NodeId, Vector};
 
-/// `NODE:FX,FY[,M]`.
+/// Load on a node, `NODE:FX,FY[,M]`: force in N in the finger frame, moment in N mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeLoad {
+    /// Key node that carries the load.
     pub node: NodeId,
+    /// Force, N, finger frame.
     pub force: Vector,
+    /// Moment, N mm.
     pub moment_nmm: f64,
 }
 
-/// `S_MM:FORCE,ANGLE_DEG`.
+/// Load on the front plate, `S_MM:FORCE,ANGLE_DEG`: mm from the base, N, degrees from the inward normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PositionLoad {
+    /// Position along the front plate, mm from its base.
     pub s_mm: f64,
+    /// Magnitude of the force, N.
     pub force_n: f64,
+    /// Angle from the undeformed inward normal, degrees, positive towards the tip.
     pub angle_deg: f64,
 }
 
+/// A finite number.
 pub fn finite(text: &str) -> Result<f64, String> {
     text.trim()
         .parse()
@@ -30,21 +37,22 @@ pub fn finite(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("expected a finite number, found \"{text}\""))
 }
 
-/// A number that is zero or more, as for a standard deviation.
+/// A finite number, zero or more.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x >= 0.0 { Ok(x) } else { Err(format!("expected zero or more, found {x}")) })
 }
 
+/// A finite number above zero.
 pub fn positive(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x > 0.0 { Ok(x) } else { Err(format!("expected more than zero, found {x}")) })
 }
 
-/// A share, 0 to 1.
+/// A number from 0 to 1.
 pub fn share(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(format!("expected 0 to 1, found {x}")) })
 }
 
-/// A step from one direction to the next, degrees.
+/// Angle between neighbouring directions, degrees, at least 0.01.
 pub fn degrees_between(text: &str) -> Result<f64, String> {
     const FINEST: f64 = 0.01;
     finite(text).and_then(|x| if x >= FINEST { Ok(x) } else { Err(format!("expected {FINEST} or more, found {x}")) })
@@ -54,6 +62,7 @@ fn node(text: &str) -> Result<NodeId, String> {
     text.trim().parse().map(NodeId).map_err(|_| format!("expected the number of a node, found \"{text}\""))
 }
 
+/// Parses `NODE:FX,FY[,M]`.
 pub fn node_load(text: &str) -> Result<NodeLoad, String> {
     let expected = || format!("expected NODE:FX,FY or NODE:FX,FY,M, for instance 19:-0.4,-2, found \"{text}\"");
     let (position, rest) = text.split_once(':').ok_or_else(expected)?;
@@ -66,6 +75,7 @@ pub fn node_load(text: &str) -> Result<NodeLoad, String> {
     Ok(NodeLoad { node: node(position)?, force: Vector::new(fx, fy), moment_nmm })
 }
 
+/// Parses `S_MM:FORCE,ANGLE_DEG`; a missing angle means 0 degrees.
 pub fn position_load(text: &str) -> Result<PositionLoad, String> {
     let expected = || format!("expected S_MM:FORCE,ANGLE_DEG, for instance 80.5:2,-20, found \"{text}\"");
     let (position, rest) = text.split_once(':').ok_or_else(expected)?;
@@ -77,10 +87,10 @@ pub fn position_load(text: &str) -> Result<PositionLoad, String> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotorAngles(pub Vec<f64>);
 
-/// `DEG` or `FROM:TO:STEP`.
+/// Parses one motor angle `DEG` or a range `FROM:TO:STEP`, degrees.
 pub fn motor_angles(text: &str) -> Result<MotorAngles, String> {
     const MOST: f64 = 1e6;
-    // A last angle that rounding takes past the end still counts.
+    // Relative rounding error by which the last angle may pass the end.
     const ROUNDING: f64 = 1e-9;
     let numbers = text.split(':').map(finite).collect::<Result<Vec<_>, _>>()?;
     match numbers[..] {
@@ -98,15 +108,16 @@ pub fn motor_angles(text: &str) -> Result<MotorAngles, String> {
     }
 }
 
-/// A contact as it is asked about.
+/// A contact as given on the command line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AskedContact {
-    /// Where; `None` if that is asked too.
+    /// Position along the front plate; `None` if it is to be estimated.
     pub position: Option<ContactPosition>,
-    /// Standard deviation of the position, mm, where it was measured.
+    /// Standard deviation of a measured position, mm.
     pub position_sd_mm: Option<f64>,
+    /// Direction of the force.
     pub direction: AskedDirection,
-    /// Standard deviation of the direction, degrees, where it was measured.
+    /// Standard deviation of a measured direction, degrees.
     pub direction_sd_deg: Option<f64>,
 }
 
@@ -116,7 +127,7 @@ impl AskedContact {
         self.position_sd_mm.or(self.direction_sd_deg).is_some()
     }
 
-    /// The contact, where position or direction has a standard deviation and both are numbers.
+    /// The measured contact, if position or direction has a standard deviation and both are numbers.
     pub fn measured(&self) -> Option<MeasuredContact> {
         match (self.position, self.direction) {
             (Some(position), AskedDirection::Itself(Direction::Angle(angle_deg))) if self.has_deviation() => {
@@ -131,7 +142,7 @@ impl AskedContact {
     }
 }
 
-/// The names of an enum as values of an option.
+/// Parser of an option whose values are the names of an enum.
 pub fn listed<T: Listed>() -> impl TypedValueParser<Value = T> {
     let values = T::ALL.iter().map(|value| PossibleValue::new(value.name()));
     PossibleValuesParser::new(values).try_map(|name: String| {
@@ -139,7 +150,7 @@ pub fn listed<T: Listed>() -> impl TypedValueParser<Value = T> {
     })
 }
 
-/// A number with a standard deviation behind `+-`, where there is one.
+/// Parses a number with an optional standard deviation, `VALUE+-SD`.
 fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
     match text.split_once("+-") {
         None => Ok((finite(text)?, None)),
@@ -147,10 +158,10 @@ fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
     }
 }
 
-/// Beyond it an angle says the same as a smaller one, and is more likely no angle in degrees.
+/// Largest accepted angle, degrees. A larger one is probably not in degrees.
 const FULL_TURN_DEG: f64 = 360.0;
 
-/// Direction after an `@` with its standard deviation, degrees, if it has one: an angle, `normal`, `friction`, `object`, `measured` or `auto`; 0 degrees without one.
+/// Parses a direction after `@`: an angle in degrees with optional standard deviation, or a keyword. A missing direction means 0 degrees.
 fn direction(text: Option<&str>) -> Result<(AskedDirection, Option<f64>), String> {
     let direction = match text.map(str::trim) {
         None => Direction::Angle(0.0),
@@ -177,7 +188,7 @@ fn direction(text: Option<&str>) -> Result<(AskedDirection, Option<f64>), String
     Ok((AskedDirection::Itself(direction), None))
 }
 
-/// `NODE[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`.
+/// Parses `NODE[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`.
 pub fn contact_at_node(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
     let (direction, direction_sd_deg) = direction(towards)?;
@@ -185,7 +196,7 @@ pub fn contact_at_node(text: &str) -> Result<AskedContact, String> {
     Ok(AskedContact { position, position_sd_mm: None, direction, direction_sd_deg })
 }
 
-/// `S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`, or `auto` for the position.
+/// Parses `S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`, or `auto` for the position.
 pub fn contact_at_position(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
     let (position, position_sd_mm) = match position.trim() {

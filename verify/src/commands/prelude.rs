@@ -1,4 +1,4 @@
-//! What commands are written with: failures, numbers of the command line, files, and a scene's parts.
+//! Common imports of the commands.
 
 pub(super) use super::done::{Done, count};
 pub(super) use super::parse::{degrees_between, listed, not_negative, positive, share};

@@ -1,4 +1,4 @@
-//! `finray press`
+//! The command `finray press`.
 
 use super::validity::Pressing;
 use crate::commands::prelude::*;
@@ -12,7 +12,7 @@ use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::experiments::contact_scene::{ContactScene, Refinement, TotalChange, force_rows};
 use finray_studies::sampling::noise::Noise;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray press fixtures/scenes/contact/disc.toml
@@ -21,22 +21,22 @@ Examples:
 
 Guide: finray guide press-and-grasp";
 
-/// Press an object onto a finger, and sense the contact forces as it goes.
+/// Simulate an object pressed onto a finger, and sense the contact forces at each step.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML) with an object; - for standard input
     scene: PathBuf,
-    /// Standard deviation of one coordinate of node or outline, mm [default: the scene's, or 0]
+    /// Standard deviation of one coordinate of a node or outline point, mm [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Segments of the lattice in a plate member [default: until no total changes by 0.1 %]
+    /// Lattice segments per plate member [default: doubled until total forces change by under 0.1 %]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=100))]
     fineness: Option<u16>,
-    /// Also write the last shape, as `finray solve` does
+    /// Also write the final shape, in the format of `finray solve`
     #[arg(long, value_name = "FILE")]
     shape: Option<PathBuf>,
     /// Result file; - for standard output
@@ -44,7 +44,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// A stop that is rounding, mm.
+/// Largest distance, mm, that an object may miss its prescribed position by rounding.
 const STOPPED_MM: f64 = 1e-6;
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
@@ -140,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(done).to_each(files.iter().map(PathBuf::as_path)))
 }
 
-/// Writes table, figure beside it and shape, and returns their paths.
+/// Writes the table, its figure and the shape, and returns their paths.
 fn write(arguments: &Arguments, press: &DrawnPress) -> Result<Vec<PathBuf>, Failure> {
     let out = if is_stream(&arguments.out) { arguments.out.clone() } else { path_beside_figure(&arguments.out) };
     let mut files = Vec::new();

@@ -1,11 +1,11 @@
-//! Progress on standard error.
+//! Progress bars on standard error.
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A bar with the time left; invisible where standard error is no terminal.
+/// A progress bar with the remaining time; hidden if standard error is not a terminal.
 pub fn bar(steps: u64, what: &str) -> ProgressBar {
     let bar = ProgressBar::new(steps);
-    // The template is a constant; should it ever be wrong, the default style serves.
+    // The template is a constant; if it were invalid, the default style would be used.
     if let Ok(style) = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len} {eta} left") {
         bar.set_style(style);
     }
@@ -13,15 +13,16 @@ pub fn bar(steps: u64, what: &str) -> ProgressBar {
     bar
 }
 
-/// A bar for training: losses and the time left.
+/// Progress bar of a training: losses and remaining time.
 #[cfg(feature = "train")]
 pub struct TrainingBar(ProgressBar);
 
 #[cfg(feature = "train")]
 impl TrainingBar {
+    /// A bar for this number of epochs.
     pub fn new(epochs: usize) -> TrainingBar {
         let bar = bar(epochs as u64, "drawing cases");
-        // As above.
+        // As above, the default style is the fallback.
         if let Ok(style) = ProgressStyle::with_template("epoch {pos}/{len} {wide_bar} {msg} {eta} left") {
             bar.set_style(style);
         }
@@ -29,11 +30,13 @@ impl TrainingBar {
         TrainingBar(bar)
     }
 
+    /// Shows the losses of an epoch.
     pub fn epoch(&self, epoch: finray_model::train::Epoch) {
         self.0.set_position(epoch.number as u64);
         self.0.set_message(format!("loss {:.3e}, unseen {:.3e}", epoch.training_loss, epoch.validation_loss));
     }
 
+    /// Removes the bar.
     pub fn finish(&self) {
         self.0.finish_and_clear();
     }

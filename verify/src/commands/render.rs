@@ -1,4 +1,4 @@
-//! `finray render`
+//! The command `finray render`.
 
 use super::loads::Loads;
 use crate::commands::prelude::*;
@@ -7,19 +7,20 @@ use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::camera::Camera;
 use nalgebra::Isometry2;
 
-/// Largest blur, px: beyond, a marker of a few pixels is no longer seen.
+/// Largest accepted blur, px; a larger one makes a marker of a few pixels invisible.
 const LARGEST_BLUR_PX: f64 = 100.0;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray render fixtures/scenes/camera.toml --load-at 80:2,-20 --out image.png
   finray render fixtures/scenes/bracketed.toml --base 60,-75,90 --load-at 75:3,5 --out image.png
-  finray render fixtures/scenes/camera.toml --shape shape.csv --grey-noise 2 --blur-px 0.8 --hide 18 --out i.png
+  finray render fixtures/scenes/camera.toml --shape shape.csv --grey-noise 2 --blur-px 0.8
+      --hide 18 --out image.png
 
 Guide: finray guide photographs";
 
-/// Render the image that the scene's camera takes of the (deformed) finger.
+/// Render the scene camera's image of the finger, undeformed or under loads.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -27,25 +28,25 @@ pub struct Arguments {
     scene: PathBuf,
     #[command(flatten)]
     loads: Loads,
-    /// Shape instead of loads (CSV of solve or press); - for standard input
+    /// Shape instead of loads (CSV of `solve` or `press`); - for standard input
     #[arg(long, value_name = "FILE", conflicts_with_all = ["load", "load_at", "mesh_nodes"])]
     shape: Option<PathBuf>,
-    /// Where a base that moves is, in the frame of the camera's pose
+    /// Pose of a movable base (mm, mm, degrees) in the frame of the camera's pose
     #[arg(long, value_name = "X_MM,Y_MM,DEG", value_parser = moved_base, allow_hyphen_values = true)]
     base: Option<Isometry2<f64>>,
-    /// Noise of every channel of every pixel, grey levels of 255
+    /// Standard deviation of pixel noise, grey levels of 255
     #[arg(long, help_heading = "Camera", value_name = "S", value_parser = not_negative, default_value_t = 0.0)]
     grey_noise: f64,
     /// Standard deviation of a Gaussian blur, px
     #[arg(long, help_heading = "Camera", value_name = "S", value_parser = not_negative, default_value_t = 0.0)]
     blur_px: f64,
-    /// Share of light that the corners lack, 0 to 1
+    /// Share of light missing in the image corners, 0 to 1
     #[arg(long, help_heading = "Camera", value_name = "SHARE", value_parser = share, default_value_t = 0.0)]
     light_falloff: f64,
-    /// Discs and boxes beside the markers, half in their colours
+    /// Number of added discs and boxes, half in marker colours
     #[arg(long, help_heading = "Camera", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1000))]
     clutter: u16,
-    /// Nodes whose markers are hidden
+    /// Nodes whose markers are left out
     #[arg(long, help_heading = "Camera", value_name = "NODE", num_args = 1..)]
     hide: Vec<usize>,
     /// Seed of noise and clutter
@@ -108,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(format!("image of {width} x {height} px")).to(&arguments.out))
 }
 
-/// Three numbers: mm, mm, deg.
+/// Parses the pose of a base, `X_MM,Y_MM,DEG`.
 fn moved_base(text: &str) -> Result<Isometry2<f64>, String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();

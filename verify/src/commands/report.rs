@@ -1,4 +1,4 @@
-//! `finray report`
+//! The command `finray report`.
 
 use crate::commands::prelude::*;
 use finray_files::image_named;
@@ -14,7 +14,7 @@ use finray_studies::study::Study;
 use indicatif::ProgressBar;
 use std::sync::Mutex;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray report --open
@@ -23,42 +23,42 @@ Examples:
 
 Guide: finray guide reading-the-report";
 
-/// Run every check and map, and write a page that shows them.
+/// Run all checks and maps of a finger, and write them to one HTML page.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input [default: the finger of Xu et al. 2021]
     scene: Option<PathBuf>,
-    /// Folder for the report; made if it does not exist
+    /// Folder for the report; created if missing
     #[arg(long, value_name = "DIR", default_value = "finray-report")]
     out: PathBuf,
-    /// The force that the report is about, N: maps are for F/6, F/3, 2F/3 and F
+    /// Largest force of the report, N; its maps show F/6, F/3, 2F/3 and F
     #[arg(long, value_name = "F", value_parser = positive, default_value_t = ReportForces::PAPER.drawn_n())]
     force_n: f64,
-    /// Coarse maps and fewer cases: a fraction of the time
+    /// Coarser maps and fewer cases, in a fraction of the time
     #[arg(long)]
     quick: bool,
-    /// Folder of criterion's results of the bench `speed_error` [default: target/criterion]
+    /// Folder with Criterion's results of the benchmark `speed_error` [default: target/criterion]
     #[arg(long, help_heading = "Times of other runs", value_name = "DIR")]
     criterion: Option<PathBuf>,
-    /// Times and errors of other programs, as bench/peers writes them (CSV)
+    /// Run times and errors of other programs (CSV, written by bench/peers)
     #[arg(long, help_heading = "Times of other runs", value_name = "FILE")]
     peers: Option<PathBuf>,
-    /// Images of the finger to compare: a file of `finray locate`
+    /// Markers located in your images (file of `finray locate`)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "scene", requires = "forces")]
     measurements: Option<PathBuf>,
-    /// Forces measured in these images: image,fx_n,fy_n (CSV)
+    /// Measured forces, frame of the camera's pose: image,fx_n,fy_n (CSV)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "measurements")]
     forces: Option<PathBuf>,
-    /// Some of these images (PNG, JPEG), to draw the residuals over
+    /// Some of these images (PNG, JPEG); marker residuals are drawn over them
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", num_args = 1.., requires = "measurements")]
     image: Vec<PathBuf>,
-    /// Open the page in the browser when it is done
+    /// Open the page in the browser when done
     #[arg(long)]
     open: bool,
 }
 
-/// Markers that a scene places alike, mm: far below any noise, far above rounding.
+/// Largest difference between the scene's markers and those of the file, mm: far below any noise, far above rounding.
 const SAME_MM: f64 = 1e-3;
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if let Some(peers) = peers {
         study.take_peers(peers);
     }
-    // The claims state times: criterion's, once they have been taken.
+    // Criterion's times must be set first: the claims quote them.
     let claims = ledger(&study).map_err(not_computed)?;
     let report = finray_report::report(&study, &claims).map_err(not_computed)?;
     write_folder(&arguments.out, &report.files)?;
@@ -118,7 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if arguments.open
         && let Err(error) = open::that_detached(&page)
     {
-        // The report is made, and where it is has been said.
+        // The report exists and its path is printed, so this is not an error.
         print_message(format_args!(
             "note: nothing here opens a page ({}); it is {}",
             first_line(&error),
@@ -128,12 +128,12 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new("report").to(&page))
 }
 
-/// An opener's own message may go on for lines.
+/// First line of the error: the browser opener's message may have several.
 fn first_line(error: &std::io::Error) -> String {
     error.to_string().lines().next().unwrap_or_default().to_owned()
 }
 
-/// An image with its name among those that were located.
+/// Loads an image and finds its name among the located images.
 fn named_image(path: &Path, located: &[&str]) -> Result<NamedImage, FileError> {
     let image = load_image(path)?;
     let none = |_| {
@@ -145,7 +145,7 @@ fn named_image(path: &Path, located: &[&str]) -> Result<NamedImage, FileError> {
     Ok((name.to_owned(), image))
 }
 
-/// Criterion's results in the folder given, or where cargo leaves them.
+/// Reads Criterion's results from the given folder, or from `target/criterion` if that exists.
 fn criterion_times(given: Option<&Path>) -> Result<Option<(PathBuf, CriterionTimes)>, FileError> {
     let found = Path::new("target/criterion");
     let Some(folder) = given.or_else(|| found.is_dir().then_some(found)) else { return Ok(None) };
@@ -154,7 +154,7 @@ fn criterion_times(given: Option<&Path>) -> Result<Option<(PathBuf, CriterionTim
     Ok(Some((folder.to_owned(), times)))
 }
 
-/// A progress bar a part.
+/// Progress bars, one per part of the study.
 struct Bars(Mutex<ProgressBar>);
 
 impl Bars {

@@ -1,4 +1,4 @@
-//! What a command needs of a scene: the finger, the paper's where none is named, and camera and markers.
+//! Parts of a scene that commands need: the finger (by default the paper's), camera and markers.
 
 use super::{Failure, bad_input, hints, not_computed};
 use finray_files::{load_scene_and_text, name_of};
@@ -9,7 +9,10 @@ use finray_model::keys::{CAMERA, MARKERS, SceneTable};
 use finray_model::scene::Markers;
 use std::path::Path;
 
-/// The scene of a file with its text, or the paper's finger where no file is named; a likely wrong unit of it is named.
+/// The scene of a file with its text, or the paper's finger without a path. Warns of moduli that are probably in Pa.
+///
+/// # Errors
+/// [`Failure`] if the file cannot be read or is not a valid scene.
 pub fn scene_or_papers(path: Option<&Path>) -> Result<(Scene, String), Failure> {
     let Some(path) = path else {
         let scene = Scene::from_toml(PAPER_SCENE).map_err(not_computed)?;
@@ -20,19 +23,19 @@ pub fn scene_or_papers(path: Option<&Path>) -> Result<(Scene, String), Failure> 
     Ok((scene, text))
 }
 
-/// What a scene lacks: nothing in it is wrong, so its first line is named, as for a key that is missing.
+/// Failure that names a missing table. The message gives line 1, as for any missing key.
 fn missing(path: &Path, what: &str) -> Failure {
     bad_input(format!("{}: line 1: the scene has no {what}; fixtures/scenes/camera.toml has an example", name_of(path)))
 }
 
-/// The lens, and the pose where the scene has it.
+/// The camera's lens, and its pose if the scene has one.
 pub fn camera_of(path: &Path, scene: &Scene) -> Result<(Lens, Option<Pose>), Failure> {
     let keys = [CAMERA.size_px.name, CAMERA.focal_px.name, CAMERA.principal_point_px.name];
     let camera = scene.camera.ok_or_else(|| missing(path, &CAMERA.with(&keys)))?;
     Ok((camera.lens, camera.pose))
 }
 
-/// The markers.
+/// Markers of the scene.
 pub fn markers_of(path: &Path, scene: &Scene) -> Result<Markers, Failure> {
     scene.markers.ok_or_else(|| missing(path, &MARKERS.outline()))
 }

@@ -1,4 +1,4 @@
-//! `finray sense`
+//! The command `finray sense`.
 
 use super::contacts::Contacts;
 use crate::commands::prelude::*;
@@ -9,7 +9,7 @@ use finray_model::observation::Observation;
 use finray_model::sensing::ContactPosition;
 use finray_model::sensor::{MissingInScene, Refusal, SensedForces, Sensor, SensorOptions, SensorWarning};
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19 --noise-mm 0.067
@@ -18,39 +18,39 @@ Examples:
 
 Guide: finray guide sense";
 
-/// Sense contact forces from measured displacements, with their standard deviations.
+/// Estimate contact forces and their standard deviations from measured displacements.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Displacements: node,ux_mm,uy_mm, or a file of `finray locate`; - for standard input
+    /// Displacements (CSV: node,ux_mm,uy_mm, or a file of `finray locate`); - for standard input
     #[arg(long, help_heading = "Input", value_name = "FILE")]
     displacements: PathBuf,
     #[command(flatten, next_help_heading = "Question")]
     contacts: Contacts,
-    /// The estimator
+    /// Estimator of the forces
     #[arg(long, help_heading = "Estimator", value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
-    /// Network of `finray train`; without it, the one that ships for these contacts
+    /// File of `finray train` [default: network shipped for the contacts]
     #[arg(long, help_heading = "Estimator", value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Standard deviation of one measured coordinate, mm
+    /// Standard deviation of one measured coordinate, mm [default: the scene's, else the file's, else from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Largest coefficient of friction, for contacts with standard deviations
+    /// Friction coefficient that bounds the force direction of contacts with +-SD
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
-    /// The image to sense in, of a file of several
+    /// Image to evaluate, if the file holds several
     #[arg(long, help_heading = "Input", value_name = "NAME")]
     image_name: Option<String>,
-    /// Sense in every image of a file of several: a row each
+    /// Evaluate every image of the file, one row per image and contact
     #[arg(long, help_heading = "Input", conflicts_with = "image_name")]
     all_images: bool,
-    /// Measured forces, for the direction `measured`: image,fx_n,fy_n in the frame of the camera's pose
+    /// Measured forces, for the direction `measured` (CSV: image,fx_n,fy_n, in the frame of the camera's pose)
     #[arg(long, help_heading = "Question", value_name = "FILE")]
     forces: Option<PathBuf>,
-    /// Nodes of the nonlinear estimator's mesh
+    /// Mesh nodes, nonlinear estimator [default: refined until converged]
     #[arg(long, help_heading = "Estimator", value_name = "N")]
     mesh_nodes: Option<usize>,
     /// Result file; - for standard output
@@ -58,7 +58,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// A sensed force; empty in an image that is refused.
+/// A sensed force; all columns are empty for a refused image.
 #[derive(Serialize, Default)]
 struct Row {
     contact: Option<String>,
@@ -68,13 +68,13 @@ struct Row {
     sigma_n: Option<f64>,
 }
 
-/// Begins a row of an image.
+/// First column of a row with `--all-images`.
 #[derive(Serialize)]
 struct OfImage<'t> {
     image: &'t str,
 }
 
-/// Ends a row of an image: why there are no numbers, if there are none.
+/// Last column of a row with `--all-images`: the reason of a refusal, or empty.
 #[derive(Serialize)]
 struct Refused {
     refused: String,
@@ -114,7 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             not_both_from_standard_input(&arguments.displacements, forces, "--forces")?;
         }
         (Some(_), false) => return Err(bad_input("--forces is for the direction `measured`, as in auto@measured")),
-        // Contacts that are wrong are so in any image.
+        // Report wrong contacts before the file is read: they are wrong for every image.
         (None, _) => drop(question.sensor(&Observation::default())?),
     }
     let text = read_text(&arguments.displacements)?;
@@ -139,12 +139,12 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(done).to(&arguments.out))
 }
 
-/// What is asked of each image.
+/// The question asked of each image: contacts, friction and estimator.
 struct ImageQuestion<'a> {
     scene: &'a Scene,
     contacts: &'a Contacts,
     friction: f64,
-    /// Measured forces, where a direction is one of them.
+    /// Measured forces, if a direction is `measured`.
     forces: Option<Vec<MeasuredForce>>,
     options: SensorOptions<'a>,
 }
@@ -154,7 +154,7 @@ impl<'a> ImageQuestion<'a> {
         self.forces.iter().flatten().find(|measured| measured.image == image)
     }
 
-    /// The sensor of an image; a measured force is turned into the frame of the image's base.
+    /// Builds the sensor of one image; a measured force is rotated into the frame of the image's base.
     fn sensor(&self, seen: &Observation) -> Result<Sensor<'a>, Failure> {
         let in_base = |measured: &MeasuredForce| seen.frame(self.scene).rotation.inverse() * measured.force;
         let measured_deg = self.force(&seen.image).map(|measured| self.scene.finger.angle_deg(in_base(measured)));
@@ -163,7 +163,7 @@ impl<'a> ImageQuestion<'a> {
     }
 }
 
-/// A row a contact of each image. An image that is refused has rows without numbers that say why.
+/// One row per image and contact. A refused image has rows without numbers, with the reason.
 fn all_images<'t>(
     question: &ImageQuestion,
     table: &'t ObservationTable,
@@ -189,7 +189,7 @@ fn all_images<'t>(
                 warn(&format!("{image}: "), &sensed.warnings);
                 all.extend(rows(finger, &sensed).into_iter().map(|numbers| row(numbers, String::new())));
             }
-            // An error in the file ends the command; an image without an answer is one of its rows.
+            // An error in the file ends the command; a refused image only fills its rows.
             Err(Refusal::Observation(error)) => return Err(table.error(Some(image), &error).into()),
             Err(refusal) => all.extend(refused(&refusal.to_string())),
         }
@@ -197,7 +197,7 @@ fn all_images<'t>(
     Ok(all)
 }
 
-/// Forces of one image.
+/// Estimates the forces of one image.
 fn sensed(sensor: &Sensor, seen: &Observation, table: &ObservationTable) -> Result<SensedForces, Failure> {
     let image = Some(seen.image.as_str()).filter(|image| !image.is_empty());
     sensor.sense(seen).map_err(|refusal| match refusal {
@@ -206,7 +206,7 @@ fn sensed(sensor: &Sensor, seen: &Observation, table: &ObservationTable) -> Resu
     })
 }
 
-/// Prints warnings; `about` begins each.
+/// Prints each warning, with `about` before it.
 fn warn(about: &str, warnings: &[SensorWarning]) {
     for warning in warnings {
         let kind = if *warning == SensorWarning::NoResidual { "note" } else { "warning" };

@@ -1,4 +1,4 @@
-//! `finray solve`
+//! The command `finray solve`.
 
 use super::loads::Loads;
 use crate::commands::prelude::*;
@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use finray_files::displacements;
 use finray_model::Kinematics;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray solve fixtures/scenes/paper.toml --load 19:-0.38,-1.96
@@ -15,7 +15,7 @@ Examples:
 
 Guide: finray guide your-finger";
 
-/// Deform a finger under loads: displacements and rotations of its key nodes.
+/// Compute displacements and rotations of a finger's key nodes under loads.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {

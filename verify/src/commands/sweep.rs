@@ -1,10 +1,10 @@
-//! `finray sweep`
+//! The command `finray sweep`.
 
 use super::grid::{Candidates, GridArguments, run as run_grid};
 use crate::commands::prelude::*;
 use finray_studies::sampling::sweep::Table;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray sweep fixtures/scenes/paper.toml --truth linear,corotational --noise-mm 0,0.067
@@ -13,19 +13,19 @@ Examples:
 
 Guide: finray guide maps-and-sweeps";
 
-/// Map several true fingers, estimators, forces and levels of noise in one table.
+/// Compute maps of several true fingers, estimators, forces and noise levels in one table.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
-    /// The true fingers, joined by commas
+    /// Models of the true finger, comma-separated
     #[arg(long, value_parser = listed::<TruthId>(), value_delimiter = ',', default_values_t = [TruthId::Corotational])]
     truth: Vec<TruthId>,
-    /// The estimators, joined by commas
+    /// Estimators, comma-separated
     #[arg(long, value_parser = listed::<EstimatorId>(), value_delimiter = ',', default_values_t = [EstimatorId::Nonlinear])]
     estimator: Vec<EstimatorId>,
-    /// Standard deviations of one coordinate, mm, as 0,0.067 [default: the scene's, or 0]
+    /// Standard deviations of one coordinate, mm, for instance 0,0.067 [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_delimiter = ',', value_parser = not_negative)]
     noise_mm: Vec<f64>,
 }
@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     run_grid(&arguments.grid, Table::Sweep, &candidates)
 }
 
-/// Each once, in the order of their first mention.
+/// The distinct items of a list, in order of first occurrence.
 fn distinct<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
     let first = |(i, item): (usize, &T)| (!list[..i].contains(item)).then_some(*item);
     list.iter().enumerate().filter_map(first).collect()

@@ -1,4 +1,4 @@
-//! `finray train`
+//! The command `finray train`.
 
 use super::contacts::Contacts;
 use super::progress::TrainingBar;
@@ -9,7 +9,7 @@ use finray_model::sensor::SensorContacts;
 use finray_model::train::{TrainingRecipe, train};
 use finray_studies::settings::CAMERA_NOISE_MM;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray train fixtures/scenes/paper.toml --contact 15 21 --out 15-21.safetensors
@@ -18,7 +18,7 @@ Examples:
 
 Guide: finray guide networks";
 
-/// Train a sensing network for a finger and its contacts.
+/// Train a neural network that senses the forces at given contacts of a finger.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -26,10 +26,10 @@ pub struct Arguments {
     scene: PathBuf,
     #[command(flatten, next_help_heading = "Contacts")]
     contacts: Contacts,
-    /// Any of the contacts may touch; which ones is given when sensing
+    /// Train for every subset of the contacts; `finray sense` then names the subset
     #[arg(long, help_heading = "Contacts", conflicts_with = "plain")]
     any_of: bool,
-    /// The true finger
+    /// Model of the true finger
     #[arg(long, help_heading = "Cases", value_name = "TRUTH", default_value_t = TruthId::Corotational, value_parser = own_beams)]
     truth: TruthId,
     /// Number of training cases [default: 20000; 100000 with --any-of]
@@ -38,13 +38,13 @@ pub struct Arguments {
     /// Standard deviation of one coordinate, mm [default: the scene's, or 0.067]
     #[arg(long, help_heading = "Cases", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Largest force of a contact, N
+    /// Largest force per contact, N
     #[arg(long, help_heading = "Cases", value_name = "F", default_value_t = 5.0, value_parser = positive)]
     largest_force_n: f64,
     /// Largest sum of the forces, N
     #[arg(long, help_heading = "Cases", value_name = "F", default_value_t = 10.0, value_parser = positive)]
     largest_sum_n: f64,
-    /// Standard deviation of each force's direction, degrees
+    /// Standard deviation of each force's direction, deg
     #[arg(long, help_heading = "Cases", value_name = "DEG", default_value_t = 0.0, value_parser = not_negative)]
     direction_spread_deg: f64,
     /// Relative standard deviation of the finger's modulus
@@ -56,21 +56,21 @@ pub struct Arguments {
     /// Widths of the hidden layers [default: 32,32; 128,128 with --any-of]
     #[arg(long, help_heading = "Network", value_name = "WIDTHS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=4096))]
     hidden_layers: Vec<u16>,
-    /// The paper's network: every coordinate an input, no linear branch
+    /// The paper's network: all coordinates as inputs, no linear branch
     #[arg(long, help_heading = "Network")]
     plain: bool,
-    /// Largest number of passes [default: 100; 60 with --any-of or --plain]
+    /// Largest number of epochs [default: 100; 60 with --any-of or --plain]
     #[arg(long, help_heading = "Network", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     epochs: Option<u32>,
-    /// Seed of everything random
+    /// Seed of all random numbers
     #[arg(long, help_heading = "Cases", value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// File of the network (safetensors); - for standard output
+    /// Network file (safetensors); - for standard output
     #[arg(long, help_heading = "Output", value_name = "FILE")]
     out: PathBuf,
 }
 
-/// The truths that are the scene's own beams: what samples can be drawn from.
+/// Parses a truth that consists of the scene's own beams; training samples can be drawn only from these.
 fn own_beams(name: &str) -> Result<TruthId, String> {
     let own = || TruthId::ALL.iter().filter(|id| id.kinematics().is_some());
     let names: Vec<&str> = own().map(|id| id.name()).collect();
@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new("network trained").to(&arguments.out))
 }
 
-/// Recipe from the arguments.
+/// The training recipe that the arguments describe.
 fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
     let mut recipe = match (arguments.any_of, arguments.plain) {
         (true, _) => TrainingRecipe::any_of(contacts, noise_mm),
@@ -132,7 +132,7 @@ fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> Train
     recipe
 }
 
-/// Errors of the network on its test cases, in words.
+/// Describes the network's errors on its test cases.
 fn tested(network: &Network) -> String {
     let card = &network.card;
     let line = |(contact, error): (&Contact, &TestError)| {

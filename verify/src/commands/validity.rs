@@ -1,4 +1,4 @@
-//! Warnings where the beam model no longer holds: strains that are not small, thick members, flat fingers.
+//! Warnings where the beam model no longer holds: large strains, thick members, flat fingers.
 
 use super::print_message;
 use finray_model::finger::Plate;
@@ -10,7 +10,7 @@ use finray_model::validity::{Doubt, StrainLimits, Validity};
 use finray_model::{Kinematics, Load, Mesh, Scene};
 use finray_studies::experiments::contact_scene::SceneStep;
 
-/// Warns of what an equilibrium does not keep. The answer stands, so the exit code is still 0.
+/// Warns where an equilibrium violates the beam model's assumptions. The result stands, so the exit code is still 0.
 pub fn warn_of_equilibrium(
     limits: &StrainLimits,
     mesh: &Mesh,
@@ -21,7 +21,7 @@ pub fn warn_of_equilibrium(
     warn("", &Validity::of(mesh, motion, kinematics, loads).doubts(limits));
 }
 
-/// Warns of what the co-rotational finger does not keep under sensed forces.
+/// Warns where the co-rotational finger violates the beam model's assumptions under the sensed forces.
 pub fn warn_of_forces(sensor: &Sensor, sensed: &SensedForces) {
     match sensor.doubts(sensed) {
         Ok(doubts) => warn("", &doubts),
@@ -31,7 +31,7 @@ pub fn warn_of_forces(sensor: &Sensor, sensed: &SensedForces) {
     }
 }
 
-/// The step of a pressed finger that strains most, as beams under the true forces of its contacts have it.
+/// The step of a pressed finger with the largest strain, computed with beams under the true contact forces.
 #[derive(Default)]
 pub struct Pressing {
     steps: usize,
@@ -40,12 +40,12 @@ pub struct Pressing {
 }
 
 impl Pressing {
-    /// Examines the next step.
+    /// Evaluates the next step.
     pub fn examine(&mut self, scene: &Scene, step: &SceneStep) {
         self.steps += 1;
         let finger = &scene.finger;
         let length_mm = finger.plate_length_mm(Plate::Front);
-        // What touches a clamped part does not bend the finger.
+        // A contact on a clamped part does not bend the finger.
         let felt = step.contacts.iter().filter(|contact| !contact.clamped);
         let loads = felt.filter_map(|seen| match seen.contact.position {
             ContactPosition::Node(node) => Some(Load::at_node(node, seen.force)),
@@ -64,7 +64,7 @@ impl Pressing {
         }
     }
 
-    /// Warns of what was found.
+    /// Prints the warnings of the worst step.
     pub fn warn(&self) {
         if let Some((step, error)) = &self.unsolved {
             print_message(format_args!(

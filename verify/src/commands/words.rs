@@ -1,9 +1,9 @@
-//! The words of the command line before clap reads them: numbers below zero are values, and `help --help` is help.
+//! Preprocesses command-line arguments before clap reads them: negative numbers are values, and `help --help` prints the help.
 
 use clap::{Arg, Command};
 use std::ffi::{OsStr, OsString};
 
-/// The command with every option taking a number below zero as its value, so that the option's own check answers.
+/// Lets every option accept a negative number as its value, so that the option's own check reports an error.
 pub fn taking_negative_numbers(command: Command) -> Command {
     let taking = |arg: Arg| {
         let is_number =
@@ -13,8 +13,8 @@ pub fn taking_negative_numbers(command: Command) -> Command {
     command.mut_subcommands(move |command| command.mut_args(taking))
 }
 
-/// The words as clap is to read them. Lists that begin with a number below zero, as `-5:1,0` and `-5@auto`, get a space before them: for clap they
-/// are options otherwise, and every parser of ours trims what it reads.
+/// Arguments in a form that clap accepts. Lists that begin with a negative number, such as `-5:1,0` and `-5@auto`, get a leading space:
+/// clap would read them as options. All parsers of this program trim their input.
 pub fn readable(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let list = |word: OsString| if begins_below_zero(&word) { [" ".into(), word].into_iter().collect() } else { word };
     let mut words: Vec<OsString> = words.map(list).collect();
@@ -24,7 +24,7 @@ pub fn readable(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
     words
 }
 
-/// Whether a word is no single number, but all up to a direction is of numbers, the first below zero.
+/// Whether an argument is not a single number, but starts with a negative number and has only numbers up to `@`.
 fn begins_below_zero(word: &OsStr) -> bool {
     let Some(text) = word.to_str() else { return false };
     let numbers = text.split('@').next().unwrap_or_default();

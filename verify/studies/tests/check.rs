@@ -1,4 +1,4 @@
-//! Checks that fail as they must.
+//! Checks fail when they should.
 
 use finray_studies::check::{Against, Check, Kind, SETTLED_LATTICE, tallies, worst};
 

@@ -1,4 +1,4 @@
-//! Tests of `finray-studies`: each file tests the source file of its path. `stand_ins` has estimators that stand in for real ones.
+//! Tests of `finray-studies`: each file tests the source file of the same path. `stand_ins` has simple estimators for tests.
 
 mod check;
 mod claims {

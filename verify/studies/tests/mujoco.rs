@@ -1,6 +1,6 @@
-//! Fingers solved by MuJoCo: tables and manifest belong together, contact forces balance, obey friction and are sensed.
+//! Fingers solved by MuJoCo: tables and manifest are consistent; contact forces balance, obey friction and are sensed.
 //!
-//! The files say how they were made and how far they can be trusted: `fixtures/mujoco/README.md`.
+//! `fixtures/mujoco/README.md` states how the files were made and how accurate they are.
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition, Pad, sense_refining};

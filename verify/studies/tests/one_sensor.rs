@@ -1,4 +1,4 @@
-//! `press`, `grasp` and `sense` answer alike: what is seen of a finger gives the same forces whoever asks, from memory and from a table.
+//! `press`, `grasp` and `sense` agree: the same observation gives the same forces, in memory and from a table.
 
 use finray_files::observations::{Coordinates, ObservationTable, to_csv};
 use finray_fixtures::{BOX_SCENE, DISC_SCENE, FRICTION_SCENE, GRASPED_DISC_SCENE};

@@ -1,4 +1,4 @@
-//! Estimators that stand in for real ones.
+//! Simple estimators that replace real ones in tests.
 
 use finray_model::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 use finray_model::measurement::Measurement;

@@ -1,4 +1,4 @@
-//! Means, medians and percentiles of few figures and of none.
+//! Means, medians and percentiles of short and empty lists.
 
 use finray_studies::statistics::{Span, mean, median, percentile, rms};
 

@@ -1,4 +1,4 @@
-//! The command line itself: help, completions, and what it does not know.
+//! The command line: help, completions and unknown arguments.
 
 use crate::kit::*;
 

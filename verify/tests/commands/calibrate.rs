@@ -1,4 +1,4 @@
-//! `finray calibrate`: measured shapes under known loads in, Young's modulus out.
+//! `finray calibrate`: from measured shapes under known loads to Young's modulus.
 
 mod measurements;
 

@@ -1,4 +1,4 @@
-//! Measurements that cannot be those of the images are refused by `calibrate`, or said, before anything is written: a name, a sign, a unit, a row.
+//! Measurements that contradict the images: `calibrate` refuses or reports a wrong name, sign, unit or row before it writes anything.
 
 use crate::kit::*;
 use crate::photographs::{PRESSES, force, images, scene};

@@ -1,5 +1,5 @@
-//! Faults of inputs that went unsaid from the image to the force: each is refused or said by a check of its kind. One rig: pins as grey markers, two
-//! marks on the base.
+//! Faulty input between image and force: each fault is refused or reported by its check. The rig has pins as grey markers and two references on
+//! the base.
 
 use crate::kit::*;
 use finray_fixtures::BRACKETED_SCENE;

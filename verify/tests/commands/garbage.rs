@@ -1,4 +1,4 @@
-//! Damaged input: truncated and overwritten scenes and tables never make `finray` panic, hang or half-finish.
+//! Damaged input: truncated and overwritten scenes and tables never cause a panic, a hang or partial output.
 
 use crate::kit::*;
 use finray_fixtures::PAPER_SCENE;

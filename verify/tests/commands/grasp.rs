@@ -1,4 +1,4 @@
-//! `finray grasp`: its files, what it does with images, and scenes that are no grasp.
+//! `finray grasp`: its files, sensing from images, and scenes without a grasp.
 
 use crate::kit::*;
 use finray_fixtures::{GRASPED_DISC_SCENE as DISC, WATCHED_DISC_SCENE as CAMERA};

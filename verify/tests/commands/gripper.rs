@@ -1,4 +1,4 @@
-//! `finray gripper`.
+//! The command `finray gripper`.
 
 use super::kit::{Csv, Folder, assert_says, finray, finray_reading};
 

@@ -1,8 +1,8 @@
-//! Guides and references that the command prints, and the examples in guides and README: each console block runs as it stands.
+//! Guides and references that the command prints. Every console example in guides and README runs and gives the output shown.
 //!
-//! In a block ```` ```console ```` a line `$ COMMAND` is run by `sh`, with what earlier blocks of the page have written beside it; the lines
-//! below are its whole output, both streams. `...` stands for any rest of a number or line, and alone on a line for any lines.
-//! A block ```` ```csv NAME ```` is the file of that name. Blocks of other languages (`sh`) are not run.
+//! In a block ```` ```console ````, `sh` runs each line `$ COMMAND`, with the files written by earlier blocks of the page. The lines below are its
+//! whole output, both streams. `...` stands for the rest of a number or line, and alone on a line for any number of lines.
+//! A block ```` ```csv NAME ```` is the file NAME. Blocks of other languages (`sh`) are not run.
 
 use crate::kit::*;
 use crate::report::shared::PAPERS;

@@ -1,7 +1,6 @@
-//! Tests that run `finray` as its users do: a module for each command, and one each for the command line itself (`arguments`), for what is
-//! written where (`output`), for scenes that are refused (`scene_errors`, `scene_geometry`), for damaged input (`garbage`) and for the warnings
-//! where the beam model does not hold (`validity`). `kit` runs the command and takes apart what it answers. Tests of the library stand in
-//! `tests/tests`.
+//! Tests that run `finray` as users do. There is one module per command. Further modules test the command line (`arguments`), output files
+//! (`output`), refused scenes (`scene_errors`, `scene_geometry`), damaged input (`garbage`), and warnings of the beam model (`validity`). `kit` runs
+//! the command and parses its output. Tests of the library are in `tests/tests`.
 
 mod kit;
 

@@ -1,4 +1,4 @@
-//! `finray map`: how wrong a force is sensed, by its position and direction.
+//! `finray map`: the error of a sensed force by position and direction.
 
 use crate::kit::*;
 

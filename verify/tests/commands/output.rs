@@ -1,4 +1,4 @@
-//! Where results go: whole to `--out` or standard output, or nowhere.
+//! Output: results are written completely to `--out` or standard output, or not at all.
 
 use crate::kit::*;
 use std::io::pipe;

@@ -1,5 +1,5 @@
-//! From images of a finger that nobody has measured to its forces: `locate`, `calibrate --located`, `locate` and `sense`. The finger in the images
-//! is not the scene's: it is softer, its brackets have other lengths, and its base stands elsewhere in every image.
+//! From images of an uncalibrated finger to its forces: `locate`, `calibrate --located`, `locate` and `sense`. The finger in the images is softer
+//! than the scene's, its brackets have other lengths, and its base has another pose in every image.
 
 use crate::kit::*;
 use finray_fixtures::BRACKETED_SCENE;

@@ -1,9 +1,9 @@
-//! Fingers that were assembled and mounted anew, in rendered images: do stated intervals hold with a scene that states by how much the unloaded
-//! finger may differ, and what do an image at rest, one measured force, or several images of unknown forces bring?
+//! Coverage of intervals on rendered images of fingers that were assembled and mounted again. The scene states how much the unloaded finger may
+//! differ. The tests show the gain from an image at rest, from one measured force, and from several images of unknown forces.
 //!
-//! Every finger differs from its scene by its joints, a preload, the height of its markers and the marks on its base; each is pressed by one object, whose friction is
-//! unknown, through a pad that the scene states. `FINRAY_TEST_CASES=<number>` sets how many fingers there are, 1 otherwise; with `--nocapture` the table
-//! is printed.
+//! Every finger differs from its scene in its joints, a preload, the height of its markers and the references on its base. One object presses it,
+//! with unknown friction, through a pad that the scene states. `FINRAY_TEST_CASES=<number>` sets the number of fingers, otherwise 1; with
+//! `--nocapture` the table is printed.
 
 use crate::kit::*;
 use crate::photographs::force;

@@ -1,9 +1,9 @@
-//! Do stated intervals hold on images, and what does each unknown cost? Images are rendered of fingers whose true forces are known and that
-//! differ from their scene; the scene is calibrated on some of them and senses the others, as in the README.
+//! Coverage of intervals on rendered images, and the cost of each unknown. The fingers have known forces and differ from their scene; the
+//! scene is calibrated on some images and senses the others, as in the README.
 //!
-//! Every image: another force, position and friction, the base mounted anew. A pad between object and plate spreads the force and lets friction act
-//! before the plate. An interval holds a calibration's errors as well, which all its images share: coverage is of several fingers, each
-//! calibrated by itself. `FINRAY_TEST_CASES=<number>` sets how many images are sensed, 16 otherwise; with `--nocapture` the tables are printed.
+//! Every image has its own force, position and friction, and a base mounted again. A pad between object and plate distributes the force, and friction
+//! acts in front of the plate. Intervals include calibration errors, which all images share, so coverage is averaged over several fingers, each
+//! calibrated separately. `FINRAY_TEST_CASES=<number>` sets the number of sensed images, otherwise 16; `--nocapture` prints the tables.
 
 use crate::kit::*;
 use crate::photographs::force;

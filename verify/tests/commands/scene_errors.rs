@@ -1,5 +1,4 @@
-//! Scenes that cannot be used: refused with exit code 2 and one message that names file, line, key and what was
-//! expected.
+//! Invalid scenes: refused with exit code 2 and one message that names file, line, key and expected value.
 
 use crate::kit::scene::{assert_refused, refused};
 use crate::kit::*;

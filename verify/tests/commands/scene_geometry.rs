@@ -1,4 +1,4 @@
-//! Fingers that cannot be: refused with exit code 2 and one message that names file, line, key and what was expected.
+//! Scenes with impossible fingers: refused with exit code 2 and one message that names file, line, key and expected value.
 
 use crate::kit::scene::{assert_refused, refused};
 use crate::kit::*;

@@ -1,4 +1,4 @@
-//! `finray solve`: loads in, displacements of the key nodes out.
+//! `finray solve`: from loads to displacements of the key nodes.
 
 use crate::kit::*;
 

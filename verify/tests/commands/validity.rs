@@ -1,4 +1,4 @@
-//! Warnings where the beam model does not hold, as users of the commands see them.
+//! Warnings of the commands where the beam model does not hold.
 
 use crate::kit::*;
 

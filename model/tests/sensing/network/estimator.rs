@@ -1,4 +1,4 @@
-//! Estimates: stated deviations, the test of the residual, and shapes that are refused.
+//! Estimates of a network: standard deviations, the residual test, and refused shapes.
 
 use super::{estimator, measured, random_network, random_shape};
 use finray_model::measurement::{Marker, Measurement};

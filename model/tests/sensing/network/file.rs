@@ -1,4 +1,4 @@
-//! The file: it reads back, and whatever is damaged is refused by name.
+//! Network files: they read back unchanged, and damaged ones are refused with a message that names the fault.
 
 use super::random_network;
 use finray_model::sensing::network::{ContactSet, FORMAT, Network, NetworkError};

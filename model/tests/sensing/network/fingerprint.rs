@@ -1,4 +1,4 @@
-//! The identity of a finger: its numbers, however they are written down.
+//! Fingerprint of a finger: it depends on the finger's numbers, not on their notation.
 
 use finray_model::finger::{FingerDescription, Joints, Part, RibPositions, Strip, Zone};
 use finray_model::sensing::network::Fingerprint;

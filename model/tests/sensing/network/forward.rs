@@ -1,4 +1,4 @@
-//! Forces against burn's, on all instructions, and for what the network was not trained for.
+//! Forces of a network equal those of burn on all instruction sets; input outside the training is refused.
 
 use super::{BETWEEN_INSTRUCTIONS_N, estimator, largest_difference, measured, random_network, random_shape};
 use burn_tensor::{Device, Tensor, TensorData, activation};

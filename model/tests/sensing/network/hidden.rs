@@ -1,4 +1,4 @@
-//! Directions few enough that the seen markers identify them.
+//! Networks with hidden markers, where the visible markers still identify the forces.
 
 use super::{BETWEEN_INSTRUCTIONS_N, estimator, largest_difference, measured, random_network, random_shape};
 use finray_model::NodeId;

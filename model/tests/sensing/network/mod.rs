@@ -1,5 +1,5 @@
-//! The sensing network: its forces against burn's (`forward`), its estimates under noise (`estimator`) and with hidden markers
-//! (`hidden`), its file (`file`) and the identity of its finger (`fingerprint`). Here: networks of random weights.
+//! The sensing network: forces compared with burn (`forward`), estimates under noise (`estimator`) and with hidden markers (`hidden`), files
+//! (`file`), and the fingerprint of its finger (`fingerprint`). This file builds networks with random weights.
 
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::network::{

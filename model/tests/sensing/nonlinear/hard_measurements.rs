@@ -1,5 +1,5 @@
-//! Nonlinear sensing of hard measurements: right within the stated deviation, or refused, where markers are missing or wrong, noise is large
-//! and directions or positions are unknown.
+//! Nonlinear sensing of difficult measurements: missing or wrong markers, large noise, unknown direction or position. Answers are right within the
+//! stated standard deviation, or refused.
 
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};

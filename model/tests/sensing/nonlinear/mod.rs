@@ -1,4 +1,4 @@
-//! From displacements of the co-rotational finger back to the forces, positions and directions that caused them.
+//! Nonlinear sensing: forces, positions and directions are recovered from displacements of the co-rotational finger.
 
 mod hard_measurements;
 mod nuisances;

@@ -1,4 +1,4 @@
-//! What is known beforehand, but not exactly: the base, and how friction turns a force. Stated standard deviations hold it.
+//! Sensing with an uncertain base and uncertain friction: stated standard deviations include both.
 
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
 use finray_model::sensing::{

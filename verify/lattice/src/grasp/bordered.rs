@@ -1,17 +1,17 @@
-//! Linear equations of fingers and of what they share, the border: the object's pose.
+//! Linear equations of the fingers and of their border, the unknowns that they share: the object's pose.
 
 use super::elimination::Order;
 use nalgebra::{DMatrix, DVectorViewMut, Matrix3};
 
-/// Equations of a finger's bodies.
+/// Equations of one finger's bodies.
 struct Inner<'o> {
     order: &'o Order,
-    /// Number of its first unknown.
+    /// Index of the finger's first unknown.
     first: usize,
     blocks: Vec<Matrix3<f64>>,
-    /// Derivatives by the border: unknown of the finger, column of the border, value.
+    /// Derivatives with respect to the border: unknown of the finger, column of the border, value.
     by_border: Vec<(usize, usize, f64)>,
-    /// Derivatives of the border: row of the border, unknown of the finger, value.
+    /// Derivatives of the border's equations: row of the border, unknown of the finger, value.
     of_border: Vec<(usize, usize, f64)>,
 }
 
@@ -20,7 +20,7 @@ impl Inner<'_> {
         3 * self.order.body_count()
     }
 
-    /// Of the finger's matrix A, a right side r and derivatives B by the border: A⁻¹ r, then A⁻¹ B; a row an unknown.
+    /// With the finger's matrix A, a right-hand side r and the derivatives B by the border: A⁻¹ r, then A⁻¹ B; one row per unknown.
     fn solved(&mut self, right: &[f64], border_count: usize) -> Option<Vec<f64>> {
         let columns = 1 + border_count;
         let mut solved = vec![0.0; self.unknown_count() * columns];
@@ -34,11 +34,11 @@ impl Inner<'_> {
     }
 }
 
-/// A square matrix whose first unknowns are those of the fingers' bodies, finger by finger, and whose last ones are the border's.
+/// A square matrix whose unknowns are those of the fingers' bodies, finger by finger, followed by those of the border.
 pub(super) struct Bordered<'o> {
     fingers: Vec<Inner<'o>>,
     border: DMatrix<f64>,
-    /// The border's first unknown.
+    /// Index of the border's first unknown.
     first: usize,
 }
 
@@ -61,7 +61,7 @@ impl<'o> Bordered<'o> {
         (order, blocks)
     }
 
-    /// Adds a derivative. Panics for one by another body's motion, which belongs into the [`blocks`](Self::blocks): it would be lost in silence.
+    /// Adds a derivative. Panics if row and column belong to two different bodies: such a derivative belongs in the [`blocks`](Self::blocks).
     pub fn add(&mut self, row: usize, column: usize, derivative: f64) {
         let first = self.first;
         if row.min(column) >= first {
@@ -81,7 +81,7 @@ impl<'o> Bordered<'o> {
         }
     }
 
-    /// Solves for `right`, in place. `None` where a block of a finger, or what is left for the border, is singular.
+    /// Solves for `right` in place. `None` if a block of a finger, or the reduced matrix of the border, is singular.
     pub fn solve(mut self, right: &mut [f64]) -> Option<()> {
         let count = self.border.nrows();
         let columns = 1 + count;
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use nalgebra::DVector;
 
-    /// Against dense elimination: two chains of bodies of different length, a border that both share, and no symmetry.
+    /// Compares with dense elimination: two chains of bodies of different length, a shared border, and no symmetry.
     #[test]
     fn a_bordered_matrix_is_solved_as_a_dense_one_is() {
         const BODIES: [usize; 2] = [4, 3];

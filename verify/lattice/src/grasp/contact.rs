@@ -1,7 +1,7 @@
-//! Kinematics of one contact: its gap, how far it slipped, and what its forces do to finger and object.
+//! Kinematics of one contact: gap, slip, and the effect of its forces on finger and object.
 //!
-//! Unknowns are the displacement and rotation of a body of the finger, in the finger's frame, and the pose of the object in the world. All is
-//! written once, for plain and for dual numbers: the derivatives of the latter are the tangent of Newton's method.
+//! The unknowns are displacement and rotation of a body of the finger, in the finger's frame, and the pose of the object in the world. The formulas
+//! are written once for plain and dual numbers; dual numbers give the derivatives for Newton's method.
 
 use crate::energy::BodyMotion;
 use finray_model::Vector;
@@ -9,51 +9,51 @@ use finray_model::gripper::Placement;
 use nalgebra::{Matrix2, Vector2};
 use num_dual::{Dual64, DualNum};
 
-/// Displacement x, y and rotation of the finger's body, then x, y and angle of the object.
+/// Displacement x, y (mm) and rotation (rad) of the finger's body, then x, y (mm) and angle (rad) of the object.
 pub type Unknowns = [f64; 6];
 
-/// What meets what. Points of the finger's body are from its centre, undeformed; points of the object in its own frame; mm.
+/// Geometry of the two parts in contact. Finger points are relative to the body's centre, undeformed; object points are in the object's frame; mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pair {
-    /// A ball of the finger and a corner of the object, or a disc about its axis.
+    /// A disc of the finger, and a corner or a disc of the object.
     BallAndCorner {
-        /// Centre of the ball.
+        /// Centre of the finger's disc, mm.
         centre: Vector,
-        /// The corner.
+        /// Corner of the object, or centre of its disc, mm.
         corner: Vector,
-        /// Radii of the ball and of the disc; that of a corner is nothing.
+        /// Radii of the finger's disc and of the object's disc, mm; the latter is 0 for a corner.
         radii_mm: [f64; 2],
     },
-    /// A ball of the finger and a straight side of the object.
+    /// A disc of the finger and a straight side of the object.
     BallAndSide {
-        /// Centre of the ball.
+        /// Centre of the finger's disc, mm.
         centre: Vector,
-        /// A point of the side.
+        /// A point of the side, mm.
         on_side: Vector,
         /// Outward unit normal of the side.
         outward: Vector,
-        /// Radius of the ball.
+        /// Radius of the finger's disc, mm.
         radius_mm: f64,
     },
-    /// A flat piece of the finger and a corner of the object, or a disc about its axis.
+    /// A flat piece of the finger, and a corner or a disc of the object.
     PieceAndCorner {
-        /// A point of the piece's middle line.
+        /// A point of the piece's middle line, mm.
         on_piece: Vector,
         /// Unit normal of the piece, towards the object.
         outward: Vector,
-        /// The corner.
+        /// Corner of the object, or centre of its disc, mm.
         corner: Vector,
-        /// Half the piece's thickness, and the radius of the disc.
+        /// Half the piece's thickness, and the radius of the object's disc, mm.
         radii_mm: [f64; 2],
     },
 }
 
-/// Where finger and object were, or are.
+/// Poses of finger and object at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairPose {
-    /// The finger's frame in the world.
+    /// Placement of the finger's frame in the world.
     pub finger: Placement,
-    /// Its body's motion in that frame.
+    /// Motion of the body in the finger's frame.
     pub body: BodyMotion,
     /// Position of the object, mm, and its angle, rad.
     pub object: [f64; 3],
@@ -67,32 +67,32 @@ impl PairPose {
     }
 }
 
-/// Gap, slip and place of a contact.
+/// Gap, slip and location of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touching {
-    /// Distance, mm; negative for an overlap.
+    /// Gap, mm; negative for an overlap.
     pub gap_mm: f64,
-    /// How far the finger has slipped over the object since it stood as before, mm, along the normal turned by a quarter.
+    /// Slip of the finger over the object since the reference poses, mm, positive along the normal rotated by +90 degrees.
     pub slip_mm: f64,
-    /// From the object into the finger, world; a unit vector.
+    /// Unit vector from the object into the finger, world frame.
     pub normal: Vector,
-    /// Where they touch, or would, on the object; world, mm.
+    /// Contact point on the object's surface, world frame, mm.
     pub point: Vector,
 }
 
-/// What the forces of a contact do, and its derivatives by the six unknowns.
+/// Generalised forces of a contact, and derivatives with respect to the six unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tangent {
-    /// Derivatives of the slip, mm by mm and rad.
+    /// Derivatives of the slip, mm per mm and mm per rad.
     pub slip_by: Unknowns,
-    /// Generalised forces of 1 N along the normal, and of 1 N across it: N and N mm on the finger's body, in the finger's frame, and on the object, in
-    /// the world. The first are the gap's derivatives.
+    /// Generalised forces of 1 N along the normal and of 1 N across it: N and N mm, on the body in the finger's frame, then on the object in the world.
+    /// The first are also the derivatives of the gap.
     pub pull: [Unknowns; 2],
-    /// Derivatives of both by mm and rad, a row an unknown.
+    /// Derivatives of both with respect to each unknown (mm or rad), one row per unknown.
     pub pull_by: [[Unknowns; 2]; 6],
 }
 
-/// A plain number, or one with a derivative.
+/// A real number or a dual number.
 trait Number: DualNum<Primitive = f64> + Copy {}
 
 impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
@@ -119,25 +119,25 @@ fn inner<D: Number>(a: Vector2<D>, b: Vector2<D>) -> D {
     a.x * b.x + a.y * b.y
 }
 
-/// Gap, slip and where the contact is.
+/// Gap, slip, normal and point of a contact.
 struct Evaluated<D> {
     gap: D,
     slip: D,
     normal: Vector2<D>,
     point: Vector2<D>,
-    /// From the centre of the finger's body to the contact, finger's frame; from the object's point to it, world.
+    /// Vector from the body's centre to the contact, finger's frame, and from the object's origin to it, world frame; mm.
     arms: [Vector2<D>; 2],
 }
 
 impl Pair {
-    /// The contact between a body of the finger that rests at `rest` in the finger's frame, and the object. `before` is where both stood when
-    /// the step began: a slip is measured from there.
+    /// Gap and slip between the object and a body whose undeformed centre is `rest`, mm, finger frame. Slip is measured from the poses `before`, at the
+    /// start of the step.
     pub fn touching(&self, rest: Vector, now: &PairPose, before: &PairPose) -> Touching {
         let Evaluated { gap, slip, normal, point, .. } = self.evaluate(rest, &now.finger, now.unknowns(), before);
         Touching { gap_mm: gap, slip_mm: slip, normal, point }
     }
 
-    /// The tangent of [`touching`](Self::touching).
+    /// Derivatives of [`touching`](Self::touching).
     pub fn tangent(&self, rest: Vector, now: &PairPose, before: &PairPose) -> Tangent {
         let axes = now.finger.axes();
         let by = |seed: usize| {
@@ -191,7 +191,7 @@ impl Pair {
                 (height - half_mm - disc_mm, -outward, on_object(corner) - outward.map(|x| x * disc_mm))
             }
         };
-        // Where the two material points that meet now were before.
+        // Earlier positions of the two material points that are in contact now.
         let arms = [times(axes.transpose(), point - body_world), point - object];
         let (in_body, in_object) = (turned(-rotation, arms[0]), turned(-angle, arms[1]));
         let then = constant::<D>(rest + before.body.displacement) + turned(before.body.rotation.into(), in_body);

@@ -1,15 +1,15 @@
-//! Elimination of a finger's bodies in blocks of their three unknowns, in an order that is found once: contacts change no block between bodies.
+//! Block elimination of a finger's bodies, three unknowns each, in a fixed order. Contacts add no blocks between bodies.
 
 use nalgebra::Matrix3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is eliminated with a body.
+/// Elimination step of one body.
 #[derive(Debug, Clone)]
 struct Pivot {
     body: usize,
-    /// The bodies that are eliminated later and share blocks with it.
+    /// Bodies eliminated later that share blocks with it.
     later: Vec<CoupledBody>,
-    /// The blocks that change: between each two of these bodies, row by row.
+    /// Indices of the blocks that change: between each two of these bodies, row by row.
     changed: Vec<usize>,
 }
 
@@ -17,23 +17,23 @@ struct Pivot {
 #[derive(Debug, Clone, Copy)]
 struct CoupledBody {
     body: usize,
-    /// The block in the pivot's row.
+    /// Index of the block in the pivot's row.
     right: usize,
-    /// The block in the pivot's column.
+    /// Index of the block in the pivot's column.
     below: usize,
 }
 
-/// Order in which free bodies are eliminated, and where the blocks are: first those on the diagonal, body by body.
+/// Elimination order of the free bodies, and the indices of the blocks: first those on the diagonal, body by body.
 #[derive(Debug, Clone)]
 pub(super) struct Order {
     pivots: Vec<Pivot>,
-    /// Blocks of each link in the row of its first body and in that of its second; none where a link's end is clamped.
+    /// Block indices of each link, in the row of its first body and of its second; `None` if an end is clamped.
     links: Vec<Option<[usize; 2]>>,
     block_count: usize,
 }
 
 impl Order {
-    /// The order for free bodies with links, each between two of them; the body with the fewest links goes first.
+    /// Elimination order for free bodies and the links between them; the body with the fewest links comes first.
     pub fn of(body_count: usize, links: &[Option<[usize; 2]>]) -> Order {
         let mut linked = vec![BTreeSet::new(); body_count];
         let mut places: BTreeMap<[usize; 2], usize> = (0..body_count).map(|body| ([body, body], body)).collect();
@@ -47,7 +47,7 @@ impl Order {
             [place(a, b), place(b, a)]
         };
         let links = links.iter().map(|link| link.map(&mut of_link)).collect();
-        // Those that are left, by how many are linked to them.
+        // Remaining bodies, sorted by their number of links.
         let mut left: BTreeSet<(usize, usize)> = (0..body_count).map(|body| (linked[body].len(), body)).collect();
         let mut pivots = Vec::with_capacity(body_count);
         while let Some((_, body)) = left.pop_first() {
@@ -73,20 +73,20 @@ impl Order {
         self.pivots.len()
     }
 
-    /// All blocks, empty.
+    /// All blocks, set to zero.
     pub fn blocks(&self) -> Vec<Matrix3<f64>> {
         vec![Matrix3::zeros(); self.block_count]
     }
 
-    /// Where the blocks of each link are: in the row of its first body, and in that of its second; none where one is clamped.
+    /// Block indices of each link, in the row of its first body and of its second; `None` if an end is clamped.
     pub fn links(&self) -> &[Option<[usize; 2]>] {
         &self.links
     }
 
-    /// Eliminates all bodies, in the same order whatever the blocks are. `None` where a block is exactly singular.
+    /// Factorises in place, always in the same order. `None` if a block is exactly singular.
     ///
-    /// That is stable where the stiffness of a finger, with what its contacts add, is positive definite. Where it snaps it may not be: the correction is
-    /// then less exact, and Newton's method repeats it or gives up.
+    /// The elimination is stable if the stiffness of the finger with its contacts is positive definite. During a snap it may be indefinite: the
+    /// correction is then less accurate, and Newton's method repeats it or gives up.
     pub fn factorise(&self, blocks: &mut [Matrix3<f64>]) -> Option<()> {
         for Pivot { body, later, changed } in &self.pivots {
             let inverse = blocks[*body].try_inverse()?;
@@ -103,7 +103,7 @@ impl Order {
         Some(())
     }
 
-    /// Solves for several right sides in place, with factorised blocks: three rows a body, each with so many columns.
+    /// Solves for several right-hand sides in place, with factorised blocks. `right` has three rows per body, with `columns` values each.
     pub fn solve(&self, blocks: &[Matrix3<f64>], right: &mut [f64], columns: usize) {
         let [mut own, mut left] = [0, 1].map(|_| vec![0.0; 3 * columns]);
         for Pivot { body, later, .. } in &self.pivots {
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
     use nalgebra::DMatrix;
 
-    /// Against dense elimination with pivots: a ring of bodies with links across, and blocks without symmetry.
+    /// Compares with dense elimination: a ring of bodies with links across, and unsymmetric blocks.
     #[test]
     fn blocks_are_eliminated_as_a_dense_matrix_is() {
         const BODIES: usize = 9;

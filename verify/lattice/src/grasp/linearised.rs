@@ -1,7 +1,7 @@
-//! The linear equations of one step of Newton's method: balance of the fingers' bodies and of the object, and two laws a contact.
+//! Linear equations of one Newton step: balance of the fingers' bodies and of the object, and two laws per contact.
 //!
-//! The laws of a contact hold its two forces alone beside the motions of its body and of the object, so they are solved for the forces, contact by
-//! contact: what remains has no more unknowns than motions, however many contacts are closed.
+//! The laws of a contact involve only its two forces and the motions of its body and the object. They are solved for the forces contact by contact,
+//! so the remaining system has as many unknowns as motions, however many contacts are closed.
 
 use super::bordered::Bordered;
 use super::contact::{Tangent, Touching};
@@ -10,27 +10,27 @@ use super::scene::{Scene, State, Surroundings};
 use crate::energy::SpringEnergy;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-/// Residual and its derivatives. Unknowns are the motions of the fingers' bodies, then the object's pose.
+/// Residual and its derivatives. The unknowns are the motions of the fingers' bodies, then the object's pose.
 struct Equations<'s> {
     residual: Vec<f64>,
     derivatives: Bordered<'s>,
 }
 
-/// One law of a contact: value and derivatives by the six unknowns of its bodies, and by its normal and friction force.
+/// One law of a contact: its value, and its derivatives by the six motion unknowns and by the normal and friction force.
 struct Law {
     value: f64,
     by_motion: [f64; 6],
     by_forces: [f64; 2],
 }
 
-/// The laws of a contact, solved for the change of its forces: `value` + `by_motion` times the motions, with the opposite sign.
+/// Change of a contact's forces from its laws: minus (`value` + `by_motion` times the motions).
 struct ForceChange {
     value: Vector2<f64>,
     by_motion: SMatrix<f64, 2, 6>,
 }
 
 impl ForceChange {
-    /// `None` for laws that do not determine the forces.
+    /// `None` if the laws do not determine the forces.
     fn of(laws: &[Law; 2]) -> Option<ForceChange> {
         let inverse = Matrix2::from_fn(|law, force| laws[law].by_forces[force]).try_inverse()?;
         let by_motion = SMatrix::<f64, 2, 6>::from_fn(|law, unknown| laws[law].by_motion[unknown]);
@@ -41,13 +41,14 @@ impl ForceChange {
     }
 }
 
-/// Numbers of a contact's six unknowns: of a body, none where that is clamped or the support, then of the object.
+/// Indices of a contact's six unknowns: of the body (`None` if it is clamped or the support), then of the object.
 fn unknowns(of_body: Option<usize>, object: usize) -> [Option<usize>; 6] {
     [0, 1, 2, 3, 4, 5].map(|i| if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) })
 }
 
 impl Scene<'_> {
-    /// A step of Newton's method. Where friction is lagging, its bound is that of the normal force before the step.
+    /// Correction of one Newton step: motions, object, then forces of the closed pairs. With `is_lagging`, the friction bound uses the normal force of
+    /// the previous step. `None` if the equations are singular.
     pub(super) fn correction(
         &self,
         state: &State,
@@ -126,7 +127,7 @@ impl Scene<'_> {
         let loads = [around.weight.x, around.weight.y, arm.perp(&around.weight)];
         let from = around.carried_from(before.object);
         for i in 0..3 {
-            // Where a hand holds the object, that it stays there stands in place of its balance.
+            // For a coordinate held by a hand, the equation that it keeps its value replaces balance.
             let (drag, load) = if self.held[i] { (1.0, 0.0) } else { (drags[i], loads[i]) };
             equations.residual[object + i] += drag * (state.object[i] - from[i]) - load;
             equations.derivatives.add(object + i, object + i, drag);
@@ -136,13 +137,13 @@ impl Scene<'_> {
         }
     }
 
-    /// The first unknown of the finger's body in a pair; none where it is clamped, or the support.
+    /// Index of the first unknown of the pair's body; `None` if it is clamped or the support.
     fn first_of_body(&self, pair: &ContactPair) -> Option<usize> {
         let body = pair.part?.body;
         Some(self.first(pair.key.0) + self.fingers[pair.key.0].energy.first_unknown(body)?)
     }
 
-    /// What the forces of a pair, and their change with the motions, do to the balance of its bodies.
+    /// Adds a pair's forces, and their change with the motions, to the balance of its bodies.
     fn add_contact(
         &self,
         equations: &mut Equations,
@@ -165,7 +166,7 @@ impl Scene<'_> {
         }
     }
 
-    /// The laws of a pair by its status: of its normal force, and of its friction.
+    /// Laws of the normal force and of friction for a closed pair.
     fn laws(&self, grip: Grip, touching: &Touching, tangent: &Tangent, forces: [f64; 2], is_lagging: bool) -> [Law; 2] {
         let given = self.yield_mm(1.0);
         let [normal_n, friction_n] = forces;

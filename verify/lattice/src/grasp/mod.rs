@@ -1,10 +1,10 @@
-//! Two lattice fingers on moving bases and a free rigid object between them, in equilibrium step by step.
+//! Quasi-static equilibrium of two lattice fingers on moving bases with a free rigid object between them.
 //!
-//! Fingers are the [`lattice`](crate) of bodies and springs. Where engines step through time until all rests, here every step is solved
-//! for: `equilibrium` finds the bodies' motions, the object's pose and the contact forces at once, by Newton's method on balance, gaps and
-//! Coulomb's law. [`contact`] is the kinematics of a contact, [`surface`] says which parts of finger, object and support can meet, [`world`]
-//! moves the bases and lets things come to rest. An object pressed onto one finger is the same with an object
-//! that a hand holds; rapier is the independent check of that.
+//! Fingers are [`lattice`](crate)s of bodies and springs. Engines step through time until everything rests; here `equilibrium` solves each step
+//! directly. It finds the bodies' motions, the object's pose and the contact forces at once, by Newton's method on balance, gaps and Coulomb's law.
+//! [`contact`] is the kinematics of a contact, and [`surface`] finds the parts of finger, object and support that can touch. [`world`] moves the
+//! bases and brings everything to rest. An object pressed onto one finger is the same problem with an object held by a hand; rapier checks that
+//! case independently.
 
 mod bordered;
 pub mod contact;

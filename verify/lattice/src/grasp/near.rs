@@ -1,4 +1,4 @@
-//! Pairs of parts of finger, object and support that are near each other, and their status in a Newton step: open, sticking or slipping.
+//! Contact pairs that are near each other, and their status in a Newton step: open, sticking or slipping.
 
 use super::contact::{Pair, PairPose, Tangent, Touching};
 use super::scene::{Key, Scene, State, Surroundings};
@@ -9,45 +9,48 @@ use finray_model::Vector;
 use finray_model::gripper::Placement;
 use std::collections::BTreeMap;
 
-/// Distance, in lengths of a piece of plate, up to which others are next to it.
+/// Distance along the plate, in lengths of a piece, within which pieces count as neighbours.
 const NEXT: f64 = 1.5;
 
-/// Distance, as a share of the object's size, up to which a pair counts.
+/// Distance, as a share of the object's size, within which a pair is considered.
 const NEAR: f64 = 0.2;
 
-/// An object that is carried along has left its support where the gap would take this many times the force, by the fingers' stiffness across.
+/// A carried object has left its support if the gap times the fingers' stiffness exceeds the contact force divided by this factor.
 const LIFTED: f64 = 10.0;
 
-/// Friction that is as near to its bound, as a share of it, is at the bound: rounding leaves a pair that slips a little below.
+/// Relative distance of friction to its bound within which it counts as slipping; rounding leaves slipping pairs slightly below the bound.
 const AT_BOUND: f64 = 1e-9;
 
-/// A pair that is near, at some state.
+/// A near pair, evaluated at one state.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactPair {
+    /// Identity of the pair.
     pub key: Key,
-    /// The part of the finger; none of the support.
+    /// Part of the finger; `None` for the support.
     pub part: Option<Part>,
     pair: Pair,
+    /// Gap, slip and location of the contact.
     pub touching: Touching,
 }
 
-/// How a closed pair holds.
+/// Friction status of a closed pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Grip {
     Sticks,
     Slips { forwards: bool },
 }
 
-/// How a pair holds in a Newton step, and whether its force pulled in the last one.
+/// Status of a pair in a Newton step, and whether its normal force was tensile in the previous one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactStatus {
-    /// None of an open pair.
+    /// `None` for an open pair.
     pub(super) grip: Option<Grip>,
+    /// Whether the normal force was tensile in the previous step.
     pub(super) is_pulled: bool,
 }
 
 impl State {
-    /// Where a part of a finger and the object are; without a part, of the support.
+    /// Poses of a finger's part and the object; without a part, of the support.
     fn stand(&self, finger: usize, part: Option<&Part>) -> PairPose {
         let (finger, body) = match part {
             Some(part) => (self.placements[finger], self.motions[finger][part.body]),
@@ -58,18 +61,18 @@ impl State {
 }
 
 impl Scene<'_> {
-    /// All pairs that are near each other.
+    /// All near pairs.
     pub(super) fn near_pairs(&self, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
         self.pairs_near_at(state, state, before, around)
     }
 
-    /// All pairs that carried a force before, as they are now.
+    /// All pairs that carried a force before, evaluated at the current state.
     pub(super) fn loaded_pairs(&self, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
         let is_loaded = |pair: &ContactPair| before.forces.get(&pair.key).is_some_and(|[normal_n, _]| *normal_n > 0.0);
         self.pairs_near_at(before, state, before, around).into_iter().filter(is_loaded).collect()
     }
 
-    /// All pairs that are near each other at one state, as they are at another.
+    /// Pairs that are near at the state `at`, evaluated at `state`.
     fn pairs_near_at(&self, at: &State, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
         let mut pairs = Vec::new();
         let within_mm = NEAR * self.size_mm;
@@ -77,7 +80,7 @@ impl Scene<'_> {
             for (index, part) in standing.front.parts.iter().enumerate() {
                 let body = standing.lattice.assembly().bodies[part.body];
                 if body.fixed && self.held == [true; 3] {
-                    // Neither gives way: no force is determined.
+                    // Neither side can move, so the contact force is undetermined.
                     continue;
                 }
                 let [now, then] = [state, before].map(|state| state.stand(finger, Some(part)));
@@ -102,7 +105,7 @@ impl Scene<'_> {
         pairs
     }
 
-    /// The tangent of a pair that was found to be near.
+    /// Derivatives of a near pair.
     pub(super) fn tangent(&self, contact: &ContactPair, state: &State, before: &State) -> Tangent {
         let ContactPair { key: (finger, ..), part, pair, .. } = contact;
         let rest = |part: Part| self.fingers[*finger].lattice.assembly().bodies[part.body].position;
@@ -110,8 +113,8 @@ impl Scene<'_> {
         pair.tangent(part.map_or(Vector::zeros(), rest), &now, &then)
     }
 
-    /// Forces of the pairs that are near now: their own, or those of a pair of the same part, or of the same corner, that is no longer near. Of several new
-    /// ones next to it on the plate that which overlaps most takes them, or else the nearest.
+    /// Contact forces of the near pairs. A new pair inherits the force of a pair no longer near, if both share the finger's part or the object's
+    /// corner. Among several neighbours on the plate, the one with the largest overlap inherits; otherwise the nearest.
     pub(super) fn inherited(&self, state: &State, pairs: &[ContactPair]) -> BTreeMap<Key, [f64; 2]> {
         let own = |pair: &ContactPair| (pair.key, state.forces.get(&pair.key).copied().unwrap_or_default());
         let mut forces: BTreeMap<Key, [f64; 2]> = pairs.iter().map(own).collect();
@@ -138,7 +141,7 @@ impl Scene<'_> {
         forces
     }
 
-    /// Distance of two parts of a finger along its plate, mm, from where each begins; 0 of the support.
+    /// Distance along the plate between the starts of two parts of a finger, mm; 0 for the support.
     fn along_plate_mm(&self, a: Key, b: Key) -> f64 {
         let at_mm = |(finger, part, _): Key| {
             let standing = self.fingers.get(finger);
@@ -147,14 +150,14 @@ impl Scene<'_> {
         (at_mm(a) - at_mm(b)).abs()
     }
 
-    /// Length of a flat piece of a finger, mm; 0 of a ball and of the support.
+    /// Length of a flat piece of a finger, mm; 0 for a disc and for the support.
     fn length_mm(&self, (finger, part, _): Key) -> f64 {
         let part = self.fingers.get(finger).map(|standing| standing.front.parts[part]);
         part.and_then(|part| Some((part.to? - part.from).norm())).unwrap_or(0.0)
     }
 
-    /// The status of all pairs after a step in which they had the status `before`. Where the support has let go of the object, others hold it alone,
-    /// and are taken to stick until they cannot.
+    /// Statuses of all pairs after a step with the statuses `before`. When the support releases the object, the fingers alone hold it: their pairs are
+    /// then set to sticking.
     pub(super) fn statuses(
         &self,
         pairs: &[ContactPair],
@@ -178,8 +181,8 @@ impl Scene<'_> {
         statuses
     }
 
-    /// The status of a pair after a step in which it had the status `before`. A closed one opens when its force pulls twice in a row: after a long
-    /// step forces are not yet what they will be.
+    /// Status of a pair after a step with the status `before`. A closed pair opens only after two tensile steps in a row: forces are inaccurate after a
+    /// large step.
     fn status(
         &self,
         pair: &ContactPair,
@@ -194,7 +197,7 @@ impl Scene<'_> {
         let is_lifted = pair.part.is_none() && normal_n < LIFTED * self.stiffness * gap_mm;
         let before = before.copied().unwrap_or(ContactStatus {
             grip: if normal_n > self.nothing_n() && !is_lifted {
-                // A pair that slipped slips on, until it turns out to stick.
+                // A slipping pair keeps slipping until a step shows that it sticks.
                 grip(friction_n, (1.0 - AT_BOUND) * normal_n)
             } else {
                 None
@@ -217,7 +220,7 @@ impl Scene<'_> {
     }
 }
 
-/// Where on the plate a part is touched: a piece where it is met, from its first end.
+/// The part in contact; on a flat piece, the position at `arm` along the plate.
 pub(super) fn touched(part: &Part, arm: Vector) -> TouchedPart {
     match (part.touched, part.to) {
         (TouchedPart::Plate(from_mm), Some(to)) => {
@@ -227,8 +230,8 @@ pub(super) fn touched(part: &Part, arm: Vector) -> TouchedPart {
     }
 }
 
-/// Pairs without force that would close beside one that overlaps deeper, where pieces of the plate follow each other. A step that moves the plate off the
-/// deepest mostly frees the others, which all together would bend it at will.
+/// Unloaded pairs on consecutive pieces of the plate that would close beside a pair with a deeper overlap. Moving the plate off the deepest overlap
+/// mostly opens the others; closing all of them would bend the plate arbitrarily.
 fn beside_deepest(
     pairs: &[ContactPair],
     forces: &BTreeMap<Key, [f64; 2]>,
@@ -239,7 +242,7 @@ fn beside_deepest(
         is_piece && forces[&pair.key] == [0.0; 2] && statuses[&pair.key].grip.is_some()
     };
     let closing: Vec<&ContactPair> = pairs.iter().filter(closes).collect();
-    // A flat piece and the ball at its end follow each other, and so do two flat pieces.
+    // A flat piece is followed by the disc at its end; two flat pieces may also follow each other.
     let follows = |a: &&ContactPair, b: &&ContactPair| a.key.0 == b.key.0 && b.key.1 - a.key.1 <= 2;
     let mut shallow = Vec::new();
     for run in closing.chunk_by(follows) {

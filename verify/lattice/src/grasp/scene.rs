@@ -1,4 +1,4 @@
-//! Fingers, object and support, their state, and what acts on the object.
+//! Fingers, object and support, their state, and the loads on the object.
 
 use super::elimination::Order;
 use super::surface::{Feature, Front, Shape};
@@ -9,27 +9,29 @@ use finray_model::Vector;
 use finray_model::gripper::Placement;
 use std::collections::BTreeMap;
 
-/// A force is rounding up to this share of what bends a finger by the object's size.
+/// Force below which contacts count as unloaded, relative to the force that would bend a finger by the object's size.
 const ROUNDING: f64 = 1e-11;
-/// Yield of a contact, as a share of what the finger yields, so that parts of the rigid object that touch the rigid support at two
-/// points share friction.
+/// Compliance of a contact, relative to the finger's. It distributes friction where a rigid object touches the rigid support at two points.
 const YIELD: f64 = 1e-6;
 
-/// Which pair of parts: the finger by its number (the support comes after the last), its part, and the object's feature.
+/// Identifies a contact pair: number of the finger (the support follows the last finger), index of its part, and the object's feature.
 pub(super) type Key = (usize, usize, Feature);
 
-/// A finger that stands somewhere.
+/// A finger with its energy, contact surface and elimination order.
 #[derive(Debug, Clone)]
 pub(super) struct PlacedFinger<'l> {
+    /// Bodies and springs.
     pub lattice: &'l Lattice,
+    /// Elastic energy of the lattice.
     pub energy: Energy<'l>,
+    /// Contact surface.
     pub front: Front,
-    /// How its bodies are eliminated.
+    /// Order in which its bodies are eliminated.
     pub order: Order,
 }
 
 impl<'l> PlacedFinger<'l> {
-    /// A finger with rods of a radius, mm.
+    /// A finger whose rods have the given radius, mm.
     pub fn new(lattice: &'l Lattice, rod_radius_mm: f64) -> PlacedFinger<'l> {
         let energy = Energy::new(lattice.assembly());
         let free = |body: BodyIndex| Some(energy.first_unknown(body)? / 3);
@@ -41,50 +43,55 @@ impl<'l> PlacedFinger<'l> {
     }
 }
 
-/// All that is there.
+/// Everything that does not change from step to step.
 #[derive(Debug, Clone)]
 pub(super) struct Scene<'l> {
+    /// The fingers.
     pub fingers: Vec<PlacedFinger<'l>>,
+    /// Outline of the object.
     pub shape: Shape,
+    /// Coefficient of Coulomb friction, dimensionless.
     pub friction: f64,
     /// Centre of mass in the object's frame, mm.
     pub centre: Vector,
-    /// A stiffness of the fingers, N/mm.
+    /// Stiffness scale of the fingers, N/mm.
     pub stiffness: f64,
-    /// Size of the object, mm, or of one that a hand holds a share of the finger's.
+    /// Length scale, mm: the object's size, or a share of the finger's length for an object held by a hand.
     pub size_mm: f64,
-    /// Whether a hand holds the object where it is in x and y, and keeps it from turning.
+    /// Whether a hand holds the object in x, in y and against rotation.
     pub held: [bool; 3],
 }
 
-/// Where all is, and the forces of contacts.
+/// Placements, motions and contact forces at one instant.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct State {
+    /// Placement of each finger's frame in the world.
     pub placements: Vec<Placement>,
+    /// Motions of each finger's bodies, in the finger's frame.
     pub motions: Vec<Vec<BodyMotion>>,
+    /// Position of the object, mm, and its angle, rad, world frame.
     pub object: [f64; 3],
-    /// Normal and friction force of each pair that is near, N.
+    /// Normal and friction force of each near pair, N.
     pub forces: BTreeMap<Key, [f64; 2]>,
 }
 
-/// What acts on the object beside the fingers.
+/// Loads on the object, apart from the fingers, and numerical resistance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Surroundings {
-    /// Weight, N.
+    /// Weight, world frame, N.
     pub weight: Vector,
-    /// A point of the support and its upward unit normal.
+    /// A point of the support (mm) and its upward unit normal, world frame.
     pub support: Option<(Vector, Vector)>,
-    /// How far the object is carried in the step where it goes along with the gripper, mm: Newton's method begins there, and from there the
-    /// resistance counts.
+    /// Displacement of the gripper in this step, mm. The object starts the Newton iteration displaced by it; resistance counts from there.
     pub carried: Vector,
-    /// Resistance of the object against having moved since the step began, N/mm; against turning it is this times the square of its size.
+    /// Resistance to the object's translation since the start of the step, N/mm. For rotation it is multiplied by the squared size, N mm per rad.
     pub drag: f64,
-    /// The same of each body of the fingers in their own frames, against moving alone: for snaps, which no equilibrium leads through.
+    /// Resistance to the motion of each body in its finger's frame, N/mm. It carries the solution over snaps, where no equilibrium path exists.
     pub finger_drag: f64,
 }
 
 impl Surroundings {
-    /// Where an object would be that goes along with the gripper.
+    /// Pose of an object that moves along with the gripper.
     pub(super) fn carried_from(&self, object: [f64; 3]) -> [f64; 3] {
         let [x, y, angle] = object;
         [x + self.carried.x, y + self.carried.y, angle]
@@ -92,7 +99,7 @@ impl Surroundings {
 }
 
 impl Scene<'_> {
-    /// How far object (a turn at its size) and fingers in their frames are from one state to another, mm.
+    /// Largest displacement between two states, mm: of the object (its rotation times its size) and of the bodies in their fingers' frames.
     pub(super) fn way_mm(&self, from: &State, to: &State) -> f64 {
         let [x, y, angle] = [0, 1, 2].map(|i| to.object[i] - from.object[i]);
         let bodies = from.motions.iter().flatten().zip(to.motions.iter().flatten());
@@ -100,22 +107,22 @@ impl Scene<'_> {
         bent.fold(x.hypot(y).max(angle.abs() * self.size_mm), f64::max)
     }
 
-    /// Resistance of the object by x, y, N/mm, and angle, N mm.
+    /// Resistance of the object in x and y, N/mm, and rotation, N mm per rad.
     pub(super) fn drags(&self, around: &Surroundings) -> [f64; 3] {
         [around.drag, around.drag, around.drag * self.size_mm * self.size_mm]
     }
 
-    /// How far a contact gives way under a force, mm.
+    /// Compression of a contact under a force, mm.
     pub(super) fn yield_mm(&self, force_n: f64) -> f64 {
         YIELD / self.stiffness * force_n
     }
 
-    /// A force that is rounding, N.
+    /// Force below which a contact counts as unloaded, N.
     pub(super) fn nothing_n(&self) -> f64 {
         ROUNDING * self.stiffness * self.size_mm
     }
 
-    /// Number of the first unknown of a finger; of the object for the number after the last.
+    /// Index of a finger's first unknown; for the number after the last finger, of the object's.
     pub(super) fn first(&self, finger: usize) -> usize {
         self.fingers[..finger].iter().map(|standing| standing.energy.unknown_count()).sum()
     }

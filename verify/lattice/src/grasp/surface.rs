@@ -1,4 +1,4 @@
-//! Which parts of finger and object can meet: balls and flat pieces of a finger's front, corners and sides of an object.
+//! Finds the parts of finger and object that can touch: discs and flat pieces of a finger's front, corners and sides of an object.
 
 use super::contact::{Pair, PairPose};
 use crate::Lattice;
@@ -10,30 +10,30 @@ use finray_model::Vector;
 use finray_model::finger::Plate;
 use nalgebra::Rotation2;
 
-/// A part of a finger's front.
+/// A part of a finger's front surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part {
-    /// The body that carries it.
+    /// Body that carries the part.
     pub body: BodyIndex,
-    /// Centre of a ball, or first end of a piece's middle line, from the centre of the body, mm.
+    /// Centre of a disc, or first end of a flat piece's middle line, relative to the body's centre, undeformed, mm.
     pub from: Vector,
-    /// The other end of a piece; none for a ball.
+    /// Other end of a flat piece, mm; `None` for a disc.
     pub to: Option<Vector>,
-    /// Radius, or half the thickness, mm.
+    /// Radius of a disc, or half the thickness of a piece, mm.
     pub radius_mm: f64,
-    /// The rod, or where the part begins along the plate.
+    /// The rod, or the position at which the part begins along the plate.
     pub touched: TouchedPart,
 }
 
-/// The front of a finger: a ball for every rod, flat pieces between, and a ball where two pieces meet.
+/// Front surface of a finger: a disc for every rod, flat pieces between, and a disc where two pieces meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Front {
-    /// Its parts.
+    /// Parts of the surface.
     pub parts: Vec<Part>,
 }
 
 impl Front {
-    /// The front of a lattice with rods of a radius (mm; none if 0).
+    /// Front surface of a lattice whose rods have the given radius, mm (0: no rods).
     pub fn new(lattice: &Lattice, rod_radius_mm: f64) -> Front {
         let (finger, assembly) = (lattice.finger(), lattice.assembly());
         let half_mm = 0.5 * finger.description().front.thickness_mm;
@@ -54,7 +54,7 @@ impl Front {
         Front { parts }
     }
 
-    /// The same with a ball at the other end of every piece, too: where the plate bends sharply, or a clamped piece ends, pieces that meet part.
+    /// Adds a disc at the second end of every piece. Where the plate bends sharply, or a clamped piece ends, the surfaces of two pieces separate.
     pub fn round_at_both_ends(mut self) -> Front {
         let end = |flat: &Part| {
             let (to, TouchedPart::Plate(from_mm)) = (flat.to?, flat.touched) else { return None };
@@ -70,28 +70,28 @@ impl Front {
 /// Outline of an object in its own frame, mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
-    /// Corners counter-clockwise; of a disc its axis alone.
+    /// Corners, counter-clockwise; for a disc its centre only.
     corners: Vec<Vector>,
-    /// Radius of a disc, mm; 0 for corners.
+    /// Radius of a disc, mm; 0 for a polygon.
     disc_mm: f64,
-    /// Farthest point from its own point, mm.
+    /// Largest distance of an outline point from the object's origin, mm.
     size_mm: f64,
 }
 
-/// Height under a side, mm, from which on a ball is on another side of a thin object.
+/// Depth below a side, mm, beyond which a disc belongs to another side of a thin object.
 const BEHIND_MM: f64 = 0.5;
-/// Margin beyond which a part is not looked at, mm: more than rounding.
+/// Margin of the coarse distance test, mm, larger than rounding.
 const FAR_MM: f64 = 1e-3;
-/// Share of a piece's length by which a corner may be beyond its ends: where two pieces meet in a hollow, both can hold it.
+/// Share of a piece's length by which a corner may lie beyond its ends. Where two pieces meet at a concave angle, both may hold the corner.
 const BEYOND: f64 = 1e-9;
 
 impl Shape {
-    /// A disc.
+    /// A disc of the given radius, mm, centred at the object's origin.
     pub fn disc(radius_mm: f64) -> Shape {
         Shape { corners: vec![Vector::zeros()], disc_mm: radius_mm, size_mm: radius_mm }
     }
 
-    /// A polygon, by its corners in order either way round.
+    /// A polygon with corners (mm) in either order of rotation.
     pub fn polygon(corners: &[Vector]) -> Shape {
         let mut corners = corners.to_vec();
         if doubled_area(&corners) < 0.0 {
@@ -101,7 +101,7 @@ impl Shape {
         Shape { corners, disc_mm: 0.0, size_mm }
     }
 
-    /// Centre of its area, mm.
+    /// Centroid of the area, mm.
     pub fn centroid(&self) -> Vector {
         if self.corners.len() < 3 {
             return self.corners[0];
@@ -110,18 +110,18 @@ impl Shape {
         moments / (3.0 * doubled_area(&self.corners))
     }
 
-    /// Farthest point from its own point, mm.
+    /// Largest distance of an outline point from the object's origin, mm.
     pub fn size_mm(&self) -> f64 {
         self.size_mm
     }
 
-    /// How far it reaches along a unit vector from its own point, turned by an angle, mm.
+    /// Largest extent along a unit vector from the origin, for an object rotated by `angle_rad`, mm.
     pub fn reach_mm(&self, along: Vector, angle_rad: f64) -> f64 {
         let turn = Rotation2::new(angle_rad);
         self.disc_mm + self.corners.iter().map(|corner| (turn * corner).dot(&along)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Corners, and the radius about each, mm.
+    /// Corners (mm), and the radius of the disc about each (mm).
     pub fn corners(&self) -> (&[Vector], f64) {
         (&self.corners, self.disc_mm)
     }
@@ -131,7 +131,7 @@ impl Shape {
         self.corners.iter().zip(ends).map(|(a, b)| [*a, *b]).filter(|_| self.corners.len() > 1)
     }
 
-    /// Pairs of a part of the front and the object's features that are less than `within_mm` apart, each with which of the features it is.
+    /// Features of the object closer to a part than `within_mm`, each with its contact pair.
     pub fn near(&self, part: &Part, body: &Body, stand: &PairPose, within_mm: f64) -> Vec<(Feature, Pair)> {
         let world = |arm: Vector| {
             let BodyMotion { displacement, .. } = stand.body;
@@ -152,12 +152,12 @@ impl Shape {
         }
     }
 
-    /// `at` is the centre of the ball in the frame of the object.
+    /// Pairs of a disc and the object; `at` is the disc's centre in the object's frame, mm.
     fn near_ball(&self, part: &Part, at: Vector, within_mm: f64) -> Vec<(Feature, Pair)> {
         let Part { from: centre, radius_mm, .. } = *part;
         let mut pairs = Vec::new();
         let count = self.corners.len();
-        // Whether the ball is beyond the end of the side before a corner, and beyond the start of the side after it.
+        // Whether the disc is beyond the end of the side before a corner, and beyond the start of the side after it.
         let mut beyond = vec![[count == 1; 2]; count];
         for (i, [a, b]) in self.sides().enumerate() {
             let along = (b - a).normalize();
@@ -179,7 +179,7 @@ impl Shape {
         pairs
     }
 
-    /// `ends` are those of the piece in the frame of the object.
+    /// Pairs of a flat piece and the object; `ends` are the piece's ends in the object's frame, mm.
     fn near_piece(&self, part: &Part, to: Vector, ends: [Vector; 2], within_mm: f64) -> Vec<(Feature, Pair)> {
         let Part { from: on_piece, radius_mm: half_mm, .. } = *part;
         let along = (to - on_piece).normalize();
@@ -198,16 +198,16 @@ impl Shape {
     }
 }
 
-/// Twice the area of a polygon, mm^2, positive counter-clockwise.
+/// Twice the area of a polygon, mm^2; positive for counter-clockwise corners.
 fn doubled_area(corners: &[Vector]) -> f64 {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a.perp(b)).sum()
 }
 
-/// A feature of an object, by its number.
+/// A feature of an object, identified by its index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Feature {
-    /// A corner, or the axis of a disc.
+    /// A corner, or the centre of a disc.
     Corner(usize),
-    /// The side from the corner of this number to the next.
+    /// The side from the corner with this index to the next.
     Side(usize),
 }

@@ -1,11 +1,12 @@
-//! An object pressed onto the lattice, in quasi-static equilibrium with Coulomb friction and its history.
+//! An object pressed onto the lattice: quasi-static equilibrium with Coulomb friction and its history.
 //!
-//! The object is rigid and does not turn. It touches the front plate and its rods; neither the other plate, nor the finger itself, touches
-//! anything. A hand holds it at a prescribed position, or pulls it with a force along a line on which it is guided. Where the clamped end of the plate is in
-//! its way, a held object is stopped there, as neither gives way. Every step is an equilibrium of
-//! [`grasp`](crate::grasp)'s Newton method, with one finger and a held object. The hand goes there in short parts: friction depends on all of the way.
+//! The object is rigid and does not rotate. It touches the front plate and its rods only; the finger does not touch itself.
+//! A hand holds the object at a prescribed position, or pulls it with a force along a guide line. If the clamped end of the plate is in its way, a
+//! held object stops there.
+//! Every step is an equilibrium of [`grasp`](crate::grasp)'s Newton method, with one finger and a held object. The hand moves in short increments
+//! because friction depends on the whole path.
 //!
-//! [`settled`] has the same object pressed in rapier, which verifies these equilibria.
+//! [`settled`] presses the same object in rapier, which verifies these equilibria.
 
 pub mod settled;
 
@@ -19,17 +20,17 @@ use finray_model::finger::Plate;
 use finray_model::gripper::Placement;
 use finray_model::mesh::FingerShape;
 
-/// Drive of the object along the line that it is pressed on.
+/// How the hand drives the object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Push {
-    /// The hand holds the object at a point, finger frame, mm.
+    /// The hand holds the object at this point, finger frame, mm.
     To(Vector),
-    /// The hand pulls with a force, N; across the line it guides the object.
+    /// The hand pulls with this force, N, and guides the object along its line.
     With(f64),
 }
 
 impl Push {
-    /// A share of the way to another push.
+    /// The push at a share, 0 to 1, of the way to another push.
     fn towards(self, to: Push, share: f64) -> Push {
         match (self, to) {
             (Push::To(from), Push::To(to)) => Push::To(from + (to - from) * share),
@@ -40,71 +41,72 @@ impl Push {
     }
 }
 
-/// Finger and object at rest.
+/// Finger and object in equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pressed {
-    /// Motion of the key nodes.
+    /// Displacements and rotations of the key nodes.
     pub shape: FingerShape,
-    /// Motion of the lattice's bodies.
+    /// Motions of the lattice's bodies.
     pub motions: Vec<BodyMotion>,
-    /// Where the object's own point is, finger frame, mm.
+    /// Reference point of the object, finger frame, mm.
     pub object: Vector,
-    /// Where the object pushes on the finger.
+    /// Contacts of the object with the finger.
     pub touches: Vec<Touch>,
-    /// Force of the hand on the object, N.
+    /// Force of the hand on the object, N, finger frame.
     pub hand_force: Vector,
-    /// Force of the lattice's springs, and of the object where it touches a clamped part, on the clamps, N.
+    /// Force on the clamps, N, finger frame: from the springs, and from the object where it touches a clamped part.
     pub base_force: Vector,
-    /// Moment of the same about the origin, N mm.
+    /// Moment on the clamps about the origin, N mm.
     pub base_moment_nmm: f64,
 }
 
 impl Pressed {
-    /// Force of all touches on the finger, N.
+    /// Sum of the contact forces on the finger, N, finger frame.
     pub fn contact_force(&self) -> Vector {
         self.touches.iter().map(|touch| touch.force).sum()
     }
 
-    /// How far contact forces are from balance with the hand's and with those on the clamps, as a share of their sum; `None` where
-    /// nothing touches.
+    /// Largest imbalance of the contact force, against the hand's force or the clamps' force, as a share of the contact force. `None` without
+    /// contact.
     pub fn imbalance(&self) -> Option<f64> {
         let contact = self.contact_force();
         let off = |other: Vector| (contact - other).norm() / contact.norm();
         (!self.touches.is_empty()).then(|| off(self.hand_force).max(off(self.base_force)))
     }
 
-    /// Moment of all touches about the origin, N mm.
+    /// Moment of all contact forces about the origin, N mm.
     pub fn contact_moment_nmm(&self) -> f64 {
         self.touches.iter().map(|touch| touch.point.perp(&touch.force)).sum()
     }
 }
 
-/// Longest way of the hand in one part, as a share of the front plate's length.
+/// Largest increment of the hand, as a share of the front plate's length.
 const WAY: f64 = 1.0 / 75.0;
-/// The same with friction, where the error of its history falls with the length of the parts.
+/// The same with friction; the error of the friction history is proportional to the increment.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// The same as a share of the radii that meet: no part of the finger gets past the object unseen.
+/// Largest increment of the hand, as a share of the radii in contact, so that no part of the finger passes the object undetected.
 const WAY_OF_RADII: f64 = 0.5;
-/// Length by which displacements are judged, as a share of the front plate's length.
+/// Length scale of displacements, as a share of the front plate's length.
 const SIZE: f64 = 1.0 / 8.0;
-/// Halvings of the part of a way in which a held object meets the clamp.
+/// Bisection steps to find where a held object meets the clamp.
 const HALVINGS: usize = 40;
 
 /// A lattice with an object in front of it.
 pub struct Pressing<'l> {
-    /// In a frame with x along the line that the object is pressed on.
+    /// In a frame whose x axis is the line along which the object is pressed.
     world: World<'l>,
-    /// Longest way of the hand in one part, mm.
+    /// Largest increment of the hand, mm.
     way_mm: f64,
     last: Push,
     has_touched: bool,
 }
 
 impl<'l> Pressing<'l> {
-    /// Puts an object, with its coefficient of friction, where it does not yet touch; it is going to be pressed along the unit vector `along`.
+    /// Places an object (shape, coefficient of friction) at `start`, mm, finger frame, clear of the finger. It will be pressed along the unit vector
+    /// `along`.
     ///
     /// # Errors
-    /// [`LatticeError::Overlap`] if it does not start outside the finger.
+    /// [`LatticeError::Overlap`] if the object overlaps the finger at the start; [`LatticeError::Tapered`] if the front plate tapers.
     pub fn new(
         lattice: &'l Lattice,
         rod_radius_mm: f64,
@@ -133,10 +135,10 @@ impl<'l> Pressing<'l> {
         })
     }
 
-    /// Moves the hand, without letting an object that it pulls come to rest.
+    /// Moves the hand to `push` without waiting for a pulled object to come to rest.
     ///
     /// # Errors
-    /// [`LatticeError::LetGo`] if the finger, on the way, no longer holds against a force; [`LatticeError::NoContactEquilibrium`] if no equilibrium is
+    /// [`LatticeError::LetGo`] if the finger stops holding the object against a force; [`LatticeError::NoContactEquilibrium`] if no equilibrium is
     /// found.
     pub fn pass(&mut self, push: Push) -> Result<(), LatticeError> {
         let from = self.last;
@@ -147,10 +149,10 @@ impl<'l> Pressing<'l> {
         Ok(())
     }
 
-    /// Moves the hand and lets everything come to rest.
+    /// Moves the hand to `push` and brings everything to rest.
     ///
     /// # Errors
-    /// As of [`pass`](Self::pass).
+    /// As for [`pass`](Self::pass).
     pub fn push(&mut self, push: Push) -> Result<Pressed, LatticeError> {
         self.pass(push)?;
         let outwards = self.placement().axes().transpose();
@@ -170,7 +172,7 @@ impl<'l> Pressing<'l> {
         })
     }
 
-    /// How many of the longest parts a way has.
+    /// Length of a way in units of the largest increment.
     fn parts(&self, from: Push, to: Push) -> f64 {
         let by_force = |change_n: f64| change_n.abs() / (self.world.stiffness() * self.way_mm);
         match (from, to) {
@@ -185,13 +187,13 @@ impl<'l> Pressing<'l> {
         self.world.placements()[0]
     }
 
-    /// Where the object's own point is, finger frame, mm.
+    /// Reference point of the object, finger frame, mm.
     fn object(&self) -> Vector {
         let [x, y, _] = self.world.object();
         self.placement().inwards(Vector::new(x, y))
     }
 
-    /// One part of the way.
+    /// Moves the hand by one increment.
     fn go(&mut self, to: Push, is_last: bool) -> Result<(), LatticeError> {
         let drive = |placement: Placement, pull_n: f64| Drive {
             placements: vec![placement],
@@ -222,7 +224,7 @@ impl<'l> Pressing<'l> {
         }
     }
 
-    /// Where the finger stands when the object is at a point of it, mm, or as near on the way there as its clamped end lets the object come.
+    /// Placement of the finger with the object at the point `at`, mm, finger frame, or as near as the clamped end allows.
     fn placement_towards(&self, at: Vector) -> Placement {
         let (from, [x, y, _]) = (self.placement(), self.world.object());
         let to = Placement { origin: placed(from.angle_rad, at).origin + Vector::new(x, y), ..from };
@@ -241,7 +243,7 @@ impl<'l> Pressing<'l> {
     }
 }
 
-/// Placement of a finger, turned by an angle, in which a point of it, mm, is at the origin.
+/// Placement of a finger, rotated by `angle_rad`, in which `point` (mm, finger frame) lies at the origin.
 fn placed(angle_rad: f64, point: Vector) -> Placement {
     let turned = Placement { origin: Vector::zeros(), angle_rad, mirrored: false };
     Placement { origin: -(turned.axes() * point), ..turned }

@@ -1,11 +1,11 @@
-//! An object pressed onto the lattice in rapier: the verification of equilibria.
+//! An object pressed onto the lattice in the physics engine rapier, to verify equilibria found by Newton's method.
 //!
-//! The object is a rigid body that does not turn. It touches the [`skin`](crate::skin) of the front plate; neither the other
-//! plate, nor the finger itself, touches anything. A hand puts it at a prescribed position, or pulls it, and then guides it across its line by stiff springs.
+//! The object is a rigid body that does not rotate. It touches the [`skin`](crate::skin) of the front plate only; the finger does not touch itself.
+//! A hand puts it at a prescribed position, or pulls it and guides it along its line with stiff springs.
 //!
-//! Every step comes to rest as in [`settling`], from the step before, or from an equilibrium that is to be verified. Without friction both end where
-//! Newton's method does. With friction rest is not unique: friction is then what the engine's motion left, anywhere within its cone. So an equilibrium
-//! with friction is verified from where it was found: rapier, with its own contacts, must stay there.
+//! Every step comes to rest as in [`settling`], from the previous step or from an equilibrium to be verified. Without friction, rapier and Newton's
+//! method reach the same equilibrium. With friction the rest state is not unique: it depends on the engine's motion, within the friction cone. An
+//! equilibrium with friction is therefore verified from its own state: rapier, with its own contacts, must stay there.
 
 use super::{Pressed, Push};
 use crate::energy::{BodyMotion, Energy};
@@ -21,64 +21,64 @@ use rapier2d::prelude::{
     Pose, RigidBodyBuilder, RigidBodyHandle, RigidBodyType, SharedShape, SolverContact,
 };
 
-/// The pressed object: a shape, turned, with friction.
+/// The pressed object: a shape with friction.
 #[derive(Debug, Clone)]
 pub struct RigidObject {
-    /// The shape about the point that is moved, mm, finger frame.
+    /// Shape about the object's reference point, mm, finger frame.
     pub shape: SharedShape,
-    /// Coefficient of Coulomb friction.
+    /// Coefficient of Coulomb friction, dimensionless.
     pub friction: f64,
 }
 
-/// A lattice with an object in front of it.
+/// A lattice with an object in front of it, in the physics engine.
 pub struct EnginePressing<'l> {
     lattice: &'l Lattice,
     dynamics: Dynamics<'l>,
     object: RigidBodyHandle,
     collider: ColliderHandle,
     hand: RigidBodyHandle,
-    /// The part of the finger that each of its colliders stands for, by the collider's user data.
+    /// Body and part of the finger that each collider represents, indexed by the collider's user data.
     parts: Vec<(BodyIndex, Skin)>,
-    /// Stiffness with which the hand guides an object that it pulls, N/mm.
+    /// Stiffness with which the hand guides a pulled object, N/mm.
     stiffness: f64,
-    /// Direction of the line that the object is pressed along; a unit vector.
+    /// Unit vector along which the object is pressed.
     along: Vector,
-    /// Steps between two looks whether everything rests.
+    /// Steps between two position checks.
     watch: usize,
-    /// The way of the hand, mm, and the change of its pull, N, in as many steps.
+    /// Way of the hand, mm, and change of its pull, N, during `watch` steps.
     pace: (f64, f64),
-    /// Where the hand is, or how it pulls.
+    /// Last push of the hand.
     last: Push,
-    /// Pull under which the object last touched the finger, N.
+    /// Pull at which the object last touched the finger, N.
     touched_n: Option<f64>,
 }
 
-/// From this distance on, as a share of the front plate's length, the engine looks after a contact to come. No body may move by
-/// more than half of it in a step, so that none gets past another unseen.
+/// Distance, as a share of the front plate's length, within which the engine predicts contacts. No body moves by more than half of it per step, so
+/// that none passes another undetected.
 const FORESIGHT: f64 = 1.0 / 150.0;
-/// Overlap, as a share of the front plate's length, from which on an object does not merely touch where it starts.
+/// Largest overlap at the start, as a share of the front plate's length, that counts as mere touching.
 const OVERLAP: f64 = 1e-5;
-/// The way that the hand goes while the slowest motion of the finger runs its course, as a share of the front plate's length; so
-/// slow that the finger keeps up, and neither lets the object through nor swings back over it.
+/// Way of the hand during the finger's slowest motion, as a share of the front plate's length. It is slow enough for the finger to follow:
+/// the object neither passes through it nor does the finger swing back over the object.
 const WAY: f64 = 1.0 / 75.0;
-/// The same with friction, where the rest position depends on every slip on the way.
+/// The same with friction, where the rest state depends on every slip along the way.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// Steps in which one push must have settled: the paper's finger takes 2000 with two segments a member.
+/// Largest number of steps for one push to settle. The paper's finger needs 2000 with two segments per member.
 const MOST_STEPS: usize = 50_000;
-/// Looks at the positions after which it is looked whether the finger still holds the object.
+/// Position checks between two tests whether the finger still holds the object.
 const LOOKS: usize = 8;
-/// Displacement of the middle of the finger, as a share of the front plate's length, under the push whose settling shows how slow its
-/// slowest motion is: small, so that the finger is linear.
+/// Displacement of the finger's middle, as a share of the front plate's length, in the test that measures the slowest motion. It is small enough
+/// for the finger to respond linearly.
 const PROBE: f64 = 1e-3;
-/// A force, N, under which every finger is linear.
+/// A force, N, under which every finger responds linearly.
 const TINY_N: f64 = 1e-9;
 
 impl<'l> EnginePressing<'l> {
-    /// Puts the object where it does not yet touch; it is going to be pressed along the unit vector `along`.
+    /// Places the object at `start`, mm, finger frame, clear of the finger. It will be pressed along the unit vector `along`.
     ///
     /// # Errors
-    /// [`LatticeError::Overlap`] if it does not start outside the finger, [`LatticeError::NotSettled`] if the finger does
-    /// not settle even without it.
+    /// [`LatticeError::Overlap`] if the object overlaps the finger at the start, [`LatticeError::Tapered`] if the front plate tapers,
+    /// [`LatticeError::NotSettled`] if the finger does not settle even without the object.
     pub fn new(
         lattice: &'l Lattice,
         rod_radius_mm: f64,
@@ -100,7 +100,7 @@ impl<'l> EnginePressing<'l> {
         let member_mm = finger.plate_length_mm(Plate::Front) / (finger.rib_count() + 1) as f64;
         let stiffness = finger.section(Part::Front).map_or(1.0, |section| section.axial_rigidity_n / member_mm);
         let hand = dynamics.world.bodies.insert(RigidBodyBuilder::fixed().translation(rapier(start)));
-        // It does not turn, so its moment of inertia counts for nothing.
+        // The object does not rotate, so its moment of inertia has no effect.
         let body = dynamics.insert_moving(start, mass_for(stiffness), 1.0);
         dynamics.world.bodies[body].lock_rotations(true, true);
         let collider = ColliderBuilder::new(object.shape.clone())
@@ -147,14 +147,14 @@ impl<'l> EnginePressing<'l> {
         })
     }
 
-    /// Moves the hand slowly, without waiting for rest; the steps that it took.
+    /// Moves the hand slowly, without waiting for rest. Returns the number of steps.
     ///
     /// # Errors
-    /// [`LatticeError::LetGo`] if the finger, on the way, no longer holds against a force.
+    /// [`LatticeError::LetGo`] if the finger stops holding the object against a force.
     pub fn pass(&mut self, push: Push) -> Result<usize, LatticeError> {
         let from = self.last;
         let steps = self.steps_on_the_way(from, push);
-        // Steps without touch of a pulled object that the finger held before.
+        // Steps since a pulled object lost contact; `None` before its first contact.
         let mut untouched = None;
         for step in 1..=steps {
             let at = from.towards(push, step as f64 / steps as f64);
@@ -179,16 +179,16 @@ impl<'l> EnginePressing<'l> {
     /// Moves the hand slowly and lets everything come to rest.
     ///
     /// # Errors
-    /// [`LatticeError::LetGo`] if the finger no longer holds against a force, [`LatticeError::NotSettled`] if it does not rest.
+    /// [`LatticeError::LetGo`] if the finger does not hold the object against a force, [`LatticeError::NotSettled`] if the bodies do not come to rest.
     pub fn push(&mut self, push: Push) -> Result<Pressed, LatticeError> {
         let steps = self.pass(push)?;
         self.rest(push, steps)
     }
 
-    /// Puts finger and object where they were found under a push, and lets everything come to rest.
+    /// Puts finger and object into an equilibrium found under `push`, and lets everything come to rest.
     ///
     /// # Errors
-    /// As of [`push`](Self::push).
+    /// As for [`push`](Self::push).
     pub fn hold(&mut self, found: &Pressed, push: Push) -> Result<Pressed, LatticeError> {
         self.dynamics.place(&found.motions);
         self.dynamics.world.bodies[self.object].set_translation(rapier(found.object), true);
@@ -196,7 +196,7 @@ impl<'l> EnginePressing<'l> {
         self.rest(push, 0)
     }
 
-    /// Lets everything come to rest, after so many steps.
+    /// Lets everything come to rest; `steps` steps were already taken.
     fn rest(&mut self, push: Push, steps: usize) -> Result<Pressed, LatticeError> {
         self.drive(push);
         self.settle(push, steps)?;
@@ -225,14 +225,14 @@ impl<'l> EnginePressing<'l> {
         LatticeError::LetGo { touched_n: self.touched_n }
     }
 
-    /// Lets everything come to rest; the steps that it took, with those before.
+    /// Lets everything come to rest. Returns the total number of steps, including `steps`.
     fn settle(&mut self, push: Push, mut steps: usize) -> Result<usize, LatticeError> {
         let most_steps = steps + MOST_STEPS;
         loop {
             let until = (steps + LOOKS * self.watch).min(most_steps);
             match self.dynamics.watch(&[], self.watch, steps, until) {
                 Ok(rest) => return Ok(rest.steps),
-                // Pulled by a force, an object that nothing holds never rests.
+                // An object pulled by a force and held by nothing never comes to rest.
                 Err(_) if matches!(push, Push::With(_)) && !self.touches_anything() => return Err(self.lets_go()),
                 Err(error) if until + self.watch > most_steps => return Err(error),
                 Err(_) => {
@@ -245,7 +245,7 @@ impl<'l> EnginePressing<'l> {
         }
     }
 
-    /// Steps over which the hand goes to a push.
+    /// Number of steps in which the hand moves to a push.
     fn steps_on_the_way(&self, from: Push, to: Push) -> usize {
         let (way_mm, change_n) = self.pace;
         let way = match (from, to) {
@@ -257,7 +257,7 @@ impl<'l> EnginePressing<'l> {
         (way * self.watch as f64).ceil() as usize
     }
 
-    /// Puts the object where the hand has it, or lets the hand pull it.
+    /// Puts the object at the hand's position, or applies the pull.
     fn drive(&mut self, push: Push) {
         let object = &mut self.dynamics.world.bodies[self.object];
         object.reset_forces(true);
@@ -282,7 +282,7 @@ impl<'l> EnginePressing<'l> {
         })
     }
 
-    /// Contact forces of the engine.
+    /// Contact forces computed by the engine.
     fn touches(&self, motions: &[BodyMotion]) -> Vec<Touch> {
         let world = &self.dynamics.world;
         let dt = world.integration_parameters.dt;
@@ -332,12 +332,12 @@ impl<'l> EnginePressing<'l> {
     }
 }
 
-/// Which point of its manifold a contact of the solver is.
+/// Index of a solver contact in its manifold's points.
 fn point_of(contact: &SolverContact) -> usize {
     (contact.contact_id[0] & 0x7fff_ffff) as usize
 }
 
-/// Steps that the slowest motion of the finger takes, as [`Dynamics::settle`] finds it, and the stiffness of the finger's middle, N/mm.
+/// Steps of the finger's slowest motion, as measured by [`Dynamics::settle`], and the stiffness of the finger's middle, N/mm.
 fn slowest_motion(lattice: &Lattice) -> Result<(usize, f64), LatticeError> {
     let finger = lattice.finger();
     let middle = finger.contact_nodes().nth(finger.contact_nodes().len() / 2).unwrap_or(finger.tip());

@@ -1,4 +1,4 @@
-//! The kinematics of a contact against differences, and its forces against the laws of levers.
+//! Kinematics of a contact compared with finite differences, and its forces with lever arms.
 
 use finray_lattice::energy::BodyMotion;
 use finray_lattice::grasp::contact::{Pair, PairPose, Unknowns};

@@ -1,4 +1,4 @@
-//! Drawings of causes: the largest one over position and direction, and what each costs along the finger.
+//! Drawings of causes: the largest cause by position and direction, and the cost of each along the finger.
 
 use super::{CSV, OWN, at_nodes, own_first, practice_in_words};
 use crate::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, error_bars, rank_of, ranked, small_maps};
@@ -7,16 +7,16 @@ use crate::prelude::*;
 use finray_figures::Paint;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
 
-/// Below this an error needs no explanation: root mean square of sensed / true - 1.
+/// Errors below this need no explanation: root mean square of sensed / true - 1.
 const SMALL_ERROR: f64 = 0.02;
 
-/// The n-th class of a map is that of the n-th cause.
+/// Class of the n-th cause in a map.
 fn class(n: usize, label: &str, sign: &str, colour: [u8; 3]) -> Class {
     Class { up_to: n as f64, label: label.to_owned(), sign: sign.to_owned(), fill: Paint::Colour(colour) }
 }
 
 fn class_of(n: usize, cause: Cause) -> Class {
-    // Okabe and Ito's colours, and two greys.
+    // Okabe and Ito's colours and two greys.
     let (sign, colour) = match cause {
         Cause::Noise => ("N", [0x56, 0xb4, 0xe9]),
         Cause::Linearisation => ("L", [0xe6, 0x9f, 0x00]),
@@ -31,6 +31,7 @@ fn class_of(n: usize, cause: Cause) -> Class {
     class(n, cause.name(), sign, colour)
 }
 
+/// Map of the largest cause by position and direction, under a force in N.
 pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportError> {
     let (angles, places) = (map.request.angles_deg.len(), map.request.positions_mm.len());
     let (small, hidden) = (map.causes.len(), map.causes.len() + 1);
@@ -56,7 +57,7 @@ pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportE
     Ok(Figure::narrow(svg, "The cause whose absence lessens the error most.", CSV))
 }
 
-/// Which cells are cleared as remedies are taken one after the other, on each finger; `None` where that was not asked.
+/// Small maps of the error as remedies are applied one after the other, one row per finger; `None` without such results.
 pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     let force_n = study.forces.drawn_n();
     let rows: Vec<_> =
@@ -79,7 +80,7 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     )))
 }
 
-/// Errors at the nodes as remedies are taken one after the other, as bars: each is what is left, so no bar is a part of another.
+/// Bars of the error at the nodes as remedies are applied one after the other. Each bar is a remaining error, so bars do not add up.
 pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     let force_n = study.forces.drawn_n();
     let Some(map) = study.causes.iter().find(|map| map.truth == OWN && is_drawn(map, force_n)) else { return Ok(None) };
@@ -103,7 +104,7 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     )))
 }
 
-/// Whether it is of least squares with an assumed contact under a force, over position and direction.
+/// Whether the map has least squares, an assumed contact and this force.
 fn is_drawn(map: &CauseMap, force_n: f64) -> bool {
     map.practice == Practice::LeastSquares
         && map.contact == ContactKnowledge::Assumed

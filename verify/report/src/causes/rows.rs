@@ -1,11 +1,11 @@
-//! Causes as rows: the file behind the section, and what the summary has of it.
+//! Causes as rows: the CSV file of the section and its part of the summary.
 
 use super::CSV;
 use super::shares::{CauseShare, Region, Shares};
 use crate::prelude::*;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap};
 
-/// How each way of sensing errs at each position and direction: root mean squares of sensed / true - 1, and shares of the causes.
+/// Errors at each position and direction for each estimator: root mean squares of sensed / true - 1, and shares of the causes.
 pub(super) fn by_cell(study: &Study) -> Dataset<'_> {
     type Row<'s> = (&'s CauseMap, &'s CauseCell);
     const SHARES: [(&str, Cause); 9] = [
@@ -40,7 +40,7 @@ pub(super) fn by_cell(study: &Study) -> Dataset<'_> {
     Dataset::new(CSV, &columns, cells).csv_alone()
 }
 
-/// Regions of each map in a few figures: which cells (near base, middle, near tip, all), how many answered, the largest cause.
+/// Key figures of each map by region (near base, middle, near tip, all): answered cells, error and largest cause.
 pub(super) fn by_region(study: &Study) -> Dataset<'_> {
     struct Row<'s> {
         map: &'s CauseMap,

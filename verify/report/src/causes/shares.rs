@@ -1,30 +1,32 @@
-//! Shares of the mean square error over a part of the finger.
+//! Shares of the causes in the mean square error of a region.
 
 use crate::format::percent;
 use crate::prelude::*;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap};
 
-/// Share of the plate's length at either end that counts as near it: two segments of the paper's finger.
+/// Share of the plate's length near base and near tip: two members of the paper's finger.
 const NEAR_AN_END: f64 = 1.0 / 6.0;
 
-/// Cells that are looked at together. Those along the normal are what every way of sensing is asked about.
+/// A region of cells. All estimators are evaluated along the normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Region {
-    /// Along the normal, within a sixth of the plate's length of the base.
+    /// Along the normal, within a sixth of the plate's length from the base.
     Base,
-    /// Along the normal, neither near the base nor near the tip.
+    /// Along the normal, between the regions near base and tip.
     Middle,
-    /// Along the normal, within a sixth of the plate's length of the tip.
+    /// Along the normal, within a sixth of the plate's length from the tip.
     Tip,
     /// Every position and direction.
     All,
 }
 
 impl Region {
+    /// The regions along the normal.
     pub(super) const ENDS_AND_MIDDLE: [Region; 3] = [Region::Base, Region::Middle, Region::Tip];
+    /// All regions.
     pub(super) const ALL: [Region; 4] = [Region::Base, Region::Middle, Region::Tip, Region::All];
 
-    /// For tables and files.
+    /// Name for tables and files.
     pub(super) fn name(self) -> &'static str {
         match self {
             Region::Base => "near the base",
@@ -34,12 +36,12 @@ impl Region {
         }
     }
 
-    /// Within a sentence.
+    /// The region as part of a sentence.
     pub(super) fn in_words(self) -> &'static str {
         if self == Region::Middle { "in the middle" } else { self.name() }
     }
 
-    /// Whether a position (mm from the base) and direction (degrees) are within, on a plate of this length.
+    /// Whether a position (mm from the base) and direction (degrees) belong to the region, on a plate of this length.
     pub(super) fn covers(self, length_mm: f64, s_mm: f64, angle_deg: f64) -> bool {
         let along = s_mm / length_mm;
         let normal = angle_deg == 0.0;
@@ -52,31 +54,33 @@ impl Region {
     }
 }
 
-/// What is wrong over a region, and what goes away with each cause.
+/// Error of a region, and its reduction without each cause.
 pub(super) struct Shares {
-    /// Root mean square of sensed / true - 1 over the cells that are answered with every cause.
+    /// Root mean square of sensed / true - 1 with all causes, over the answered cells.
     pub rms_error: f64,
-    /// Their number, and that of all cells.
+    /// Number of answered cells.
     pub answered: usize,
+    /// Number of all cells.
     pub cells: usize,
-    /// Largest share first.
+    /// Causes by descending share.
     pub by_cause: Vec<CauseShare>,
 }
 
-/// What one cause is worth over a region.
+/// Effect of one cause over a region.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CauseShare {
+    /// The cause.
     pub cause: Cause,
-    /// Share of the mean square error over all answered cells known to go away; cells not answered then add nothing.
+    /// Share of the mean square error that disappears without the cause. Cells that are not answered without it count as no reduction.
     pub share: f64,
-    /// Root mean square of sensed / true - 1 without it, over the cells that are answered then.
+    /// Root mean square of sensed / true - 1 without the cause, over the cells answered then.
     pub rms_without: f64,
-    /// Their number.
+    /// Number of cells answered without the cause.
     pub cells: usize,
 }
 
 impl Shares {
-    /// `None` where no cell is answered, or nothing is wrong.
+    /// `None` if no cell is answered, or if there is no error.
     pub(super) fn of(finger: &Finger, map: &CauseMap, force_n: f64, region: Region) -> Option<Shares> {
         let length_mm = finger.plate_length_mm(Plate::Front);
         let within = |cell: &&CauseCell| cell.force_n == force_n && region.covers(length_mm, cell.s_mm, cell.angle_deg);
@@ -100,12 +104,12 @@ impl Shares {
         Some(Shares { rms_error, answered: answered.len(), cells: cells().count(), by_cause })
     }
 
-    /// The largest share; `None` if every cause hides others.
+    /// The cause with the largest share; `None` if no share is positive because causes cancel each other.
     pub(super) fn largest(&self) -> Option<CauseShare> {
         self.by_cause.first().copied().filter(|of| of.share > 0.0)
     }
 
-    /// What is left without a cause, and where that is not all of it.
+    /// The error without a cause, with the number of answered positions if fewer remain.
     pub(super) fn without(&self, of: &CauseShare) -> String {
         let left = format!("{} without it", percent(of.rms_without));
         if of.cells < self.answered {

@@ -1,4 +1,4 @@
-//! What pressing objects says of sensing: a sentence, and a row a scene.
+//! Conclusions about sensing of pressed objects: a sentence, and one table row per scene.
 
 use super::{CSV, name_of};
 use crate::format::percent;
@@ -6,14 +6,14 @@ use crate::prelude::*;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 
-/// Scenes without friction and with it, and the contact that is sensed worst.
+/// Results of the scenes without and with friction, and the contact with the largest relative error.
 pub(super) fn verdict(scenes: &[SceneStudy]) -> Result<Option<String>, ReportError> {
     let of = |friction: bool| worst_total(scenes.iter().filter(|scene| (scene.friction > 0.0) == friction));
     let numbers = of(false).map(|smooth| context! { smooth, rough => of(true), least => least_known(scenes) });
     say("contact_scenes.verdict", numbers)
 }
 
-/// The contact, in the last steps of all scenes, with the largest error under noise over its force, beside its step's others.
+/// The contact with the largest relative error under noise in the last step of a scene, with the errors of that step's other contacts.
 fn least_known(scenes: &[SceneStudy]) -> Option<Value> {
     let ends = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?)));
     let contacts = ends.flat_map(|(scene, last)| {
@@ -35,7 +35,7 @@ fn least_known(scenes: &[SceneStudy]) -> Option<Value> {
     })
 }
 
-/// Scene by scene: how near the total comes, whether forces balance, and what the intervals hold under noise.
+/// Errors of the total, balance of forces and coverage under noise, scene by scene.
 pub(super) fn by_scene(scenes: &[SceneStudy]) -> Table {
     type Which = fn(&NoiseSamples) -> std::ops::Range<usize>;
     let covered = move |scene: &&SceneStudy, which: Which| {
@@ -66,13 +66,13 @@ fn samples(scene: &SceneStudy) -> impl Iterator<Item = &NoiseSamples> {
     scene.steps.iter().filter_map(|studied| studied.samples.as_ref())
 }
 
-/// Largest error of the sensed total over all steps without noise; `None` where nothing was sensed.
+/// Largest relative error of the sensed total over all steps without noise; `None` if no step was sensed.
 fn worst_total<'s>(scenes: impl IntoIterator<Item = &'s SceneStudy>) -> Option<f64> {
     let steps = scenes.into_iter().flat_map(|scene| &scene.steps);
     steps.filter_map(error_without_noise).map(f64::abs).reduce(f64::max)
 }
 
-/// Error of a step's total without noise, as a share of it; `None` where nothing was sensed.
+/// Relative error of a step's total without noise; `None` if the step was not sensed.
 pub(super) fn error_without_noise(step: &StudiedStep) -> Option<f64> {
     Some(step.clean.as_ref().ok()?.as_ref()?.total.relative_error())
 }

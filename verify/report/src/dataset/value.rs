@@ -1,4 +1,4 @@
-//! A value of a table: as files have it, and as the page shows it.
+//! A value of a table, as written in files and as shown on the page.
 
 use crate::format::{NOTHING, error, percent, percent_two_digits, percent_with};
 use crate::page::Cell;
@@ -6,21 +6,21 @@ use finray_model::estimators::EstimatorId;
 use finray_studies::truths::TruthId;
 use serde::Serialize;
 
-/// A value of a file: CSV has it in its shortest form that reads back the same, nothing as an empty field and a list by spaces.
+/// A value of a file. CSV has numbers in their shortest exact form, nothing as an empty field, and lists separated by spaces.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value {
-    /// Words.
+    /// Text.
     Text(String),
     /// A count.
     Integer(usize),
-    /// A figure.
+    /// A real number.
     Number(f64),
-    /// Whether it holds.
+    /// True or false.
     Bool(bool),
-    /// Several, in one field.
+    /// Several values in one field.
     List(Vec<Value>),
-    /// Nothing.
+    /// No value.
     None,
 }
 
@@ -66,7 +66,7 @@ impl<V: Into<Value>> From<Vec<V>> for Value {
 }
 
 impl Value {
-    /// As a reader of plain text has it.
+    /// The value as plain text.
     pub(super) fn in_words(&self) -> String {
         match self {
             Value::Text(text) => text.clone(),
@@ -79,18 +79,18 @@ impl Value {
     }
 }
 
-/// How a value is shown on the page.
+/// Format of a value on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Format {
-    /// Flush left, as it is.
+    /// Left-aligned text.
     Words,
-    /// Flush right, as it is.
+    /// Right-aligned, unchanged.
     Plain,
-    /// So many decimals.
+    /// With this number of decimals.
     Fixed(usize),
     /// A share in percent.
     Percent,
-    /// A share in percent with so many decimals.
+    /// A share in percent with this number of decimals.
     PercentFixed(usize),
     /// A share in percent with two significant digits, however small.
     PercentTwoDigits,
@@ -99,6 +99,7 @@ pub enum Format {
 }
 
 impl Format {
+    /// The value as a cell of the page's table.
     pub(super) fn cell(self, value: &Value) -> Cell {
         let Value::Number(number) = *value else { return Cell::plain(value.in_words()) };
         match self {

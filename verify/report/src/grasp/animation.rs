@@ -1,26 +1,26 @@
-//! A grasp as a drawing that moves.
+//! A grasp as an animated drawing.
 
 use super::drawings::{arrows, bent, key, object, support};
 use finray_figures::{Dash, FigureError, Film, Frame, Hue, Series, Shot};
 use finray_studies::experiments::grasp::{GraspScene, GraspStep, Phase, finger_name};
 
-/// Most shots: of longer grasps each n-th step is shown.
+/// Largest number of shots; a longer grasp shows every n-th step.
 const MOST_SHOTS: usize = 60;
-/// Time of a shot, s.
+/// Duration of a shot, s.
 const SHOT_S: f64 = 0.2;
 
-/// A grasp step by step, in one drawing that moves without scripts.
+/// A grasp step by step, as one animated drawing without scripts.
 ///
 /// # Errors
 /// [`FigureError`] if there is nothing to draw.
 pub fn grasp_animation_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<String, FigureError> {
-    // The last step is shown, and every so many before it.
+    // The last step is always shown, with every n-th step before it.
     let every = steps.len().div_ceil(MOST_SHOTS).max(1);
     let mut shown: Vec<&GraspStep> = steps.iter().rev().step_by(every).collect();
     shown.reverse();
     let largest_n = steps.iter().flat_map(|step| &step.fingers).flat_map(|of| &of.contacts);
     let largest_n = largest_n.map(|seen| seen.force.norm()).fold(0.0, f64::max);
-    // What it looks like where nothing moves: the object in the air, or else held.
+    // The still picture: the object in the air, or otherwise held.
     let phase = |phase: Phase| shown.iter().rposition(|step| step.phase == phase);
     let still = phase(Phase::Carry).or(phase(Phase::Lift)).or(phase(Phase::Close)).unwrap_or(0);
     let shot = |step: &&GraspStep| {

@@ -1,4 +1,4 @@
-//! Drawings of a grasp: fingers, object and forces at chosen steps, and the forces through all of them.
+//! Drawings of a grasp: fingers, object and forces at selected steps, and the forces over all steps.
 
 use crate::drawings::side_by_side;
 use crate::prelude::*;
@@ -8,21 +8,23 @@ use finray_model::scene::Support;
 use finray_studies::experiments::grasp::{GraspScene, GraspStep, Phase, finger_name};
 use nalgebra::Rotation2;
 
-/// Length of the largest force's arrow, as a share of the front plate's.
+/// Length of the arrow of the largest force, as a share of the front plate's length.
 const LONGEST_ARROW: f64 = 0.2;
-/// Most moments that are drawn.
+/// Largest number of drawn moments.
 const MOMENTS: usize = 4;
 
-/// A drawing of a grasp, and what it shows.
+/// A drawing of a grasp with its caption.
 pub(super) struct Drawing {
+    /// The drawing as SVG.
     pub(super) svg: String,
+    /// Caption of the drawing.
     pub(super) caption: String,
 }
 
-/// Moments, then forces over the steps and over the motor's angle.
+/// Moments, then forces over the steps and over the motor angle.
 ///
 /// # Errors
-/// [`FigureError`] if there is nothing to draw; likewise below.
+/// [`FigureError`] if there is nothing to draw; so do the functions below.
 pub(super) fn drawings(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<Vec<Drawing>, FigureError> {
     let mut drawings = Vec::new();
     for step in moments(steps) {
@@ -63,7 +65,7 @@ pub fn grasp_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<
     Ok(side_by_side(&drawings, 2))
 }
 
-/// The steps that are drawn: the first touch, the last of closing, the middle of the way and the last with the object held.
+/// The drawn steps: first contact, end of closing or holding, middle of lifting, carrying and placing, and the last step.
 fn moments(steps: &[GraspStep]) -> Vec<&GraspStep> {
     let touches = |step: &&GraspStep| step.fingers.iter().any(|finger| !finger.contacts.is_empty());
     let on_way: Vec<&GraspStep> =
@@ -80,7 +82,7 @@ fn moments(steps: &[GraspStep]) -> Vec<&GraspStep> {
     chosen
 }
 
-/// A point with the fingertips below, as a gripper over a table is drawn.
+/// A point in drawing coordinates, mm; the fingertips point downwards, as above a table.
 fn drawn(at: Vector) -> Point {
     [at.x, -at.y]
 }
@@ -102,7 +104,7 @@ fn moment(scene: &GraspScene, step: &GraspStep) -> Result<String, FigureError> {
     Chart::to_scale(Frame::half(title, alt), ["across the gripper, mm", "up, mm"], series).svg()
 }
 
-/// Lines of both fingers, whose points are `at` in the frame of each.
+/// Lines of both fingers; `at` gives their points in each finger's frame, mm.
 fn outlines(scene: &GraspScene, step: &GraspStep, at: impl Fn(usize, FingerPoint) -> Vector) -> Lines {
     let each = |finger: usize| {
         let placement = step.fingers[finger].placement;
@@ -115,7 +117,7 @@ fn outlines(scene: &GraspScene, step: &GraspStep, at: impl Fn(usize, FingerPoint
     (0..step.fingers.len()).flat_map(each).collect()
 }
 
-/// Both fingers as they are bent.
+/// Both deformed fingers.
 pub(super) fn bent(scene: &GraspScene, step: &GraspStep) -> Vec<Series> {
     let lines = outlines(scene, step, |finger, named| step.fingers[finger].shape.point(named));
     Series::lines("fingers", lines, Hue::Blue, 2.0)
@@ -128,7 +130,7 @@ pub(super) fn object(scene: &GraspScene, step: &GraspStep) -> Vec<Series> {
     Series::lines("object", vec![outline], Hue::Green, 2.4)
 }
 
-/// The support, where there is one, under all that happens in some steps.
+/// The support, if any, as wide as all positions in the given steps.
 pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
     let Some((on_it, upward)) = scene.support() else { return Vec::new() };
     let along = Vector::new(upward.y, -upward.x);
@@ -144,7 +146,7 @@ pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
     lines.map(|line| Series { dash, ..line }).collect()
 }
 
-/// True and sensed force of every contact, as arrows that end there; the largest force has the longest.
+/// True and sensed force of every contact, as arrows that end at it; `largest_n` has the longest arrow.
 pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Vec<Series> {
     let finger = scene.finger();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
@@ -152,7 +154,7 @@ pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Ve
     for of in &step.fingers {
         for (seen, sensed) in of.contacts_sensed() {
             let foot = of.placement.outwards(seen.point);
-            // Small forces keep an arrow that can be seen.
+            // Arrows of small forces keep a visible length.
             let arrow = |force: Vector| {
                 let length_mm = longest_mm * (0.25 + 0.75 * force.norm() / largest_n);
                 let away = (of.placement.axes() * force).normalize() * length_mm;
@@ -171,20 +173,20 @@ pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Ve
     series
 }
 
-/// An entry of the legend, for arrows.
+/// A legend entry for arrows.
 pub(super) fn key(label: &str, hue: Hue, dash: Dash, at: Point) -> Option<Series> {
     let line = Series::lines(label, vec![vec![at; 2]], hue, 2.4).pop();
     line.map(|line| Series { dash, ..line })
 }
 
-/// True and sensed total of each finger over something.
+/// True and sensed total of each finger over the quantity `at`.
 fn over(steps: &[GraspStep], at: impl Fn(&GraspStep) -> f64) -> Vec<Series> {
     let mut series = Vec::new();
     for finger in 0..2 {
         let truth = steps.iter().map(|step| [at(step), step.fingers[finger].total_n]).collect();
         let truth = Series::nth(finger, finger_name(finger), truth);
         let marker = truth.marker;
-        // Both lines are seen where they coincide.
+        // Different widths keep both lines visible where they coincide.
         let width = if finger == 0 { 4.5 } else { 2.0 };
         series.push(Series { marker: None, width, ..truth });
         let sensed = steps.iter().filter_map(|step| {

@@ -1,13 +1,13 @@
-//! What agrees and what does not, in sentences made from the numbers.
+//! Conclusions from the lattice's numbers: agreements and differences.
 
 use crate::prelude::*;
 use finray_studies::experiments::lattice::LatticeStudy;
 use finray_studies::lattice::accuracy::FinenessRow;
 
-/// A difference that falls at least with this power of the segments' length goes to nothing with it; one that does not would stay.
+/// Order in the segment length above which the difference counts as converging to zero.
 const COARSENESS_ORDER: f64 = 2.0;
 
-/// How near the lattice is to beams, and sensing on it to sensing on the uniform finger.
+/// Difference of the lattice from beams, and of sensing on it from sensing on the uniform finger.
 pub fn verdict(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
     let numbers = || {
         let finest = lattice.rows.last()?;
@@ -18,7 +18,7 @@ pub fn verdict(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
     say("lattice.verdict", numbers())
 }
 
-/// Order, size and reach of the difference from beams, as a list.
+/// Order, size and effect of the difference from beams, as a list.
 pub fn findings(lattice: &LatticeStudy) -> Result<Vec<String>, ReportError> {
     let said = [
         say("lattice.agreement", agreement(&lattice.rows))?,
@@ -28,7 +28,7 @@ pub fn findings(lattice: &LatticeStudy) -> Result<Vec<String>, ReportError> {
     Ok(said.into_iter().flatten().collect())
 }
 
-/// Errors of the coarsest and the finest lattice, and the order that they fall by.
+/// Errors of the coarsest and the finest lattice, and the order of convergence.
 fn agreement(rows: &[FinenessRow]) -> Option<Value> {
     let (coarsest, finest) = (rows.first()?, rows.last().filter(|_| rows.len() > 1)?);
     let refined = (finest.fineness as f64 / coarsest.fineness as f64).ln();
@@ -38,20 +38,20 @@ fn agreement(rows: &[FinenessRow]) -> Option<Value> {
     Some(context! { coarsest => of(coarsest), finest => of(finest), low, high, order => COARSENESS_ORDER })
 }
 
-/// How linear theory does where both co-rotational solutions agree.
+/// Error of linear theory under the smallest and the largest force.
 fn linear(lattice: &LatticeStudy) -> Option<Value> {
     let (&(small_n, small), &(large_n, large)) = (lattice.linear.first()?, lattice.linear.last()?);
     Some(context! { small_n, small, large_n, large })
 }
 
-/// Whether the checks of sensing pass, and the nonlinear estimator.
+/// Whether the checks of sensing pass, and the nonlinear estimator's error.
 fn sensing(lattice: &LatticeStudy) -> Value {
     let sensing = &lattice.sensing;
     let agrees = sensing.checks().iter().all(Check::passes);
     context! { agrees, cells => sensing.difference.cells, nonlinear => sensing.nonlinear_error() }
 }
 
-/// What single precision would cost.
+/// Effect of single precision.
 pub fn precision(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
     say("lattice.precision", Some(context! { out_of_balance => lattice.out_of_balance }))
 }

@@ -1,13 +1,13 @@
-//! The overview, and the maps that explain.
+//! Drawings of the overview and of the explaining maps.
 
 use super::{EXPLANATIONS_CSV, ExplainedQuantity, small};
 use crate::drawings::{error_cells, percent_classes, plate_map, small_maps};
 use crate::prelude::*;
 
-/// Which true fingers and estimators an overview shows.
+/// Selects the true fingers and estimators of an overview.
 pub(super) type MapFilter = fn(TruthId, EstimatorId) -> bool;
 
-/// Every truth by every estimator that is shown.
+/// One small map for each selected truth and estimator.
 pub(super) fn overview(study: &Study, shown: MapFilter) -> Result<String, FigureError> {
     let noisy = study.noise_mm > 0.0;
     let small = |truth, estimator| if shown(truth, estimator) { small(study, truth, estimator, noisy) } else { None };
@@ -31,7 +31,7 @@ fn small_map(map: &AccuracyMap) -> Cells {
     Cells { note: note(TrustCounts::of(&map.worst())), ..error_cells(map, None) }
 }
 
-/// What is said above a small map: whole percents of the cells with an equilibrium, as there is little room.
+/// Note above a small map: trusted and refused cells in whole percent of those with an equilibrium.
 pub fn note(counts: TrustCounts) -> String {
     let TrustCounts { cells, refused, without_equilibrium, .. } = counts;
     let Some(share) = counts.share() else { return "no equilibrium".to_owned() };
@@ -42,7 +42,7 @@ pub fn note(counts: TrustCounts) -> String {
     format!("{:.0} % trusted{refused}", 100.0 * share)
 }
 
-/// A map that explains: how it is made and said.
+/// An explaining map: its titles, quantity and caption.
 struct Kind {
     title: &'static str,
     value_label: &'static str,
@@ -51,7 +51,7 @@ struct Kind {
     caption: &'static str,
 }
 
-/// Maps of the bound and how far wrong directions and positions carry. Without noise there is no bound.
+/// Maps of the error bound, and of the sensitivity to wrong direction and position. Without noise there is no bound.
 pub(super) fn explanations(study: &Study) -> Result<Vec<Figure>, ReportError> {
     let noise = format!("{} mm noise a coordinate", study.explanations.noise_mm);
     let kinds = kinds().into_iter().filter(|kind| study.noise_mm > 0.0 || !kind.title.contains("bound"));

@@ -1,4 +1,4 @@
-//! Files and tables of the maps: each map's cells and figures, the cells of the overview, and what explains them.
+//! Files and tables of the maps: cells and key figures of each map, cells of the overview, and explanations.
 
 use super::{ExplainedQuantity, small};
 use crate::page::{Cell as TableCell, Column, Table};
@@ -9,10 +9,12 @@ use finray_studies::statistics::median;
 use serde::Serialize;
 
 const MAPS: &str = "maps";
+/// File of the overview's cells.
 pub(super) const OVERVIEW_CSV: &str = "map_overview.csv";
+/// File of the explaining quantities.
 pub(super) const EXPLANATIONS_CSV: &str = "explanations.csv";
 
-/// File of a map's cells.
+/// File name of a map's cells.
 pub(crate) fn map_csv_name(map: &AccuracyMap) -> String {
     let noise = if map.noise_mm > 0.0 { "with_noise" } else { "without_noise" };
     match map.estimator {
@@ -32,7 +34,7 @@ pub(super) fn datasets(study: &Study) -> Vec<Dataset<'_>> {
     all
 }
 
-/// A map in a few figures, and where its cells are.
+/// Key figures of a map, and the file of its cells.
 #[derive(Serialize)]
 struct Entry {
     #[serde(flatten)]
@@ -40,10 +42,10 @@ struct Entry {
     csv: String,
 }
 
-/// Every map at the drawn force, then over all of its forces.
+/// Every map at the drawn force, then over all its forces.
 fn entries(study: &Study) -> impl Iterator<Item = Entry> {
     let of = |force_n: Option<f64>| {
-        // The mean over a single force is that force's map.
+        // A map with a single force has no separate mean over forces.
         let has = move |map: &&AccuracyMap| match force_n {
             Some(force_n) => map.request.forces_n.contains(&force_n),
             None => map.request.forces_n.len() > 1,
@@ -54,7 +56,7 @@ fn entries(study: &Study) -> impl Iterator<Item = Entry> {
     of(Some(study.forces.drawn_n())).chain(of(None))
 }
 
-/// The maps in a few figures each.
+/// Key figures of all maps.
 pub(super) fn figures(study: &Study) -> Table {
     let forces = |figures: &MapSummary| match figures.forces_n[..] {
         [one] => format!("{one} N"),
@@ -80,11 +82,11 @@ pub(super) fn figures(study: &Study) -> Table {
             MAPS,
             entries(study),
         );
-    // Each row leads to its own file.
+    // Each row links to its own file.
     Table { csv: None, ..table }
 }
 
-/// The cells of the overview, without noise too.
+/// Cells of the overview, with and without noise.
 fn overview(study: &Study) -> Dataset<'static> {
     type Row = (TruthId, EstimatorId, f64, WorstCell);
     let pairs = || TruthId::ALL.iter().flat_map(|truth| EstimatorId::ALL.iter().map(|estimator| (*truth, *estimator)));
@@ -107,7 +109,7 @@ fn overview(study: &Study) -> Dataset<'static> {
     Dataset::new(OVERVIEW_CSV, &columns, cells).csv_alone()
 }
 
-/// What each kind of explanation comes to over all cells. A cell without has no equilibrium, or its direction is not identifiable.
+/// Summary of each explaining quantity over all cells. A missing value means no equilibrium, or an unidentifiable direction.
 fn explained(study: &Study) -> Dataset<'_> {
     const QUANTITIES: [(&str, ExplainedQuantity); 6] = [
         ("bound", |cell| cell.bound),

@@ -1,30 +1,30 @@
-//! Residuals drawn over the image that they belong to.
+//! Marker residuals drawn over their image.
 
 use data_encoding::BASE64;
 use finray_studies::experiments::measured::picture::{Arrow, Picture};
 
-/// Longest residual of the pictures, px.
+/// Length of the longest residual in the pictures, px.
 const LONGEST_PX: f64 = 48.0;
-/// Length of the scale's bar, px, at most.
+/// Largest length of the scale bar, px.
 const LONGEST_BAR_PX: f64 = 120.0;
-/// Colours that stand out from grey and white, whatever colours the page has.
+/// Colours that contrast with grey and white, independent of the page's colours.
 const RESIDUAL: &str = "#d6004b";
 const HALO: &str = "#ffffff";
 
-/// By how much residuals are drawn longer than they are: the same in all pictures, a round number.
+/// Magnification of the residuals: a round number, equal in all pictures.
 pub fn magnified(pictures: &[Picture]) -> f64 {
     let length = |arrow: &Arrow| arrow.residual_px[0].hypot(arrow.residual_px[1]);
     let longest_px = pictures.iter().flat_map(|picture| &picture.arrows).map(length).fold(0.0, f64::max);
     if longest_px > 0.0 { round_below(LONGEST_PX / longest_px) } else { 1.0 }
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is no larger.
+/// The largest of 1, 2 and 5 times a power of ten, not above the number.
 fn round_below(number: f64) -> f64 {
     let decade = 10.0_f64.powf(number.log10().floor());
     [5.0, 2.0, 1.0].into_iter().map(|step| step * decade).find(|round| *round <= number).unwrap_or(decade)
 }
 
-/// The picture as a drawing; nothing depends on the colours of the page.
+/// The picture with its residuals as SVG, independent of the page's colours.
 pub fn svg(picture: &Picture, magnified: f64) -> String {
     let [width, height] = picture.size_px;
     let strokes = [(HALO, 6.0), (RESIDUAL, 2.5)].map(|(colour, stroke)| {
@@ -50,13 +50,13 @@ pub fn svg(picture: &Picture, magnified: f64) -> String {
     )
 }
 
-/// A circle where a marker is seen, and its residual.
+/// A circle at the located marker, and its residual.
 fn path(Arrow { seen: [x, y], residual_px }: &Arrow, magnified: f64) -> String {
     let [to_x, to_y] = [x + magnified * residual_px[0], y + magnified * residual_px[1]];
     format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/><path d=\"M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}\"/>")
 }
 
-/// A bar in the lower left corner, and how long a residual it is, mm.
+/// Scale bar in the lower left corner: the residual that it represents, mm, and its path.
 fn bar(picture: &Picture, magnified: f64) -> Option<(f64, String)> {
     let px_a_mm = picture.px_a_mm * magnified;
     let bar_mm = (px_a_mm > 0.0).then(|| round_below(LONGEST_BAR_PX / px_a_mm))?;

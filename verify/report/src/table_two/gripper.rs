@@ -1,4 +1,4 @@
-//! Table II on the moving gripper: a table, curves over the motor's angle as in the paper's Figs. 9 to 11, and a file.
+//! Table II on the moving gripper: a table, curves over the motor angle as in the paper's Figs. 9 to 11, and a file.
 
 use super::{Line as TableLine, by_estimator, by_group, error_or_rounding, of_paper, of_quantity};
 use crate::format::{nodes_in_words, share_of_counts};
@@ -9,10 +9,10 @@ use finray_studies::experiments::grasp::modules::{ModuleStudy, ModuleTest};
 const CSV: &str = "gripper_tests.csv";
 /// Estimators of the file and the table.
 const ESTIMATORS: [EstimatorId; 3] = [EstimatorId::LeastSquares, EstimatorId::Nonlinear, EstimatorId::Network];
-/// The tests that are drawn, one of each of the paper's figures.
+/// Contact nodes of the drawn tests, one for each of the paper's figures.
 const DRAWN: [&[usize]; 3] = [&[19], &[19, 20], &[18, 20]];
 
-/// A node in a noise sample of a step.
+/// A row of the file: one node in one noise sample of a step.
 struct Line {
     nodes: &'static [usize],
     turned_deg: f64,

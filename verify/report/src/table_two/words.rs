@@ -1,4 +1,4 @@
-//! What Table II says of linear sensing, and of the paper's own network.
+//! Conclusions from Table II about linear sensing and the paper's own network.
 
 use super::scaling as recipe_scaling;
 use crate::prelude::*;
@@ -6,7 +6,7 @@ use finray_studies::experiments::networks::paper::{Figure, PAPER_RECIPES, SAME_F
 use finray_studies::experiments::networks::records::RecipeRow;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, TableTwo};
 
-/// Noise is not the cause where the linear finger, with the same noise, errs by less than this share.
+/// Noise is a minor cause if the linear finger, with the same noise, has less than this share of the error.
 const MINOR: f64 = 0.5;
 
 /// Errors of least squares and of the nonlinear estimator on the co-rotational finger.
@@ -24,7 +24,7 @@ pub(super) fn ours(two: &TableTwo, noise_mm: f64) -> Result<Option<String>, Repo
     say("table_two.ours", numbers())
 }
 
-/// Why least squares errs so, where noise is the lesser part of it.
+/// Cause of the error of least squares, if noise is the minor part.
 pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Result<Option<String>, ReportError> {
     let numbers = || {
         let [_, neighbours, apart] = &CONTACT_GROUPS;
@@ -36,7 +36,7 @@ pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Result<Option<Stri
     say("table_two.linearisation", numbers())
 }
 
-/// How many of the paper's five figures its own method reproduces on the simulated finger, by the way of scaling.
+/// Number of the paper's five figures that its own method reproduces on the simulated finger, by kind of scaling.
 pub fn papers(records: &[RecipeRow], noise_mm: f64) -> Result<Option<String>, ReportError> {
     let numbers = || {
         let found = PAPER_RECIPES.iter().map(|recipe| Some((*recipe, figures(records, recipe, noise_mm)?)));

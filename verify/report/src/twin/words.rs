@@ -1,4 +1,4 @@
-//! What the twin is and is not, in sentences made from the fit.
+//! Conclusions from the fit of the twin.
 
 use crate::prelude::*;
 use finray_studies::claims::criteria::TPU_MPA;
@@ -6,10 +6,10 @@ use finray_studies::experiments::twin::fit::TwinFit;
 use finray_studies::experiments::twin::moduli_mpa;
 use finray_studies::experiments::twin::study::{LOADED, TwinStudy};
 
-/// A set of zones whose misfit is below this comes as near to Table I as its figures are known.
+/// Misfit below which a set of zones reproduces Table I within the accuracy of its figures.
 const FITS: f64 = 1.0;
 
-/// A fit, its freedom, and how far its moduli are from the material's.
+/// The fit, its number of parameters, and its moduli compared with the material's.
 pub(super) fn verdict(study: &TwinStudy) -> Result<Option<String>, ReportError> {
     let large = study.after.rows.iter().filter(|row| row.paper_mean_error > TRUSTED_ERROR);
     let large = large.map(|row| context! { error => row.mean_error, node => row.node, paper => row.paper_mean_error });
@@ -21,12 +21,12 @@ pub(super) fn verdict(study: &TwinStudy) -> Result<Option<String>, ReportError> 
     say("twin.verdict", Some(numbers))
 }
 
-/// How many numbers are fitted to how many, and how many other sets of zones do as well or better.
+/// Number of fitted parameters, and number of other sets of zones that fit as well or better.
 pub fn freedom_in_words(fits: &[TwinFit]) -> Result<Option<String>, ReportError> {
     let numbers = fits.split_first().map(|(own, others)| {
         let count = |of: &dyn Fn(&TwinFit) -> bool| others.iter().filter(|fit| of(fit)).count();
         context! {
-            // The modulus outside the zones is fitted, too.
+            // The modulus outside the zones is fitted too.
             parameters => own.factors.len() + 1,
             tried => others.len(),
             fit => count(&|fit| fit.misfit < FITS),
@@ -36,7 +36,7 @@ pub fn freedom_in_words(fits: &[TwinFit]) -> Result<Option<String>, ReportError>
     say("twin.freedom", numbers)
 }
 
-/// The zones' moduli against those that the paper quotes for its material.
+/// Moduli of the zones compared with the paper's range for its material.
 pub fn moduli_in_words(moduli: &[f64]) -> Result<Option<String>, ReportError> {
     let [least, most] = TPU_MPA;
     let outside = moduli.iter().filter(|modulus| !(least..=most).contains(*modulus));
@@ -45,7 +45,7 @@ pub fn moduli_in_words(moduli: &[f64]) -> Result<Option<String>, ReportError> {
     say("twin.moduli", Some(context! { outside, least, most }))
 }
 
-/// How well weights on a real finger would find its zones, as far as simulation says.
+/// Accuracy of a calibration of the zones with weights, according to simulation.
 pub(super) fn calibration(study: &TwinStudy) -> Result<Option<String>, ReportError> {
     let numbers = study.calibrations.first().map(|first| {
         context! {

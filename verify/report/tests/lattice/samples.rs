@@ -1,4 +1,4 @@
-//! A small study of the lattice for tests.
+//! A small lattice study for tests.
 
 use finray_model::NodeId;
 use finray_model::estimators::EstimatorId;

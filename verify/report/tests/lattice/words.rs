@@ -1,4 +1,4 @@
-//! What is said of the lattice follows from its study.
+//! Sentences about the lattice follow from its study.
 
 use super::samples::sample;
 use finray_report::lattice::words::{findings, precision, verdict};

@@ -1,4 +1,4 @@
-//! What is said of Table II follows from what is recorded.
+//! Sentences about Table II follow from the records.
 
 use finray_report::format::list;
 use finray_report::table_two::words::papers;

@@ -1,4 +1,4 @@
-//! What is said of the twin follows from its fits.
+//! Sentences about the twin follow from its fits.
 
 use finray_model::Scene;
 use finray_report::twin::words::{freedom_in_words, moduli_in_words};

@@ -1,4 +1,4 @@
-//! `finray calibrate --located`: a finger and its rig from several images.
+//! `finray calibrate --located`: calibrates a finger and its rig from several images.
 
 use super::{Arguments, Row, correlations, failure, notes};
 use crate::commands::prelude::*;
@@ -12,7 +12,7 @@ use finray_model::finger::{Plate, RibPositions};
 use finray_model::sensing::{Lean, Normal};
 use toml_edit::{Array, Value};
 
-/// What a name of `--fit` stands for.
+/// The parameters that a name of `--fit` stands for.
 #[derive(Clone, Copy)]
 enum Named {
     Quantities(fn(&Finger) -> Vec<Quantity>),
@@ -21,7 +21,7 @@ enum Named {
     ForceError,
 }
 
-/// A name, the prior that it has where none is given (standard deviation), and what it stands for.
+/// Each name of `--fit`, its default prior standard deviation (in the unit of the parameter), and its parameters.
 const NAMES: [(&str, Option<f64>, Named); 16] = [
     ("modulus", None, Named::Quantities(|_| vec![Quantity::Modulus])),
     ("front-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Front)])),
@@ -51,7 +51,7 @@ fn own_brackets(finger: &Finger) -> Vec<Quantity> {
     on(Plate::Front).chain(on(Plate::Back)).collect()
 }
 
-/// What is to be found.
+/// The parsed value of `--fit`.
 struct Fit(RigQuestion);
 
 impl Fit {
@@ -99,7 +99,7 @@ impl Fit {
         Ok(fit)
     }
 
-    /// Whether the scene has what is sought.
+    /// Checks that the scene has the tables and keys which the sought parameters need.
     fn check(&self, scene: &Scene) -> Result<(), String> {
         let ribs = &scene.finger.description().ribs;
         if self.seeks(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..)))
@@ -208,7 +208,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<Done, Fai
     Ok(Done::new(done).to_each(files.iter().map(|(path, _)| path.as_path())))
 }
 
-/// What was found; no standard deviation is known of what is itself one, nor of a force over which friction builds up.
+/// One row per estimated parameter. Standard deviations have no standard deviation of their own; neither has the force of the friction's build-up.
 fn rows(found: &RigEstimate) -> Vec<Row> {
     let &RigEstimate { views: ref estimate, ref friction, compliance, force_error, .. } = found;
     let row = |parameter: &str, value, sigma| Row { parameter: parameter.to_owned(), value, sigma };

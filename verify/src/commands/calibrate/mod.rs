@@ -1,4 +1,4 @@
-//! `finray calibrate`
+//! The command `finray calibrate`.
 
 mod images;
 mod modulus;
@@ -13,11 +13,11 @@ use finray_model::estimators::ELEMENTS;
 use finray_model::finger::FingerDescription;
 use nalgebra::DMatrix;
 
-/// Below the options.
+/// Help text below the options.
 const AFTER_HELP: &str = "\
-NAMES for --fit, joined by commas, each perhaps with a prior: modulus, front-modulus, back-modulus,
-bracket, brackets, clip, front-clip, back-clip, ribs, height, base, base-compliance, preload,
-friction, friction-build-up, force-error.
+NAMES for --fit, separated by commas, each optionally with a prior standard deviation (ribs=0.2):
+modulus, front-modulus, back-modulus, bracket, brackets, clip, front-clip, back-clip, ribs, height,
+base, base-compliance, preload, friction, friction-build-up, force-error.
 
 Examples:
   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
@@ -27,7 +27,7 @@ Examples:
 
 Guide: finray guide calibrate";
 
-/// Find moduli, geometry and friction of a finger, from weights or from images of the pressed finger.
+/// Estimate moduli, geometry and friction of a finger from weights or images of the pressed finger.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 #[command(group = clap::ArgGroup::new("several").args(["zones", "located"]).multiple(true))]
@@ -37,22 +37,22 @@ pub struct Arguments {
     /// Shapes under known loads: case,load_node,fx_n,fy_n,node,ux_mm,uy_mm
     #[arg(long, help_heading = "From weights", value_name = "FILE", conflicts_with_all = ["fit", "forces", "calibrated", "images"])]
     measurements: Option<PathBuf>,
-    /// Images of the pressed finger: a file of `finray locate`
+    /// Markers in images of the pressed finger (file of `finray locate`)
     #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with = "measurements", requires = "fit")]
     located: Option<PathBuf>,
-    /// What is unknown (see below), as modulus,ribs=0.2
+    /// Parameters to estimate, see NAMES below; for instance modulus,ribs=0.2
     #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "located")]
     fit: Option<String>,
-    /// Forces measured in some of the images: image,fx_n,fy_n, perhaps object
+    /// Forces measured in some images (CSV: image,fx_n,fy_n, optional object)
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     forces: Option<PathBuf>,
-    /// File for the calibrated scene (TOML)
+    /// Write the calibrated scene (TOML) to FILE
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     calibrated: Option<PathBuf>,
-    /// File for the results of each image (CSV)
+    /// Write the results of each image (CSV) to FILE
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     images: Option<PathBuf>,
-    /// Also estimate the factors of the scene's zones: each, or those named; + joins zones
+    /// Also estimate modulus factors of the scene's zones: of all, or of GROUPS (1+2,3: zones 1 and 2 share a factor)
     #[arg(long, help_heading = "From weights", value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
     zones: Option<String>,
     /// Kinematics of the finger
@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Standard deviation of one coordinate, mm [default: the scene's, or from the residual]
     #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// File for the correlations of the results (CSV)
+    /// Write the correlations of the results (CSV) to FILE
     #[arg(long, value_name = "FILE", requires = "several")]
     correlations: Option<PathBuf>,
     /// Result file; - for standard output
@@ -69,7 +69,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// What `--zones` without groups means.
+/// Value of `--zones` if it is given without groups: each zone has its own factor.
 const EACH: &str = "each";
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -149,10 +149,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(done).to_each(files.iter().map(|(path, _)| path.as_path())))
 }
 
-/// Largest factor, and one over the smallest, that says something of a material and not of a wrong unit.
+/// Largest plausible modulus factor; the smallest is its reciprocal. Factors outside this range suggest a wrong unit.
 const LARGEST_FACTOR: f64 = 10.0;
 
-/// Names a factor on all moduli that a unit or another numbering explains more likely than the material.
+/// Warns of a modulus factor that a wrong unit or node numbering explains better than the material.
 fn warn_of_modulus(factor: f64) {
     if !(1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
         print_message(format_args!(
@@ -170,7 +170,7 @@ fn failure(error: CalibrationError) -> Failure {
     }
 }
 
-/// The general modulus and the zones of `1+2,3`, counted from 1.
+/// The unknowns of `--zones`, such as `1+2,3`: the factor on all moduli and one per group of zones, numbered from 1.
 fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
     let bad = |reason: String| bad_input(format!("--zones: {reason}"));
     if zone_count == 0 {
@@ -195,7 +195,7 @@ fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
     Ok(std::iter::once(Unknown::Modulus).chain(zones.into_iter().map(Unknown::Zones)).collect())
 }
 
-/// The moduli and the factor on all of them, then the factor of each zone that was sought.
+/// Rows of the moduli and of the factor on all of them, then of the factor of each estimated zone.
 fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
     let relative = |k: usize| estimate.relative_sigmas[k];
     let mut rows = Vec::new();
@@ -214,7 +214,7 @@ fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
     rows
 }
 
-/// The correlation of each two values of these names.
+/// One row per pair of parameters, with their correlation.
 fn correlations(names: &[String], correlation: &DMatrix<f64>) -> Vec<Correlation> {
     let pairs = (0..names.len()).flat_map(|i| (i + 1..names.len()).map(move |j| (i, j)));
     let of_pair = |(i, j): (usize, usize)| Correlation {
@@ -235,7 +235,7 @@ fn modulus_rows(finger: &Finger, factor: f64, sigma: f64) -> Vec<Row> {
     moduli.into_iter().map(|(name, modulus)| row(name, modulus)).chain([row("modulus_factor", 1.0)]).collect()
 }
 
-/// The moduli of the scene: one if all parts share it, else one a part.
+/// Names and values (MPa) of the scene's moduli: one if all parts share it, otherwise one per part.
 fn moduli(description: &FingerDescription) -> Vec<(&'static str, f64)> {
     let (front, back) = (description.front.youngs_modulus_mpa, description.back.youngs_modulus_mpa);
     let ribs = description.ribs.strip.map(|strip| strip.youngs_modulus_mpa);

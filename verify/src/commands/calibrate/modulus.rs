@@ -1,17 +1,17 @@
-//! `finray calibrate --measurements` without zones: one factor on all moduli.
+//! `finray calibrate --measurements` without `--zones`: one factor on all moduli.
 
 use super::{Arguments, KinematicsArgument, failure, modulus_rows, warn_of_modulus};
 use crate::commands::prelude::*;
 use finray_model::calibration::{self, CalibrationCase, CorotationalModulus};
 use finray_model::sensing::Warning;
 
-/// Elements a member: with four the factor would be off by 3e-4 where weights bend the paper's finger by 15 mm, a fifth of what noise leaves.
+/// Elements per member. With four, weights that bend the paper's finger by 15 mm shift the factor by 3e-4, a fifth of its scatter by noise.
 const ELEMENTS: usize = 8;
-/// Outlying markers that are named.
+/// Number of outlying markers that warnings name.
 const MOST_NAMED: usize = 3;
 
-/// One factor on all moduli, of the co-rotational finger or by eq. (11) as it stands. Where the finger of the other kinematics is closer to the shapes,
-/// a warning says so.
+/// Estimates one factor on all moduli, for the co-rotational finger or by the paper's eq. (11).
+/// A warning is printed if the finger of the other kinematics fits the shapes better.
 pub fn run(
     arguments: &Arguments,
     finger: &Finger,
@@ -68,7 +68,7 @@ pub fn run(
     Ok(Done::new(format!("modulus estimated from {}", count(cases.len(), "case"))).to(&arguments.out))
 }
 
-/// Names the markers that are farthest off, and a noise that does not explain the residual.
+/// Warns of the markers with the largest residuals, and of stated noise that does not explain the residual.
 fn warn_of_contradictions(found: &CorotationalModulus) {
     let mut outliers = found.outliers.clone();
     outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));

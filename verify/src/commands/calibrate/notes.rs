@@ -1,12 +1,12 @@
-//! What a calibration rests on, for standard error.
+//! Notes on standard error about the basis of a calibration: priors, base and friction.
 
 use crate::commands::prelude::*;
 use finray_model::calibration::{self, FoundView, FrictionEstimate, LeftOutObject, RigEstimate, ViewEstimate};
 
-/// A prior that the images do not make better than this share of itself is all that is known.
+/// A posterior standard deviation above this share of the prior's means that the images add little.
 const HARDLY_BETTER: f64 = 0.8;
 
-/// Says what priors, base and friction rest on.
+/// Prints the notes about priors, base and friction.
 pub fn print(found: &RigEstimate) {
     print_priors(&found.views);
     print_base(found);
@@ -15,7 +15,7 @@ pub fn print(found: &RigEstimate) {
     }
 }
 
-/// Says which values rest on a prior, and how far.
+/// Names the parameters that rest on a prior, and those that the images hardly improve.
 fn print_priors(estimate: &ViewEstimate) {
     for found in &estimate.quantities {
         let Some(prior_sd) = found.sought.prior_sd else { continue };
@@ -29,7 +29,7 @@ fn print_priors(estimate: &ViewEstimate) {
     }
 }
 
-/// Says how the base is sought where the scene does not.
+/// States the assumed uncertainty of the base if the scene has none.
 fn print_base(found: &RigEstimate) {
     if !found.is_base_unstated {
         return;
@@ -45,7 +45,7 @@ fn print_base(found: &RigEstimate) {
     ));
 }
 
-/// Says what friction rests on where several objects were pressed, and that its sign is unusual.
+/// Reports the variation of friction between objects, and warns of a negative coefficient.
 fn print_friction(FrictionEstimate { lean, between_objects, left_out }: &FrictionEstimate) {
     let [coefficient, _] = lean.coefficient();
     if coefficient < 0.0 {

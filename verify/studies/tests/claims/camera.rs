@@ -1,4 +1,4 @@
-//! Verdicts on the camera's error of position.
+//! Verdicts on the position error of the camera.
 
 use finray_studies::claims::camera::position_error;
 use finray_studies::claims::{ClaimVerdict, Words};

@@ -1,4 +1,4 @@
-//! Every criterion can go either way.
+//! Criteria of claims: each can confirm or reject.
 
 use finray_studies::claims::ClaimVerdict::{
     Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced,

@@ -1,4 +1,4 @@
-//! Small computations behind single claims, against what is known of a linear finger.
+//! Small computations behind single claims, compared with known results of a linear finger.
 
 use finray_model::mesh::Load;
 use finray_model::{Finger, NodeId, Scene};

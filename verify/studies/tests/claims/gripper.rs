@@ -1,4 +1,4 @@
-//! Verdicts on the gripper of Table II, from what is recorded of the paper's network.
+//! Verdicts on the gripper of Table II, from records of the paper's network.
 
 use finray_studies::claims::gripper::{in_the_conclusion, of_the_papers_network};
 use finray_studies::claims::{ClaimVerdict, Words};

@@ -1,4 +1,4 @@
-//! Limits that the paper states, on its finger.
+//! Limits stated in the paper, evaluated on its finger.
 
 use finray_model::{Finger, Scene};
 use finray_studies::claims::experiments::Exchanged;

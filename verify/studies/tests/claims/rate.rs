@@ -1,4 +1,4 @@
-//! The paper's frame rate.
+//! Verdict on the paper's frame rate.
 
 use crate::experiments::speed_error::point;
 use finray_studies::claims::{ClaimVerdict, Words, rate};

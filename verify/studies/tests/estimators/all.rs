@@ -1,4 +1,4 @@
-//! What holds for every estimator of the list.
+//! Properties of every estimator in the list.
 
 use finray_model::estimators::network::Networks;
 use finray_model::estimators::{EstimatorError, EstimatorId, Question};

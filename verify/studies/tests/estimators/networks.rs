@@ -1,5 +1,5 @@
-//! The networks that ship, on fresh random forces of the co-rotational finger on 684 nodes, seen with camera noise.
-//! `FINRAY_TEST_CASES=full` is the full study, half a minute on two cores.
+//! Accuracy of the shipped networks on new random forces of the co-rotational finger with 684 nodes and camera noise.
+//! `FINRAY_TEST_CASES=full` runs the full study, half a minute on two cores.
 
 use finray_model::estimators::network::{NetworkSensing, Networks, NoNetwork};
 use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator};

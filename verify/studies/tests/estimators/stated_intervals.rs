@@ -1,4 +1,4 @@
-//! Stated intervals cover the truth as often as they claim, with a stated noise and without.
+//! Stated intervals have their nominal coverage, with and without a stated noise.
 
 use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_model::measurement::Measurement;

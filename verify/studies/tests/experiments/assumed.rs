@@ -1,4 +1,4 @@
-//! Contacts that are only assumed.
+//! Sensing with an assumed contact that differs from the true one.
 
 use finray_model::estimators::{BeamEstimator, Estimator};
 use finray_model::finger::Plate;

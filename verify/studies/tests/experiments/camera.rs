@@ -1,4 +1,4 @@
-//! What a camera costs.
+//! Effect of camera properties: markers too small for a condition are refused.
 
 use finray_model::Scene;
 use finray_model::camera::Camera;

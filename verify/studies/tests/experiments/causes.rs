@@ -1,4 +1,4 @@
-//! Causes of wrong forces: each against a finger for which it is known what the cause does.
+//! Causes of sensing errors, each tested on a finger with a known effect of the cause.
 
 use crate::stand_ins::Worse;
 use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};

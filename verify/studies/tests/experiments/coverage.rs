@@ -1,4 +1,4 @@
-//! Intervals that are too narrow, too wide or refused fail their checks.
+//! Checks of coverage fail for intervals that are too narrow, too wide or refused.
 
 use finray_model::estimators::EstimatorId;
 use finray_studies::check::Check;

@@ -1,5 +1,5 @@
-//! Forces of unknown direction: errors of answers against the Cramer-Rao bound, refusals where the bound is high, and what
-//! assuming the deformed normal gains.
+//! Forces of unknown direction: errors compared with the Cramer-Rao bound, refusals where the bound is high, and the gain from assuming the
+//! deformed normal.
 
 use finray_model::{Kinematics, Mesh};
 use finray_studies::experiments::direction::{

@@ -1,4 +1,4 @@
-//! Models of the noise of displacements.
+//! Noise models of displacements.
 
 use finray_model::Vector;
 use finray_model::measurement::DisplacementNoise;

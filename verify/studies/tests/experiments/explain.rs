@@ -1,5 +1,5 @@
-//! What explains the maps, against the same things found another way: scatter of estimates over noise samples, finite
-//! differences of equilibria, and sensing under assumptions that are a little wrong.
+//! Explanations of the maps, compared with independent results: scatter over noise samples, finite differences of equilibria, and sensing under
+//! slightly wrong assumptions.
 
 use finray_model::estimators::{BeamEstimator, ELEMENTS};
 use finray_model::measurement::{Marker, Measurement};

@@ -1,4 +1,4 @@
-//! A case fails by a failed check, an error that nobody expected, laws without a case, or its time.
+//! Hard cases: one fails by a failed check, an unexpected error, laws without a case, or its time.
 
 use finray_model::Finger;
 use finray_studies::check::{Check, Kind};

@@ -1,4 +1,4 @@
-//! The study of the networks: fifteen sets of contacts, those of Table II as they are.
+//! The study of the shipped networks: fifteen sets of contacts, including those of Table II.
 
 mod paper;
 

@@ -1,4 +1,4 @@
-//! Checks of sensing under noise stand or fall with every case that was drawn.
+//! Checks of sensing under noise include every drawn case.
 
 use finray_model::estimators::EstimatorId;
 use finray_studies::check::Check;

@@ -1,4 +1,4 @@
-//! Time against error: fronts, failures, what is asked, and which way is recommended.
+//! Time against error: Pareto fronts, failures, test cases, and the recommended setting.
 
 mod sensing;
 

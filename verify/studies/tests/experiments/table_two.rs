@@ -1,4 +1,4 @@
-//! The paper's Table II.
+//! The study of the paper's Table II.
 
 use crate::sampling::scatter::{CASES, CHANCE};
 use crate::stand_ins::Constant;

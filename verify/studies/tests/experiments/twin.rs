@@ -1,4 +1,4 @@
-//! The digital twin: the fit of Table I, and sensing on the twin.
+//! The digital twin: the fit to Table I, and sensing on the twin.
 
 use finray_fixtures::TWIN_SCENE;
 use finray_model::Kinematics;

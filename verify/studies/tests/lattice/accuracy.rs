@@ -1,4 +1,4 @@
-//! How near the lattice comes to beams, and what that rests on.
+//! Difference of the lattice from beams, and its dependence on fineness and axial springs.
 
 use finray_model::NodeId;
 use finray_studies::lattice::accuracy::{LoadGrid, study};

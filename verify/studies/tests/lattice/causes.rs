@@ -1,4 +1,4 @@
-//! What the settling of the lattice rests on: sweeps, and the precision of its positions.
+//! Dependence of the lattice's rest state on sweeps and precision.
 
 use finray_lattice::settling::Precision;
 use finray_lattice::{Lattice, settling};

@@ -1,4 +1,4 @@
-//! Reference problems of the report: every one holds its tolerance.
+//! Reference problems of the report: each passes its tolerance.
 
 use crate::check::assert_all_pass;
 use finray_model::Scene;

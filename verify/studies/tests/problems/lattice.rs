@@ -1,4 +1,4 @@
-//! The lattice against beams, as in the report.
+//! The lattice compared with beams, as in the report.
 
 use crate::check::assert_all_pass;
 use finray_studies::problems::lattice;

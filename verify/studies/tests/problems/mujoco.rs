@@ -1,4 +1,4 @@
-//! Beams against the shapes that MuJoCo found.
+//! Beams compared with shapes from MuJoCo.
 
 use crate::check::assert_all_pass;
 use crate::mujoco::exported;

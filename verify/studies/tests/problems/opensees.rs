@@ -1,6 +1,6 @@
-//! Other fingers than the paper's, against OpenSees: unequal plates, zones, hinges, ribs that do not deform, rigid arms.
+//! Fingers other than the paper's, compared with OpenSees: unequal plates, zones, hinges, undeformable ribs, rigid arms.
 //!
-//! The files say how they were made and how far they can be trusted: `fixtures/opensees/README.md`.
+//! `fixtures/opensees/README.md` states how the files were made and how accurate they are.
 
 use finray_model::Kinematics;
 use finray_studies::problems::opensees::{COROTATIONAL_TOLERANCE, CaseDeviation, LINEAR_TOLERANCE, deviations};

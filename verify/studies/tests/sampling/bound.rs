@@ -1,5 +1,5 @@
-//! Scatter of nonlinear sensing against the Cramer-Rao bound: every contact node and every pair.
-//! `FINRAY_TEST_CASES=full` is the full study.
+//! Scatter of nonlinear sensing compared with the Cramer-Rao bound, for every contact node and every pair.
+//! `FINRAY_TEST_CASES=full` runs the full study.
 
 use crate::stand_ins::Worse;
 use finray_model::estimators::{BeamEstimator, ELEMENTS};

@@ -1,4 +1,4 @@
-//! Summaries of maps: refused cells and cells without equilibrium.
+//! Summaries of maps with refused cells and cells without equilibrium.
 
 use finray_model::estimators::EstimatorId;
 use finray_studies::sampling::map::{AccuracyMap, MapRequest};

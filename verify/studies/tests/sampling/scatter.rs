@@ -1,4 +1,4 @@
-//! Estimators side by side on the same random cases.
+//! Comparison of estimators on the same random cases.
 
 use crate::stand_ins::Constant;
 use finray_model::estimators::{BeamEstimator, Estimator, EstimatorId};

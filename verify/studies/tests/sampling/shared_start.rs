@@ -1,4 +1,4 @@
-//! Noise samples that start from what is sensed without the noise are answered as those that start cold.
+//! Noise samples that start from the noise-free estimate give the same answers as a cold start.
 
 use finray_model::estimators::{BeamEstimator, Estimator, PreparedEstimator};
 use finray_model::measurement::Measurement;

@@ -1,4 +1,4 @@
-//! What holds for every true finger of the list.
+//! Properties of every model of the true finger.
 
 use finray_studies::truths::TruthId;
 use finray_tests::{at_node, paper};

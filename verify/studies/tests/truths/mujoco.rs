@@ -1,4 +1,4 @@
-//! The shapes that MuJoCo found as the true finger.
+//! Shapes from MuJoCo as the true finger.
 
 use crate::mujoco::exported;
 use finray_model::NodeId;

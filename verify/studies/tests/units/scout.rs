@@ -1,4 +1,4 @@
-//! What a scout refuses.
+//! The scout, which predicts whether loads have an equilibrium: it refuses none that have one.
 
 use super::*;
 use finray_model::Scene;

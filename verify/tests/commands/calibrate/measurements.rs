@@ -1,4 +1,4 @@
-//! Shapes that bend far, of a marker that is hidden or wrong, and of the linear finger.
+//! Measured shapes with large deflection, with hidden or wrong markers, and of the linear finger.
 
 use super::{COLUMNS, calibrate, measured};
 use crate::kit::*;

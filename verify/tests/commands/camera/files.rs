@@ -1,4 +1,4 @@
-//! Image files: other formats, damaged ones, and such as show no finger.
+//! Image files: other formats, damaged files, and images without a finger.
 
 use super::*;
 

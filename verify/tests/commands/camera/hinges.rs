@@ -1,4 +1,4 @@
-//! Coloured markers on the hinges of a finger with brackets: neither tip nor clamped nodes have one.
+//! Coloured markers on the hinges of a finger with brackets; tip and clamped nodes have none.
 
 use crate::kit::*;
 use finray_fixtures::BRACKETED_SCENE;

@@ -1,4 +1,4 @@
-//! Images of one file name in several folders.
+//! Images with the same file name in several folders.
 
 use super::*;
 

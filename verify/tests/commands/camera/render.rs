@@ -1,4 +1,4 @@
-//! Images of the finger.
+//! Rendered images of the finger.
 
 use super::*;
 

@@ -1,6 +1,6 @@
-//! Headless Chromium, to look at a page as its readers do.
+//! Headless Chromium, to view a page as readers do.
 //!
-//! It is looked for at the path in `CHROME`, then as `chromium`, `chromium-browser` and `google-chrome`.
+//! The executable is the path in `CHROME`, or else `chromium`, `chromium-browser` or `google-chrome`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,4 +1,4 @@
-//! Running `finray` as its users do, and taking apart what it answers.
+//! Helpers that run `finray` as users do and parse its output.
 
 pub mod browser;
 pub mod scene;

@@ -1,4 +1,4 @@
-//! Scenes that are refused.
+//! Helpers for scenes that are refused.
 
 use super::*;
 

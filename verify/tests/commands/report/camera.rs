@@ -1,4 +1,4 @@
-//! From camera to force.
+//! The report's section from camera to force.
 
 use super::shared::*;
 use crate::kit::*;

@@ -1,4 +1,4 @@
-//! Checks: all pass, are counted by kind, and claim no more than they show.
+//! The report's checks: all pass, are counted by kind, and claim no more independence than they have.
 
 use super::shared::*;
 use crate::kit::*;

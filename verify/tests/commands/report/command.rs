@@ -1,4 +1,4 @@
-//! What the command says, opens, leaves out and refuses.
+//! Messages, opening of the page, omitted sections, and refusals of `finray report`.
 
 use super::shared::*;
 use crate::kit::*;

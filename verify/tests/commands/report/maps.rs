@@ -1,4 +1,4 @@
-//! Maps: their figures, cells, counts, and what explains them.
+//! The report's maps: key figures, cells, counts and explanations.
 
 use super::shared::*;
 use crate::kit::*;

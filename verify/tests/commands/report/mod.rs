@@ -1,4 +1,4 @@
-//! `finray report`: the page, the summary for machines and a CSV behind every figure.
+//! `finray report`: the page, the machine-readable summary, and a CSV file behind every figure.
 
 mod camera;
 mod checks;

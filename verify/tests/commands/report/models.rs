@@ -1,4 +1,4 @@
-//! Meshes and the lattice against each other.
+//! The report's comparison of meshes and the lattice.
 
 use super::shared::*;
 use crate::kit::*;

@@ -1,4 +1,4 @@
-//! Networks that ship, and Table II.
+//! The report's sections on shipped networks and Table II.
 
 use super::shared::*;
 use crate::kit::*;

@@ -1,4 +1,4 @@
-//! The page: files, drawings, windows and print, its head.
+//! The report's page: files, drawings, window sizes, print, and first screen.
 
 use super::shared::*;
 use crate::kit::*;

@@ -1,4 +1,4 @@
-//! Reports that all tests share, and what reads them.
+//! Reports shared by all tests, and helpers that read them.
 
 use crate::kit::*;
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! Times: of a moving force, by whom they were taken.
+//! The report's times: of a moving force, and their sources.
 
 use super::shared::*;
 use crate::kit::*;

@@ -1,4 +1,4 @@
-//! Forces, their stated deviations and warnings.
+//! Sensed forces, their standard deviations and warnings.
 
 use super::{LEAST_SQUARES, SENSED, TRUTH, linear_shape, sense, sense_text};
 use crate::kit::*;

@@ -1,4 +1,4 @@
-//! How a measurement may be written.
+//! Accepted and refused formats of a measurement.
 
 use super::{CONTACTS, HEADER, SENSED, TRUTH, linear_shape, sense, sense_text};
 use crate::kit::*;

@@ -1,5 +1,5 @@
-//! `finray sense`: displacements in, contact forces and their uncertainty out: what it answers (`answers`), which measurements it reads
-//! (`measurements`), and what it refuses (`refusals`).
+//! `finray sense`: from displacements to contact forces with their uncertainty. Modules test its answers (`answers`), the measurements that it reads
+//! (`measurements`), and its refusals (`refusals`).
 
 mod answers;
 mod measurements;

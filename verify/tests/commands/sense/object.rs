@@ -1,4 +1,4 @@
-//! Contact with an object of known shape, whose pose the scene states.
+//! Sensing of contact with an object of known shape, whose pose the scene states.
 
 use crate::kit::*;
 

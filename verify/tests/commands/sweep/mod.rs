@@ -1,5 +1,5 @@
-//! `finray sweep`, `--shard`, `finray merge` and runs that were stopped: always the bytes of one run. Here: the sweep and the map that are
-//! asked for.
+//! `finray sweep`, `--shard`, `finray merge` and resumed runs: all produce the bytes of one uninterrupted run. This file defines the requested
+//! sweep and map.
 
 mod rows;
 mod shards;

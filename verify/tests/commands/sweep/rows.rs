@@ -1,4 +1,4 @@
-//! What a row says of a cell, and which sweeps are refused.
+//! Columns of a sweep's rows, and refused sweeps.
 
 use super::{BLOCKS, HEADER, MAP, ROWS_IN_BLOCK, SWEPT, with};
 use crate::kit::*;

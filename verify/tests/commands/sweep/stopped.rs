@@ -1,4 +1,4 @@
-//! Runs that were stopped, and two at once.
+//! Interrupted runs, and two runs at once.
 
 use super::{HEADER, ROWS_IN_BLOCK, SWEEP, SWEPT, with};
 use crate::kit::*;

@@ -1,4 +1,4 @@
-//! Where the work goes that moves the fingers' bases: into their springs, up with the object, into friction and into the resistance of snaps.
+//! Energy balance of a grasp: work of the moving bases against elastic energy, weight, friction and numerical resistance.
 
 use super::{Drive, World};
 use crate::energy::BodyMotion;
@@ -8,42 +8,42 @@ use finray_model::Vector;
 use nalgebra::Rotation2;
 use serde::Serialize;
 
-/// Work and energy since the beginning, N mm.
+/// Work and energy since the start, N mm.
 ///
-/// Each work is by the trapezoidal rule over the parts in which the bases were moved, from forces of contacts, bases and resistance; the elastic
-/// energy is that of the springs. None is computed from another: what the account lacks is the error of the rule, or of the forces.
+/// Each work follows from forces of contacts, bases and resistance by the trapezoidal rule over the increments of the bases. The elastic energy is
+/// that of the springs. No value is computed from another, so a missing balance is the error of the rule or of the forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Account {
-    /// Work of what moves the bases, and of a medium that goes along with the gripper while the object follows.
+    /// Work of the drive of the bases, and of the medium that moves an object along with the gripper, N mm.
     pub driven_nmm: f64,
-    /// Elastic energy of the fingers.
+    /// Elastic energy of the fingers, N mm.
     pub elastic_nmm: f64,
-    /// Work against the weight.
+    /// Work against the weight, N mm.
     pub lifted_nmm: f64,
-    /// Work of friction.
+    /// Work dissipated by friction, N mm.
     pub friction_nmm: f64,
-    /// Work of the resistance in snaps and while the object comes to rest.
+    /// Work against the resistance during snaps and while the object comes to rest, N mm.
     pub resistance_nmm: f64,
-    /// The furthest that what was driven less what is stored has ever fallen: energy that came from nowhere.
+    /// Largest drop of driven work minus stored energy since the start: energy created by errors, N mm.
     pub created_nmm: f64,
-    /// What is missing in the account of each part, added up without its sign: the error of the works.
+    /// Sum of the absolute imbalances of all increments: the error of the works, N mm.
     pub error_nmm: f64,
     #[serde(skip)]
     most_lost_nmm: f64,
 }
 
 impl Account {
-    /// What was driven and is not stored, N mm.
+    /// Driven work minus the energy stored in springs and lift, N mm.
     pub fn lost_nmm(&self) -> f64 {
         self.driven_nmm - self.elastic_nmm - self.lifted_nmm
     }
 
-    /// What was lost to neither friction nor resistance, N mm.
+    /// Lost work that neither friction nor resistance accounts for, N mm.
     pub fn missing_nmm(&self) -> f64 {
         self.lost_nmm() - self.friction_nmm - self.resistance_nmm
     }
 
-    /// Adds a part.
+    /// Adds one increment.
     pub(super) fn book(&mut self, part: &Account) {
         self.driven_nmm += part.driven_nmm;
         self.elastic_nmm += part.elastic_nmm;
@@ -56,20 +56,20 @@ impl Account {
     }
 }
 
-/// What acts at a state beside the contacts, and the elastic energy.
+/// Forces at a state apart from the contacts, and the elastic energy.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Acting {
     elastic_nmm: f64,
-    /// Force and moment about its frame's origin on the base of each finger, world, N and N mm.
+    /// Force (N) and moment about the origin of its frame (N mm) on the base of each finger, world frame.
     on_bases: Vec<(Vector, f64)>,
     weight: Vector,
-    /// Resistance against the motion of the object, N and N mm, and of each body of the fingers in their frames, N.
+    /// Resistance to the motion of the object, N and N mm, and of each body in its finger's frame, N.
     on_object: [f64; 3],
     on_bodies: Vec<Vec<Vector>>,
 }
 
 impl World<'_> {
-    /// What acts at the state, with the resistance of the step that led to it.
+    /// Forces at the current state, with the resistance of the step that led to it.
     pub(super) fn acting(&self, around: &Surroundings) -> Acting {
         let [from, drags] = [around.carried_from(self.before.object), self.scene.drags(around)];
         let resisting =
@@ -84,7 +84,7 @@ impl World<'_> {
         }
     }
 
-    /// The account of the last part that was solved, from what acted before it and the drive that it began with.
+    /// Energy balance of the last solved increment. `drive` and `start` are the drive and the forces at its beginning.
     pub(super) fn booked(&self, drive: &Drive, start: &Acting) -> Account {
         let (end, [from, to]) = (&self.acting, [&self.before, &self.state]);
         let mean = |of: &dyn Fn(&Acting) -> f64| 0.5 * (of(start) + of(end));

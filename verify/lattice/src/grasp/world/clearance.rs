@@ -1,4 +1,4 @@
-//! What fingers must not meet: each other, and a table.
+//! Clearances: between the fingers, between a finger and a table, and between the object and clamped parts.
 
 use super::World;
 use crate::energy::BodyMotion;
@@ -8,17 +8,17 @@ use finray_model::Vector;
 use finray_model::finger::{FingerPoint, Plate};
 use finray_model::gripper::Placement;
 
-/// An overlap that is rounding, mm.
+/// Overlap caused by rounding alone, mm.
 const ROUNDING_MM: f64 = 1e-9;
 
-/// A part of a front as it is bent: all that is within a radius of a straight line, world, mm.
+/// A deformed part of a front surface: all points within a radius of a straight line, world frame, mm.
 struct Round {
     ends: [Vector; 2],
     radius_mm: f64,
 }
 
 impl World<'_> {
-    /// Least distance of the fronts of the first two fingers, mm: 0 or less where they touch. Infinite for a single finger.
+    /// Smallest distance between the fronts of the first two fingers, mm; 0 or less if they touch, infinite for a single finger.
     pub fn between_fingers_mm(&self) -> f64 {
         if self.scene.fingers.len() < 2 {
             return f64::INFINITY;
@@ -28,7 +28,7 @@ impl World<'_> {
         left.iter().flat_map(|a| right.iter().map(move |b| of_pair(a, b))).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the object would overlap a clamped part of a finger that stands at a placement, by more than rounding.
+    /// Whether the object would overlap a clamped part of a finger at the given placement.
     pub fn meets_clamp(&self, finger: usize, placement: &Placement) -> bool {
         let standing = &self.scene.fingers[finger];
         let bodies = &standing.lattice.assembly().bodies;
@@ -40,12 +40,12 @@ impl World<'_> {
         })
     }
 
-    /// Height of a finger's lowest part above a plane (a point of it and its upward unit normal), mm: 0 or less where it touches.
+    /// Height of a finger's lowest part above a plane (a point, mm, and its upward unit normal), mm; 0 or less if it touches.
     pub fn height_mm(&self, finger: usize, (point, upward): (Vector, Vector)) -> f64 {
         let above = |at: Vector| (at - point).dot(&upward);
         let front = self.front(finger);
         let of_front = front.iter().flat_map(|part| part.ends.map(|end| above(end) - part.radius_mm));
-        // What is behind the front is as thick as the back plate.
+        // The parts behind the front have the thickness of the back plate.
         let (shape, of) = (self.finger_shape(finger), self.scene.fingers[finger].lattice.finger());
         let placement = &self.state.placements[finger];
         let back = of.plate_nodes(Plate::Back).into_iter().zip(of.plate_positions_mm(Plate::Back));
@@ -66,7 +66,7 @@ impl World<'_> {
     }
 }
 
-/// Distance of two straight lines between their ends, mm: nothing where they cross.
+/// Distance between two line segments, mm; 0 if they cross.
 fn distance_mm(a: [Vector; 2], b: [Vector; 2]) -> f64 {
     let sides = |[from, to]: [Vector; 2], others: [Vector; 2]| others.map(|other| (to - from).perp(&(other - from)));
     let parts = |[first, second]: [f64; 2]| first * second < 0.0;
@@ -76,7 +76,7 @@ fn distance_mm(a: [Vector; 2], b: [Vector; 2]) -> f64 {
     let to_line = |[from, to]: [Vector; 2], point: Vector| {
         let along = to - from;
         let share = (point - from).dot(&along) / along.norm_squared();
-        // A line without length is a point.
+        // A segment without length is a point.
         let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
         (point - from - along * share).norm()
     };

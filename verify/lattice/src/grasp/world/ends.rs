@@ -1,4 +1,4 @@
-//! How a grasp can fail, and what a contact is to those who read it off.
+//! Reasons why a grasp fails, and the description of a contact for callers.
 
 use crate::LatticeError;
 use crate::skin::Touch;
@@ -7,26 +7,26 @@ use finray_model::Vector;
 /// Why a grasp cannot begin.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum WorldError {
-    /// The object is inside a finger or the support.
+    /// The object overlaps a finger or the support.
     #[error("the object overlaps {what} by {overlap_mm:.3} mm where it starts")]
     Overlap {
-        /// What it overlaps.
+        /// Body that it overlaps.
         what: TouchedBody,
-        /// How deep, mm.
+        /// Depth of the overlap, mm.
         overlap_mm: f64,
     },
-    /// The lattice.
+    /// A finger cannot be used, see [`LatticeError`].
     #[error(transparent)]
     Lattice(#[from] LatticeError),
 }
 
-/// Why a grasp ends before its time.
+/// Why a grasp ends early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum GraspFailure {
     /// The object falls or slides away and does not come to rest.
     #[error("the object gets away: the fingers do not hold it")]
     Dropped,
-    /// Fingers hold the object, and no equilibrium is found: where plates snap far, on coarse lattices the earlier.
+    /// Fingers hold the object, but no equilibrium is found. Plates may snap too far; coarse lattices jam earlier.
     #[error("jam: no equilibrium of object and fingers is found")]
     Jammed,
     /// A finger folds.
@@ -34,10 +34,10 @@ pub enum GraspFailure {
     Folded,
 }
 
-/// What the object touches.
+/// A body that the object touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TouchedBody {
-    /// A finger, by its number: 0 is the left one.
+    /// A finger, by its index; 0 is the left one.
     Finger(usize),
     /// The support.
     Support,
@@ -56,14 +56,14 @@ impl std::fmt::Display for TouchedBody {
 /// A contact that carries a force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectContact {
-    /// What the object touches.
+    /// Body that the object touches.
     pub partner: TouchedBody,
-    /// Where, world, mm.
+    /// Contact point, world frame, mm.
     pub point: Vector,
-    /// Force on the object, world, N.
+    /// Force on the object, world frame, N.
     pub force: Vector,
-    /// How far it has slipped in the step, mm.
+    /// Slip in the last increment, mm.
     pub slip_mm: f64,
-    /// The same as the finger sees it; none of the support.
+    /// The contact in the finger's frame; `None` for the support.
     pub touch: Option<Touch>,
 }

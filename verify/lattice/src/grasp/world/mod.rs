@@ -1,4 +1,4 @@
-//! Fingers on bases that move, an object and its support: from one settled step to the next.
+//! Fingers on moving bases, an object and its support: moves them from one equilibrium to the next.
 
 mod account;
 mod clearance;
@@ -21,22 +21,22 @@ use finray_model::gripper::Placement;
 use finray_model::mesh::Load;
 use motion::{AT_REST, BOLDER, FIRST_DRAG};
 
-/// A finger of which a part turns further than this, rad, folds: one that wraps an object turns half as far, one of which a plate buckles more.
+/// Rotation of a body, rad, above which the finger counts as folded. Wrapping an object takes half as much, a buckling plate more.
 const FOLDED_RAD: f64 = 1.0;
 
-/// Where the fingers stand and what acts on the object.
+/// Placements of the fingers and loads on the object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// The fingers' frames in the world.
+    /// Placements of the fingers' frames in the world.
     pub placements: Vec<Placement>,
-    /// Weight, N.
+    /// Weight of the object, world frame, N.
     pub weight: Vector,
-    /// Where the gripper is, mm: an object that it holds goes along.
+    /// Position of the gripper, mm; an object that it holds moves along.
     pub gripper: Vector,
 }
 
 impl Drive {
-    /// A share of the way to another drive; both have the same fingers.
+    /// The drive at a share, 0 to 1, of the way to another drive with the same fingers.
     fn towards(&self, to: &Drive, share: f64) -> Drive {
         let between = |(from, to): (&Placement, &Placement)| Placement {
             origin: from.origin.lerp(&to.origin, share),
@@ -51,12 +51,12 @@ impl Drive {
     }
 }
 
-/// Fingers, object and support at rest.
+/// Fingers, object and support in equilibrium.
 #[derive(Debug, Clone)]
 pub struct World<'l> {
     scene: Scene<'l>,
     state: State,
-    /// The state before the last step that was solved: slips count from there.
+    /// State before the last solved step, from which slips are counted.
     before: State,
     drive: Drive,
     support: Option<(Vector, Vector)>,
@@ -65,10 +65,11 @@ pub struct World<'l> {
 }
 
 impl<'l> World<'l> {
-    /// Puts an object, `[x, y, angle]` in mm and rad, between fingers at rest. The support is a point and its upward unit normal.
+    /// Places an object, `[x, y, angle]` in mm and rad, between undeformed fingers. The support is a point (mm) and its upward unit normal.
     ///
     /// # Errors
-    /// [`WorldError`] for an object that overlaps a finger or the support.
+    /// [`WorldError::Overlap`] if the object overlaps a finger or the support; [`WorldError::Lattice`] if a front plate tapers, or if a finger has no
+    /// equilibrium under a tiny force.
     pub fn new(
         lattices: &[&'l Lattice],
         rod_radius_mm: f64,
@@ -108,8 +109,8 @@ impl<'l> World<'l> {
         }
     }
 
-    /// The same with an object that a hand holds where it is. By `size_mm`, instead of the object's size, lengths are judged: a large object does not move by
-    /// a share of its size, and a small one moves the finger by more.
+    /// Turns the object into one that a hand holds. `size_mm` replaces the object's size as length scale, because displacements of a held object and
+    /// its finger do not scale with the object's size.
     pub fn holding(mut self, size_mm: f64) -> World<'l> {
         self.scene.size_mm = size_mm;
         for finger in &mut self.scene.fingers {
@@ -119,23 +120,23 @@ impl<'l> World<'l> {
         self
     }
 
-    /// Lets the hand hold the object where it is in x and y, and keep it from turning, each if asked.
+    /// Sets whether the hand holds the object in x, in y and against rotation.
     pub fn hold(&mut self, held: [bool; 3]) {
         self.scene.held = held;
     }
 
-    /// Moves the fingers' bases and the weight, and lets all come to rest.
+    /// Moves the fingers' bases and the weight, and brings everything to rest.
     ///
     /// # Errors
-    /// [`GraspFailure`]; fingers and object are then where they last were at rest.
+    /// [`GraspFailure`]; fingers and object then return to their previous equilibrium.
     pub fn advance(&mut self, to: &Drive) -> Result<(), GraspFailure> {
         self.attempt(|world| world.move_to(to).and_then(|()| world.come_to_rest(FIRST_DRAG, BOLDER)))
     }
 
-    /// Moves the fingers' bases and the weight. An object that nothing holds is then where the resistance against its motion left it.
+    /// Moves the fingers' bases and the weight without waiting for rest. Only numerical resistance then holds an object that no contact holds.
     ///
     /// # Errors
-    /// As of [`advance`](Self::advance).
+    /// As for [`advance`](Self::advance).
     pub fn pass(&mut self, to: &Drive) -> Result<(), GraspFailure> {
         self.attempt(|world| world.move_to(to))
     }
@@ -149,7 +150,7 @@ impl<'l> World<'l> {
         outcome
     }
 
-    /// What keeps the last step from being solved.
+    /// The reason why the last step has no solution.
     fn failure(&self) -> GraspFailure {
         if self.is_folded() {
             GraspFailure::Folded
@@ -169,7 +170,7 @@ impl<'l> World<'l> {
         self.scene.near_pairs(&self.state, &self.before, &self.surroundings())
     }
 
-    /// What acts on the object at rest.
+    /// Loads on the object at rest, without resistance.
     fn surroundings(&self) -> Surroundings {
         Surroundings {
             weight: self.drive.weight,
@@ -184,7 +185,7 @@ impl<'l> World<'l> {
         if pair.part.is_some() { TouchedBody::Finger(pair.key.0) } else { TouchedBody::Support }
     }
 
-    /// Force and moment about its frame's origin on the base of each finger, world, N and N mm.
+    /// Force (N) and moment about the origin of its frame (N mm) on the base of each finger, world frame.
     fn on_bases(&self) -> Vec<(Vector, f64)> {
         let on_base = |(finger, placement): (usize, &Placement)| {
             let (force, moment_nmm) = self.on_base(finger);
@@ -194,9 +195,9 @@ impl<'l> World<'l> {
     }
 }
 
-/// Stiffness of a finger's middle at rest, N/mm.
+/// Stiffness of an undeformed finger at its middle, N/mm.
 fn middle_stiffness(lattice: &Lattice) -> Result<f64, LatticeError> {
-    // A force under which every finger is linear.
+    // A force under which every finger responds linearly.
     const TINY_N: f64 = 1e-9;
     let finger = lattice.finger();
     let middle = finger.contact_nodes().nth(finger.contact_nodes().len() / 2).unwrap_or(finger.tip());

@@ -1,50 +1,50 @@
-//! The way from one drive to the next: parts of a step that Newton's method takes, snaps, and coming to rest.
+//! Moves the world from one drive to the next: increments that Newton's method solves, snaps, and coming to rest.
 
 use super::{Drive, GraspFailure, World};
 use crate::grasp::scene::{PlacedFinger, Surroundings};
 use finray_model::gripper::Placement;
 
-/// Least part of a step that is tried before a snap is passed.
+/// Smallest increment, as a share of a step, before a snap is assumed.
 const LEAST_PART: f64 = 1.0 / 16.0;
-/// The same where energy is missing.
+/// The same if the energy balance is violated.
 const LEAST_LEAP: f64 = 1.0 / 256.0;
-/// Energy that may be missing in the account of a step, as a share of what bends a finger by the object's size.
+/// Largest energy imbalance of an increment, relative to the energy that bends a finger by the object's size.
 const MISSING: f64 = 1e-4;
-/// Resistance of an object against having moved, as a share of the fingers' stiffness: it holds one that nothing holds, and a millimetre costs
-/// a millionth of a newton.
+/// Smallest resistance to the object's motion, relative to the fingers' stiffness. It keeps a loose object in position; at a stiffness of 1 N/mm, a
+/// displacement of 1 mm costs a millionth of a newton.
 const DRAG: f64 = 1e-6;
-/// The same while bases move.
+/// The same while the bases move.
 const MOVING_DRAG: f64 = 1e-3;
-/// The first with which the object is let come to rest.
+/// Initial resistance when the object comes to rest.
 pub(super) const FIRST_DRAG: f64 = 1e-4;
-/// The most that is tried.
+/// Largest resistance.
 const MOST_DRAG: f64 = 1e3;
-/// The resistance grows by this factor where the object would go far, and falls again when it does not.
+/// Growth factor of the resistance after an unsolved increment.
 const DRAG_FACTOR: f64 = 10.0;
-/// It falls by this factor.
+/// Reduction factor of the resistance after solved increments.
 const LESS: f64 = 3.0;
-/// Steps that are to be solved after one that was not until a longer part, or less resistance, is tried.
+/// Consecutive solved increments before a larger increment, or less resistance, is tried.
 pub(super) const BOLDER: usize = 2;
-/// Farthest that an object goes at once while it comes to rest, as a share of its size.
+/// Largest displacement of the object in one increment, as a share of its size.
 const FARTHEST: f64 = 0.1;
-/// All rests when the resistance is this share of the forces.
+/// Resistance, relative to the contact forces, at which everything counts as at rest.
 pub(super) const AT_REST: f64 = 1e-5;
-/// Steps in which the object must have come to rest.
+/// Largest number of increments in which the object must come to rest.
 const MOST_STEPS: usize = 400;
 
-/// Whether a step was taken.
+/// Outcome of an increment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum StepOutcome {
     Solved,
-    /// Newton's method found an equilibrium to which no way leads on which energy is accounted for: a shorter one may.
+    /// Newton's method found an equilibrium, but the path to it violates the energy balance. A shorter increment may succeed.
     Leaps,
-    /// It found none.
+    /// Newton's method found no equilibrium.
     Unsolved,
 }
 
 impl World<'_> {
-    /// Moves the bases in parts that Newton's method takes and whose energy is accounted for. Where none is short enough, a snap is passed: a short
-    /// part against resistance, after which all comes to rest before the bases move on.
+    /// Moves the bases in increments that Newton's method solves and whose energy balances. If even the smallest fails, a snap is assumed: a small
+    /// increment against resistance follows. Everything then comes to rest before the bases move on.
     pub(super) fn move_to(&mut self, to: &Drive) -> Result<(), GraspFailure> {
         let from = self.drive.clone();
         let (mut at, mut part, mut solved) = (0.0, 1.0, 0);
@@ -75,7 +75,7 @@ impl World<'_> {
         Ok(())
     }
 
-    /// Solves a step, and takes it if no more than `most_missing_nmm` of energy is missing.
+    /// Solves an increment, and accepts it if its energy imbalance is at most `most_missing_nmm`.
     fn step(&mut self, to: &Drive, drag: f64, most_missing_nmm: f64) -> StepOutcome {
         let finger_drag = if drag > MOVING_DRAG { drag * self.scene.stiffness } else { 0.0 };
         let drag = drag * self.scene.stiffness;
@@ -99,12 +99,12 @@ impl World<'_> {
         StepOutcome::Solved
     }
 
-    /// Energy that may be missing in the account of a step, N mm.
+    /// Largest accepted energy imbalance of an increment, N mm.
     fn most_missing_nmm(&self) -> f64 {
         MISSING * self.scene.stiffness * self.scene.size_mm * self.scene.size_mm
     }
 
-    /// How far the bases move to another drive, mm, at the farthest tip.
+    /// Largest displacement of a fingertip by the bases on the way to another drive, mm.
     fn base_way_mm(&self, to: &Drive) -> f64 {
         let tip = |standing: &PlacedFinger, placement: &Placement| {
             let finger = standing.lattice.finger();
@@ -114,11 +114,11 @@ impl World<'_> {
         ways.map(|(finger, (a, b))| (tip(finger, b) - tip(finger, a)).norm()).fold(0.0, f64::max)
     }
 
-    /// Lets the object move until the resistance against it is nothing beside the forces, beginning with a resistance with
-    /// which so many parts were solved.
+    /// Lets the object move until the resistance is negligible beside the contact forces. It starts with the resistance `drag`, under which `solved`
+    /// increments were solved.
     pub(super) fn come_to_rest(&mut self, mut drag: f64, mut solved: usize) -> Result<(), GraspFailure> {
         let drive = self.drive.clone();
-        // Less resistance is tried after so many parts that were solved; after twice as many where that was in vain.
+        // Solved increments before less resistance is tried; doubled after each attempt that fails.
         let (mut patience, mut has_held) = (BOLDER, false);
         for _ in 0..MOST_STEPS {
             let held = self.state.clone();
@@ -138,7 +138,7 @@ impl World<'_> {
             let moved_mm = self.scene.way_mm(&held, &self.state);
             let resistance_n = drag * self.scene.stiffness * moved_mm;
             let forces = self.near_pairs().into_iter().filter_map(|pair| self.state.forces.get(&pair.key).copied());
-            // A finger that has snapped off an object that a hand holds rests without force.
+            // A finger that has snapped off an object held by a hand rests without contact force.
             let least_n = drive.weight.norm().max(self.scene.nothing_n());
             let largest_n = forces.map(|[normal, _]| normal).fold(least_n, f64::max);
             if resistance_n <= AT_REST * largest_n && (drag <= DRAG || moved_mm <= AT_REST * self.scene.size_mm) {

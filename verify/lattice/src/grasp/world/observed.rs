@@ -1,4 +1,4 @@
-//! What can be read off fingers, object and contacts at rest.
+//! Read access to fingers, object and contacts in equilibrium.
 
 use super::motion::AT_REST;
 use super::{Account, ObjectContact, TouchedBody, World};
@@ -13,7 +13,7 @@ use finray_model::mesh::FingerShape;
 use nalgebra::Rotation2;
 
 impl World<'_> {
-    /// Where the work that moved the bases went.
+    /// Energy balance since the start.
     pub fn account(&self) -> &Account {
         &self.account
     }
@@ -26,37 +26,37 @@ impl World<'_> {
             .sum()
     }
 
-    /// Position of the object, mm, and its angle, rad.
+    /// Position of the object, mm, and its angle, rad, world frame.
     pub fn object(&self) -> [f64; 3] {
         self.state.object
     }
 
-    /// The outline of the object.
+    /// Outline of the object.
     pub fn shape(&self) -> &Shape {
         &self.scene.shape
     }
 
-    /// Where the fingers stand.
+    /// Placements of the fingers in the world.
     pub fn placements(&self) -> &[Placement] {
         &self.drive.placements
     }
 
-    /// A stiffness of the fingers, N/mm: of the middle of the softest one at rest.
+    /// Stiffness scale, N/mm: of the softest undeformed finger at its middle.
     pub fn stiffness(&self) -> f64 {
         self.scene.stiffness
     }
 
-    /// Motions of a finger's bodies, in its own frame.
+    /// Motions of a finger's bodies, in the finger's frame.
     pub fn motions(&self, finger: usize) -> &[BodyMotion] {
         &self.state.motions[finger]
     }
 
-    /// Shape of a finger, in its own frame.
+    /// Displacements and rotations of a finger's key nodes, in the finger's frame.
     pub fn finger_shape(&self, finger: usize) -> FingerShape {
         self.scene.fingers[finger].lattice.shape(&self.state.motions[finger])
     }
 
-    /// Force, N, and moment, N mm, of a finger's springs and of what touches its clamped parts on its base, in its own frame.
+    /// Force (N) and moment about the origin (N mm) on a finger's base, in the finger's frame. Includes springs and contacts on clamped parts.
     pub fn on_base(&self, finger: usize) -> (Vector, f64) {
         let (mut force, mut moment) = self.scene.fingers[finger].energy.on_clamps(&self.state.motions[finger]);
         let contacts = self.contacts();
@@ -71,8 +71,8 @@ impl World<'_> {
         (force, moment)
     }
 
-    /// Contacts that carry a force, those of each finger from its base to its tip. A force that is less beside the largest one, or the weight, than the
-    /// resistance with which all counts as at rest is none: an object that rolls away freely is not held by it.
+    /// Contacts that carry a force, from base to tip on each finger. Forces below the resistance that counts as rest are dropped, so that an object
+    /// which rolls away freely has no contact.
     pub fn contacts(&self) -> Vec<ObjectContact> {
         let normals_n = self.state.forces.values().map(|[normal_n, _]| *normal_n);
         let nothing_n = AT_REST * normals_n.fold(self.drive.weight.norm(), f64::max);

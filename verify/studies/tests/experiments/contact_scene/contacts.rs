@@ -1,4 +1,4 @@
-//! Contacts as the camera sees them, and the forces sensed at them.
+//! Contacts as measured by the camera, and the forces sensed at them.
 
 use super::{COARSE, last, prepared, scene, steps};
 use finray_lattice::Lattice;

@@ -1,4 +1,4 @@
-//! Equilibria of finger and object, against closed forms, beams and each other.
+//! Equilibria of finger and object, compared with closed forms, beams and each other.
 
 use super::{COARSE, last, prepared, scene, steps};
 use finray_lattice::skin::TouchedPart;

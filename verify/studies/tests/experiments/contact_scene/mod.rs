@@ -1,5 +1,5 @@
-//! Objects pressed onto the lattice: closed forms and beams that the equilibria meet (`equilibria`), the contacts that the camera sees (`contacts`),
-//! sensing in them (`studies`), and scenes that are refused (`refusals`). Here: scenes with the paper's finger.
+//! Objects pressed onto the lattice: equilibria compared with closed forms and beams (`equilibria`), contacts measured by the camera (`contacts`),
+//! sensing (`studies`), and refused scenes (`refusals`). This file builds scenes with the paper's finger.
 
 use finray_model::Scene;
 use finray_model::scene::ObjectDescription;

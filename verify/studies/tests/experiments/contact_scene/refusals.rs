@@ -1,4 +1,4 @@
-//! What is no scene, and what has no equilibrium.
+//! Refused contact scenes, and scenes without equilibrium.
 
 use super::{COARSE, prepared, scene, steps};
 use finray_lattice::LatticeError;

@@ -1,4 +1,4 @@
-//! What the report checks of a contact scene.
+//! Checks that the report makes on a contact scene.
 
 use super::{COARSE, prepared, scene};
 use crate::check::assert_all_pass;

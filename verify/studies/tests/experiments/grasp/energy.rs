@@ -1,4 +1,4 @@
-//! The account of energy, over every object: what the motor puts in is stored, or lost to friction, or to the resistance in snaps.
+//! Energy balance of grasps with every object: the motor's work is stored, or dissipated by friction or by resistance during snaps.
 
 use super::world::steps_of;
 use finray_model::Scene;

@@ -1,4 +1,4 @@
-//! The closed loop against the camera's rate.
+//! The closed loop at different camera frame rates.
 
 use finray_model::Scene;
 use finray_studies::check::Verdict;

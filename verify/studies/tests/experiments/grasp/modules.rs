@@ -1,4 +1,4 @@
-//! A finger that closes on force sensors.
+//! A finger that closes on force sensors, as in the paper's gripper tests.
 
 use finray_model::estimators::EstimatorId;
 use finray_model::finger::Plate;

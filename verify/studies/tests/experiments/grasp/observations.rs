@@ -1,4 +1,4 @@
-//! What is observed of grasps: totals of the two fingers, and opening against closing.
+//! Observations of grasps: totals of the two fingers, and opening compared with closing.
 
 use finray_model::Scene;
 use finray_studies::experiments::grasp::observations::{Totals, totals};

@@ -1,4 +1,4 @@
-//! Fingers that meet each other, or a table, end a grasp.
+//! Fingers that touch each other or a table end a grasp.
 
 use super::world::{disc, steps_of};
 use finray_lattice::Lattice;

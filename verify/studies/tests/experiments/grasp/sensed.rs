@@ -1,4 +1,4 @@
-//! Forces sensed in a grasp against the true ones: without noise by their errors, with noise by how often their intervals hold.
+//! Sensed forces in a grasp: errors without noise, and coverage of the intervals with noise.
 
 use super::world::{disc, steps_of};
 use finray_model::estimators::EstimatorId;

@@ -1,4 +1,4 @@
-//! Equilibria of fingers and object against the laws that any equilibrium keeps.
+//! Equilibria of fingers and object satisfy the laws of statics.
 
 use super::energy::object;
 use finray_lattice::Lattice;

@@ -1,4 +1,4 @@
-//! The paper's network as recorded, against its five figures.
+//! Records of the paper's network, compared with the paper's five figures.
 
 use finray_studies::experiments::networks::paper::{
     PAPER_RECIPES, figures, nodes_in_records, recorded, recorded_sets, reproduces,

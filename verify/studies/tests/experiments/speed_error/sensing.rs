@@ -1,4 +1,4 @@
-//! Streams of frames, and what a mesh adds to the noise.
+//! Streams of frames, and the error that a mesh adds to the noise.
 
 use finray_model::{Mesh, NodeId};
 use finray_studies::experiments::speed_error::sensing::{
