@@ -44,13 +44,10 @@ pub mod measurement;
 pub mod mesh;
 pub mod observation;
 pub mod registry;
-pub mod samples;
 pub mod scene;
 pub mod sensing;
 pub mod sensor;
 pub mod statics;
-#[cfg(feature = "train")]
-pub mod train;
 pub mod validity;
 
 pub use element::Kinematics;

@@ -8,7 +8,6 @@ mod gripper;
 mod measurement {
     mod noise;
 }
-mod samples;
 mod scene_keys;
 mod shared_junctions;
 mod sensing {
@@ -32,5 +31,4 @@ mod statics {
     mod properties;
 }
 mod tapers;
-mod train;
 mod validity;

@@ -100,7 +100,7 @@ fn trained(
     Shipping { name, recipe }: &Shipping,
     bar: &ProgressBar,
 ) -> Result<(String, Vec<u8>, Vec<Record>), Failure> {
-    let network = finray_model::train::train(finger, recipe, &mut |_| bar.inc(1))?;
+    let network = finray_train::train(finger, recipe, &mut |_| bar.inc(1))?;
     let widths: Vec<String> = recipe.hidden_layers.iter().map(ToString::to_string).collect();
     let record = |(contact, error): (&Contact, &TestError)| Record {
         network: name.clone(),

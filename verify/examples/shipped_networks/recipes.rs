@@ -6,7 +6,6 @@ use finray_model::estimators::Estimator;
 use finray_model::estimators::network::{NetworkSensing, Networks};
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling};
-use finray_model::train::{TrainingRecipe, train};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use finray_studies::experiments::ExperimentError;
 use finray_studies::experiments::networks::paper::PAPER_RECIPES;
@@ -15,6 +14,7 @@ use finray_studies::experiments::table_two::{COMPARED_SETS, FORCES_N, contact_se
 use finray_studies::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use finray_studies::settings::CAMERA_NOISE_MM;
 use finray_studies::truths::{TruthId, fine_mesh};
+use finray_train::{TrainingRecipe, train};
 use rayon::prelude::*;
 
 /// Random cases for each set of contacts: a mean error is known to about 2 % of itself.

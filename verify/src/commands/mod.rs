@@ -150,10 +150,10 @@ impl From<NetworkError> for Failure {
 }
 
 #[cfg(feature = "train")]
-impl From<finray_model::train::TrainError> for Failure {
-    fn from(error: finray_model::train::TrainError) -> Failure {
-        use finray_model::samples::SamplesError;
-        use finray_model::train::TrainError;
+impl From<finray_train::TrainError> for Failure {
+    fn from(error: finray_train::TrainError) -> Failure {
+        use finray_train::TrainError;
+        use finray_train::samples::SamplesError;
         match error {
             TrainError::Samples(SamplesError::Contacts(inner)) => inner.into(),
             TrainError::Recipe { .. } => bad_input(error),

@@ -31,7 +31,7 @@ impl TrainingBar {
     }
 
     /// Shows the losses of an epoch.
-    pub fn epoch(&self, epoch: finray_model::train::Epoch) {
+    pub fn epoch(&self, epoch: finray_train::Epoch) {
         self.0.set_position(epoch.number as u64);
         self.0.set_message(format!("loss {:.3e}, unseen {:.3e}", epoch.training_loss, epoch.validation_loss));
     }

@@ -6,8 +6,8 @@ use crate::commands::prelude::*;
 use finray_model::sensing::network::{Network, Scaling, TestError};
 use finray_model::sensing::{Contact, ContactQuestion};
 use finray_model::sensor::SensorContacts;
-use finray_model::train::{TrainingRecipe, train};
 use finray_studies::settings::CAMERA_NOISE_MM;
+use finray_train::{TrainingRecipe, train};
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\

@@ -41,6 +41,27 @@ fn a_file_gets_what_standard_output_gets() {
 }
 
 #[test]
+fn a_command_ends_with_what_was_done_and_where_it_is() {
+    let (folder, commands) = commands();
+    let out = folder.path("out.csv");
+    for command in commands {
+        let summary = run(&command, &[]).summary.expect("a last line");
+        assert!(!summary.contains("written to"), "{summary}");
+        let said = run(&command, &["--out", &out]).summary.expect("a last line");
+        assert!(said.starts_with(&format!("{summary}; written to {out}")) || command[0] == "map", "{said}");
+        let quiet = run(&command, &["--quiet", "--out", &out]);
+        assert_eq!((quiet.summary, quiet.err.as_str()), (None, ""));
+    }
+    let map =
+        finray(&["map", "--places", "4", "--step-deg", "90", "--force-n", "1", "--noise-mm", "0.02", "--out", &out]);
+    let svg = folder.path("out.svg");
+    assert_eq!(
+        map.summary.as_deref(),
+        Some(&*format!("done: 100 % of 3 cells trusted (error up to 10 %); written to {out}, {svg}"))
+    );
+}
+
+#[test]
 fn the_result_may_take_the_place_of_the_input() {
     let folder = Folder::new();
     let file = folder.put("file.csv", MEASURED);

@@ -18,7 +18,7 @@ pub use error::NetworkError;
 pub use estimator::NetworkEstimator;
 pub use fingerprint::{Fingerprint, NoFingerprint};
 pub use forward::Instructions;
-pub(crate) use prepared::ridge_gain;
+pub use prepared::ridge_gain;
 
 use error::require_shape;
 use nalgebra::DMatrix;

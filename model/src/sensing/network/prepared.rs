@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 /// Gain G (contacts x n, N/mm) of the ridge forces r = G x of the touching contacts: (C^T C + ridge^2)^-1 C^T. C has the columns of these contacts from the
 /// compliance (n x contacts, mm/N). Rows of other contacts are zero. `ridge` is the noise of a coordinate over the forces' standard deviation, mm/N.
-pub(crate) fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> DMatrix<f64> {
+pub fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> DMatrix<f64> {
     let those: Vec<usize> = (0..touching.len()).filter(|&i| touching[i]).collect();
     let inverse = Inverse::of(&compliance.select_columns(&those), ridge);
     let mut gain = DMatrix::zeros(compliance.ncols(), compliance.nrows());

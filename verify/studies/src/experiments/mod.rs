@@ -105,7 +105,7 @@ pub enum ExperimentError {
     /// A network cannot be trained.
     #[cfg(feature = "train")]
     #[error(transparent)]
-    Train(#[from] finray_model::train::TrainError),
+    Train(#[from] finray_train::TrainError),
     /// A shipped scene cannot be read.
     #[error("a scene that ships: {0}")]
     Scene(#[from] SceneError),

@@ -3,7 +3,7 @@
 use crate::experiments::table_two::contact_sets;
 use crate::prelude::*;
 use finray_model::finger::NodeId;
-use finray_model::train::TrainingRecipe;
+use finray_train::TrainingRecipe;
 
 /// Node of the tip; the paper's single contacts are the nodes after it.
 const TIP: usize = 13;

@@ -3,12 +3,12 @@
 use super::{Squares, fresh, noisy_shapes, sensed, squares, tiny, trained};
 use finray_model::compliance::Compliance;
 use finray_model::mesh::FingerShape;
-use finray_model::samples::{SampleRecipe, Samples};
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{ContactSet, Network, Scaling};
-use finray_model::train::TrainingRecipe;
 use finray_model::{Load, Mesh, NodeId, Vector, statics};
 use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, at_nodes, paper};
+use finray_train::TrainingRecipe;
+use finray_train::samples::{SampleRecipe, Samples};
 use nalgebra::{DMatrix, DVector};
 
 /// Tiny networks are measured at 1.2 to 1.6 times the Cramer-Rao bound; the rest is for other machines' rounding, which

@@ -10,16 +10,18 @@ mod descent;
 mod recipe;
 mod regression;
 
+pub mod samples;
+
 pub use descent::Epoch;
 pub use recipe::TrainingRecipe;
 
-use crate::finger::Finger;
 use crate::samples::{Samples, SamplesError, Stream};
-use crate::sensing::network::{
-    ContactSet, Dense, FORMAT, Fingerprint, Network, NetworkCard, NetworkError, Origin, TestError,
-};
 use cases::Cases;
 use descent::{Descent, LayerWeights, Weights};
+use finray_model::finger::Finger;
+use finray_model::sensing::network::{
+    ContactSet, Dense, FORMAT, Fingerprint, Network, NetworkCard, NetworkError, Origin, TestError,
+};
 use rand::RngExt;
 
 /// Reason why no network was trained.

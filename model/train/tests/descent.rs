@@ -1,10 +1,10 @@
 //! The course of a training: reproducible, stopped by patience, from least squares to the best weights.
 
 use super::{SINGLE_PRECISION, fresh, sensed, squares, tiny, trained, watched};
-use finray_model::samples::{Samples, Stream};
 use finray_model::sensing::network::Network;
-use finray_model::train::{Epoch, TrainingRecipe};
 use finray_tests::{CAMERA_NOISE_MM, paper};
+use finray_train::samples::{Samples, Stream};
+use finray_train::{Epoch, TrainingRecipe};
 use nalgebra::{DMatrix, DVector};
 
 /// The same recipe gives the same bytes on any number of threads, another seed others.

@@ -3,9 +3,9 @@
 use super::linear;
 use finray_model::Kinematics;
 use finray_model::mesh::LoadError;
-use finray_model::samples::{SampleRecipe, SamplesError, Stream};
 use finray_model::sensing::{Contact, SensingError};
 use finray_tests::{at_node, at_position, paper};
+use finray_train::samples::{SampleRecipe, SamplesError, Stream};
 
 /// A finger that carries none of the forces ends the draw with a message.
 #[test]

@@ -1,9 +1,9 @@
 //! Random forces and contacts of training samples.
 
 use super::{assert_normal, draw, linear};
-use finray_model::samples::{SampleRecipe, Stream};
 use finray_model::{Kinematics, NodeId};
 use finray_tests::{at_node, paper};
+use finray_train::samples::{SampleRecipe, Stream};
 use rand::Rng;
 use std::collections::{HashMap, HashSet};
 

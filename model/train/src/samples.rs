@@ -2,13 +2,13 @@
 //!
 //! Case i is drawn from stream i of the seed, so that samples do not depend on the number of threads.
 
-use crate::Kinematics;
-use crate::finger::{Finger, NodeId};
-use crate::frame::FrameLoad;
-use crate::measurement::Measurement;
-use crate::mesh::Mesh;
-use crate::sensing::{Contact, SensingError, check_contacts};
-use crate::statics::equilibria;
+use finray_model::Kinematics;
+use finray_model::finger::{Finger, NodeId};
+use finray_model::frame::FrameLoad;
+use finray_model::measurement::Measurement;
+use finray_model::mesh::Mesh;
+use finray_model::sensing::{Contact, SensingError, check_contacts};
+use finray_model::statics::equilibria;
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -268,7 +268,7 @@ impl Drawn {
     }
 
     /// Loads divided by the modulus factor bend this finger as the loads bend a finger of that modulus.
-    fn loads(&self, recipe: &SampleRecipe, mesh: &Mesh) -> Result<Vec<FrameLoad>, crate::mesh::LoadError> {
+    fn loads(&self, recipe: &SampleRecipe, mesh: &Mesh) -> Result<Vec<FrameLoad>, finray_model::mesh::LoadError> {
         let touching = (0..self.forces_n.len()).filter(|&i| self.touching[i]);
         let load = |i: usize| {
             let contact = Contact { angle_deg: self.angles_deg[i], ..recipe.contacts[i] };

@@ -2,8 +2,8 @@
 //! (`shapes`). Impossible requests are refused (`refusals`).
 
 use finray_model::Kinematics;
-use finray_model::samples::{SampleRecipe, Samples, Stream};
 use finray_tests::{STANDARD_ERRORS, at_node, paper};
+use finray_train::samples::{SampleRecipe, Samples, Stream};
 
 mod draws;
 mod refusals;

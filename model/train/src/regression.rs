@@ -1,7 +1,7 @@
 //! Principal directions of the training shapes, and the linear regression that starts the linear branch.
 
 use crate::samples::Samples;
-use crate::sensing::network::{Inputs, Scaling};
+use finray_model::sensing::network::{Inputs, Scaling};
 use nalgebra::{DMatrix, DVector};
 
 /// Directions whose standard deviation is below this share of the noise carry no information.

@@ -3,11 +3,11 @@
 use super::{assert_normal, draw, linear};
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::samples::SampleRecipe;
 use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior};
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{STANDARD_ERRORS, at_node, at_position, largest, paper};
+use finray_train::samples::SampleRecipe;
 
 /// The ladder against the general sparse path, as a share of the largest displacement.
 const BETWEEN_PATHS: f64 = 1e-8;

@@ -1,13 +1,13 @@
 //! Training of tiny networks within a second. They sense nearly as well as noise allows and state their accuracy correctly (`accuracy`), descend
-//! as configured (`descent`), and follow their recipe (`recipe`).
+//! as configured (`descent`), and follow their recipe (`recipe`). Load cases are drawn in `samples`.
 
 use finray_model::measurement::Measurement;
-use finray_model::samples::{SampleRecipe, Samples, Stream};
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, NetworkEstimator};
-use finray_model::train::{Epoch, TrainingRecipe, train};
 use finray_model::{Kinematics, Mesh, NodeId, statics};
 use finray_tests::{CAMERA_NOISE_MM, at_nodes, paper};
+use finray_train::samples::{SampleRecipe, Samples, Stream};
+use finray_train::{Epoch, TrainingRecipe, train};
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -16,6 +16,7 @@ use rand_distr::StandardNormal;
 mod accuracy;
 mod descent;
 mod recipe;
+mod samples;
 
 /// Seed of the samples that networks are tested on; they are trained on others.
 const FRESH_SEED: u64 = 99;

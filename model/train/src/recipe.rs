@@ -1,11 +1,11 @@
 //! Recipe of a network: training samples, architecture and schedule.
 
 use super::TrainError;
-use crate::Kinematics;
-use crate::finger::Finger;
 use crate::samples::{SampleRecipe, SamplesError};
-use crate::sensing::Contact;
-use crate::sensing::network::Scaling;
+use finray_model::Kinematics;
+use finray_model::finger::Finger;
+use finray_model::sensing::Contact;
+use finray_model::sensing::network::Scaling;
 
 /// Training cases per validation case, also per test case; and the largest number of each.
 const HELD_OUT_SHARE: usize = 5;

@@ -1,12 +1,12 @@
 //! The training recipe on a network's card, and recipes that are refused.
 
 use super::{fresh, sensed, tiny, trained};
-use finray_model::samples::SamplesError;
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::{ContactSet, Scaling};
-use finray_model::train::{TrainError, TrainingRecipe, train};
 use finray_model::{Kinematics, NodeId};
 use finray_tests::{CAMERA_NOISE_MM, at_nodes, paper};
+use finray_train::samples::SamplesError;
+use finray_train::{TrainError, TrainingRecipe, train};
 
 /// The card has the recipe; markers that are hidden twice, or clamped, are hidden once.
 #[test]

@@ -1,8 +1,8 @@
 //! Ridge forces on the linear finger for any subset of contacts, the start of a network for subsets.
 
-use crate::compliance::Compliance;
 use crate::samples::Samples;
-use crate::sensing::network::ridge_gain;
+use finray_model::compliance::Compliance;
+use finray_model::sensing::network::ridge_gain;
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 

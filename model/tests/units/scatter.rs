@@ -1,0 +1,110 @@
+//! Tests of private items of `calibration::views::scatter`.
+
+use super::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Combinations with standard deviation `noise` and values in multiples of it.
+fn scatter(noise: f64, values: &[f64]) -> Scatter {
+    let precision = 1.0 / (noise * noise);
+    let combination = |value: &f64| Combination { precision, seen: precision * noise * value, carried: vec![0.0] };
+    Scatter {
+        combinations: values.iter().map(combination).collect(),
+        of_parameters: vec![0.0],
+        of_markers: vec![noise * noise],
+    }
+}
+
+/// Balanced one-way random effects: mean square minus the variance within groups, and zero instead of a negative value (Searle, Casella and McCulloch,
+/// Variance Components, 1992, sec. 3.8).
+#[test]
+fn a_balanced_variance_component_has_its_closed_form() {
+    let noise = 0.01;
+    for values in [vec![3.0, -2.0, 1.0, -2.0], vec![1.1, -0.9, 1.2, -0.9], vec![0.5, -0.2, 0.4, 0.1]] {
+        let mean_square = noise * noise * values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64;
+        let closed = (mean_square - noise * noise).max(0.0).sqrt();
+        let found = scatter(noise, &values).most_likely().unwrap();
+        assert!((found - closed).abs() < 1e-9, "{found} for {closed}");
+    }
+}
+
+/// Images show each force with relative noise `noise`, up to a common factor.
+#[test]
+fn normal_equations_show_differences_of_forces() {
+    let (noise, off) = (0.01_f64, [0.03, -0.01, 0.02, 0.0]);
+    let forces = off.len();
+    // Rows (factor + force) / noise, with zero residual at a factor of 0.
+    let by = DMatrix::from_fn(forces, 1 + forces, |i, j| if j == 0 || j == 1 + i { 1.0 / noise } else { 0.0 });
+    let new =
+        NewImage { by_shared: DVector::from_element(1, -1.0), variance: noise * noise, of_markers: noise * noise };
+    let (off, none) = (DVector::from_row_slice(&off), DVector::zeros(1 + forces));
+    let found = Scatter::new(&by.tr_mul(&by), &none, 1, &off, &[new]).unwrap();
+    // Sample variance of four values about their mean.
+    let variance = off.map(|value| (value - off.mean()).powi(2)).sum() / 3.0;
+    let closed = (variance - noise * noise).sqrt();
+    assert!((found.most_likely().unwrap() / closed - 1.0).abs() < 1e-6, "{found:?}");
+    // The common factor adds a quarter of one force's variance to that of a new force.
+    assert!((found.of_finger(0, 1.0) - 0.25).abs() < 1e-3, "{found:?}");
+    assert!((found.of_parameters[0] - noise * noise / 4.0).abs() < 1e-9, "{found:?}");
+}
+
+/// Without noise an interval is Student's t: 2.571 and 2.228 standard deviations for 5 and 10 degrees of freedom (Abramowitz and Stegun, table
+/// 26.10).
+#[test]
+fn few_forces_leave_the_scatter_open_as_students_t_has_it() {
+    for (degrees_of_freedom, point) in [(5, 2.5706), (10, 2.2281)] {
+        let many = scatter(1e-6, &vec![1e4; degrees_of_freedom]);
+        let found = many.of_new(f64::NAN).share;
+        assert!((found / 0.01 * 1.959_964 / point - 1.0).abs() < 1e-4, "{found}");
+    }
+}
+
+/// Ten forces, some of which images show ten times as well as others, over many draws. 95 % intervals of a new force hold it in 91 to 98.5 %, for scatter
+/// of zero, near the noise, and far above it.
+#[test]
+fn intervals_hold_whatever_the_scatter() {
+    const DRAWS: usize = 200;
+    let chance = &mut ChaCha8Rng::seed_from_u64(1);
+    for true_scatter in [0.0_f64, 3e-4, 8e-4, 3e-3] {
+        let mut within = 0.0;
+        for _ in 0..DRAWS {
+            let combinations = (0..9).map(|_| {
+                let noise = 2.5e-4 * 10.0_f64.powf(chance.random());
+                let normal: f64 = StandardNormal.sample(chance);
+                let precision = noise.powi(-2);
+                Combination { precision, seen: precision * noise.hypot(true_scatter) * normal, carried: vec![0.0] }
+            });
+            let combinations = combinations.collect();
+            let found = Scatter { combinations, of_parameters: vec![0.0], of_markers: vec![1.0] }.of_new_force();
+            let noise = 2.5e-4 * 4.0_f64.powf(chance.random());
+            let stated = found.expect("nine differences").hypot(noise);
+            within += (1.0 - erfc(TWO_SIDED_95 * stated / (2.0_f64.sqrt() * true_scatter.hypot(noise)))) / DRAWS as f64;
+        }
+        assert!((0.91..0.985).contains(&within), "{within} of {true_scatter}");
+    }
+}
+
+#[test]
+fn one_force_has_nothing_to_be_compared_with() {
+    let one = scatter(1e3, &[1.0]);
+    assert_eq!((one.most_likely(), one.of_new(0.01)), (None, AddedForceError { share: 0.01, of_markers: 0.0 }));
+}
+
+/// Variances of two parts are split correctly. Variances that are equal, or fall with noise, have no part that grows with it.
+#[test]
+fn what_grows_with_noise_is_told_from_a_share_of_the_force() {
+    let noise = [1e-4, 4e-4, 9e-4, 16e-4];
+    let both = noise.map(|noise| 2e-6 + 0.05 * noise);
+    let [of_all, of_noise] = shares(&both, &noise);
+    assert!((of_all / 2e-6 - 1.0).abs() < 0.01 && (of_noise / 0.05 - 1.0).abs() < 0.01, "{of_all} {of_noise}");
+    for alike in [[3e-6; 4], [4e-6, 3e-6, 2e-6, 1e-6]] {
+        let [of_all, of_noise] = shares(&alike, &noise);
+        let mean = alike.iter().sum::<f64>() / 4.0;
+        assert!((of_all / mean - 1.0).abs() < 0.05 && of_noise * noise[3] < 0.05 * of_all, "{of_all} {of_noise}");
+    }
+    // Equal noise in all images does not separate the parts.
+    let [of_all, of_noise] = shares(&[3e-6; 4], &[1e-4; 4]);
+    assert!((of_all / 1.5e-6 - 1.0).abs() < 1e-9 && (of_noise / 1.5e-2 - 1.0).abs() < 1e-9, "{of_all} {of_noise}");
+    assert_eq!(shares(&[0.0; 4], &noise), [0.0; 2]);
+}
