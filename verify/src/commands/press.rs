@@ -53,7 +53,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             return Err(bad_input("--shape: expected a file, found -: standard output takes the forces"));
         }
         if *shape == arguments.out || *shape == figure_path(&arguments.out) {
-            return Err(bad_input("expected different files for --shape and --out (or the figure beside it), found one"));
+            return Err(bad_input(
+                "expected different files for --shape and --out (or the figure beside it), found one",
+            ));
         }
     }
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
