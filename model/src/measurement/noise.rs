@@ -34,7 +34,7 @@ pub enum DisplacementNoise {
 
 /// The covariance of the displacements has no inverse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("expected noise of the displacements above zero, found zero")]
+#[error("expected noise of the displacements above zero")]
 pub struct NoNoise;
 
 impl DisplacementNoise {
