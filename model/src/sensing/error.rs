@@ -66,8 +66,8 @@ pub enum SensingError {
     },
     /// A requested position, direction or force is not identifiable.
     #[error(
-        "not identifiable: {what} of contact {contact} is only known to {sigma:.2} {unit} (one standard deviation); state it, reduce the noise, or \
-         measure more nodes"
+        "not identifiable: {what} of contact {contact} is only known to {sigma:.2} {unit} (one standard deviation); reduce the noise, \
+         measure more nodes, or state position and direction"
     )]
     Undetermined {
         /// Name of the quantity: "the position", "the direction" or "the force".
