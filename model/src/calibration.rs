@@ -49,18 +49,23 @@ pub enum CalibrationError {
     #[error(transparent)]
     Statics(#[from] StaticsError),
     /// No load moves any measured node.
-    #[error("not identifiable: no load of the measurements moves a measured node")]
+    #[error(
+        "not identifiable: no load of the measurements moves a measured node; measure nodes that the load displaces"
+    )]
     NothingMoves,
     /// The measured nodes move against the loads.
     #[error(
-        "the measured nodes do not move with the loads (best compliance factor {compliance_factor:.3e}): are signs and units right?"
+        "the measured nodes do not move with the loads: measured over computed displacement is {compliance_factor:.3e}, expected above zero; check \
+         signs, units and node numbers"
     )]
     WrongWay {
         /// Ratio of measured to computed displacement, dimensionless.
         compliance_factor: f64,
     },
     /// There are fewer measured coordinates than needed.
-    #[error("not identifiable: {coordinates} measured coordinates are too few for {unknowns} unknown factors")]
+    #[error(
+        "not identifiable: {coordinates} measured coordinates are too few for {unknowns} unknown factors; measure more nodes"
+    )]
     TooFewMarkers {
         /// Number of unknown factors.
         unknowns: usize,
@@ -68,7 +73,9 @@ pub enum CalibrationError {
         coordinates: usize,
     },
     /// There are fewer views with a measured force than needed.
-    #[error("not identifiable: {views} images with a measured force are too few for {unknowns} unknowns")]
+    #[error(
+        "not identifiable: {views} images with a measured force are too few for {unknowns} unknowns; measure more forces"
+    )]
     TooFewViews {
         /// Number of views.
         views: usize,
@@ -76,15 +83,16 @@ pub enum CalibrationError {
         unknowns: usize,
     },
     /// The data do not determine some parameters.
-    #[error("not identifiable: the measurements do not determine {parameters}")]
+    #[error(
+        "not identifiable: the measurements do not determine {parameters}; leave it out of the fit, or add measurements that depend on it"
+    )]
     NotIdentifiable {
         /// Names of the parameters, separated by commas.
         parameters: String,
     },
     /// The data determine only a combination of some parameters.
     #[error(
-        "not identifiable: the measurements do not separate {parameters}: leave one of them as the scene has it, or load \
-         other nodes"
+        "not identifiable: the measurements do not separate {parameters}; keep the scene's value of one of them, or load other nodes"
     )]
     NotSeparable {
         /// Names of the parameters, separated by commas.
@@ -92,8 +100,8 @@ pub enum CalibrationError {
     },
     /// Measured forces imply a friction angle of 90 degrees or more, or friction that builds up beyond the largest measured force.
     #[error(
-        "friction is not identifiable: it would build up over {build_up_n:.3} N to a lean of {angle_deg:.1} degrees from the normal; expected less than 90 \
-         degrees, and no more than the largest force that was measured, {largest_n:.3} N: measure larger forces, check signs, or seek one coefficient (friction)"
+        "friction is not identifiable: it would build up over {build_up_n:.3} N to an angle of {angle_deg:.1} degrees from the normal, expected at \
+         most the largest measured force, {largest_n:.3} N, and less than 90 degrees; check signs, measure larger forces, or use --fit friction"
     )]
     FrictionLimit {
         /// Lean of a sliding force from the normal, degrees.
@@ -104,9 +112,7 @@ pub enum CalibrationError {
         largest_n: f64,
     },
     /// The search finds no minimum.
-    #[error(
-        "no factors were found for which measured and computed nodes are closest: do loads and units fit the finger?"
-    )]
+    #[error("the fit does not converge: check that loads, units and node numbers belong to the finger of the scene")]
     NoMinimum,
     /// A view cannot be used, or contradicts the others.
     #[error("{name}: {error}")]
@@ -118,8 +124,8 @@ pub enum CalibrationError {
     },
     /// Measured forces differ by a large common factor from the forces that bend the scene's finger as the views show.
     #[error(
-        "measured forces are {times:.3} times (median) those under which the finger of the scene bends as the images show: check their unit (N), sign \
-         and frame; if these are right, begin from a scene whose moduli are nearer to the finger's"
+        "measured forces are {times:.3} times (median) the forces that bend the scene's finger as the images show, expected about 1: a negative \
+         ratio means a wrong sign or frame, any other a wrong unit (N) or wrong moduli in the scene"
     )]
     ForceScale {
         /// Median ratio of measured forces to forces estimated from markers, dimensionless.
@@ -127,8 +133,8 @@ pub enum CalibrationError {
     },
     /// Measured forces and forces that the views show lean to opposite sides of the normal.
     #[error(
-        "measured forces scatter by {:.1} % about those that the images show, and by {:.1} % if each leans as much to the other side of the plate's normal: \
-         check the sign of fx_n and fy_n and their frame, that of the camera's pose",
+        "measured forces scatter by {:.1} % about the forces that the images show, but only by {:.1} % with the opposite angle from the plate's \
+         normal: check the sign of fx_n and fy_n, and their frame (that of the camera's pose)",
         100.0 * scatter,
         100.0 * mirrored
     )]

@@ -43,10 +43,10 @@ pub enum ViewError {
     #[error("is behind the camera")]
     Behind,
     /// The distortion model folds the image closer to the axis than the point, so that two points share a pixel.
-    #[error("is where the lens's distortion folds the image")]
+    #[error("lies where the distortion of the lens folds the image")]
     Folded,
     /// The angle between ray and plane is below one degree, or the ray does not meet the plane.
-    #[error("is seen along the plane of the finger")]
+    #[error("is on a line of sight parallel to the finger's plane")]
     Grazing,
 }
 

@@ -60,7 +60,7 @@ pub type SharedError = Vec<Vector>;
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum MeasurementError {
     /// The finger has no such node.
-    #[error("node {node} does not exist: the finger has the key nodes 1 to {key_nodes}")]
+    #[error("node {node} does not exist: the finger has nodes 1 to {key_nodes}")]
     UnknownNode {
         /// The node that does not exist.
         node: NodeId,
@@ -81,14 +81,14 @@ pub enum MeasurementError {
     },
     /// Nodes at one point of a plate have different displacements.
     #[error(
-        "node {node} is at the same point of the plate as another node listed, which has moved differently: list one of them"
+        "node {node} shares its point of the plate with another listed node, but has another displacement: list one of the two"
     )]
     SharedMoves {
         /// The second of the two nodes.
         node: NodeId,
     },
     /// A clamped node has a displacement.
-    #[error("node {node} is clamped, so its displacement must be zero: are the rows numbered in another way?")]
+    #[error("node {node} is clamped, so its displacement must be zero: check the node numbers of the rows")]
     ClampedMoves {
         /// The clamped node.
         node: NodeId,

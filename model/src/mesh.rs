@@ -24,7 +24,7 @@ const NORMALS: usize = 5;
 
 /// The requested number of mesh nodes is too small or too large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("expected {fewest} (the key nodes alone) to {MOST_NODES} mesh nodes, found {found}")]
+#[error("expected {fewest} (one element a member) to {MOST_NODES} mesh nodes, found {found}")]
 pub struct MeshSizeError {
     /// Number of nodes of the coarsest mesh of this finger.
     pub fewest: usize,

@@ -80,7 +80,9 @@ pub enum ObservationError {
     #[error("standard deviations of the base: expected zero or more")]
     Base,
     /// Neither the markers nor the scene state a standard deviation.
-    #[error("no standard deviation of the markers is known")]
+    #[error(
+        "the standard deviation of the markers is unknown: expected it for each marker, or noise_mm in the table camera of the scene"
+    )]
     NoNoise,
 }
 
@@ -106,7 +108,7 @@ pub enum MarkerError {
     },
     /// A marker on a clamped node moved farther than noise explains.
     #[error(
-        "node {node} is clamped, so its displacement must be zero but for noise: found {moved_mm:.3} mm, more than {largest_mm:.3} mm; are the \
+        "node {node} is clamped, so its displacement must be zero within noise: found {moved_mm:.3} mm, expected at most {largest_mm:.3} mm; are the \
          nodes numbered as in the scene, from the back base over the tip to the front base?"
     )]
     ClampedMoves {

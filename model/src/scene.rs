@@ -105,7 +105,7 @@ impl Scene {
         let grasp = top.optional_table(&GRASP)?.map(|table| grasp::read_grasp(&table, gripper.as_ref())).transpose()?;
         if finger.tapers(Plate::Front) && (touched.is_some() || object.is_some() || grasp.is_some()) {
             let tip = FRONT.tip_thickness_mm.path();
-            let message = format!("{tip}: expected a front plate of one thickness where an object touches it");
+            let message = format!("{tip}: expected a front plate of constant thickness where an object touches it");
             return Err(SceneError { line: document.line_of(&tip), message });
         }
         Ok(Scene {
@@ -207,8 +207,8 @@ fn read_assembly(table: &TableReader, ribs: usize) -> Result<AssemblyErrors, Sce
     let rows = table.optional(&ASSEMBLY.errors)?.unwrap_or_default();
     let error = |row: &Vec<f64>| {
         UnloadedError::from_row(row, ribs).ok_or_else(|| {
-            let expected = format!("rows of {} numbers, as of {ribs} ribs", UnloadedError::row_length(ribs));
-            table.wrong(ASSEMBLY.errors.name, &expected, &format!("one of {}", row.len()))
+            let expected = format!("rows of {} numbers for {ribs} ribs", UnloadedError::row_length(ribs));
+            table.wrong(ASSEMBLY.errors.name, &expected, &format!("a row of {}", row.len()))
         })
     };
     Ok(AssemblyErrors {

@@ -129,19 +129,18 @@ impl std::fmt::Display for SensorWarning {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         let SensorWarning::Model { warning, is_linear } = self else {
             return f.write_str(
-                "as many unknowns as measured coordinates leave no residual to estimate the noise from; give --noise-mm for a finite sigma_n",
+                "sigma_n is infinite, because as many unknowns as measured coordinates leave no residual to estimate the noise from; state it \
+                 (--noise-mm)",
             );
         };
         let advice = match warning {
-            Warning::UnknownLinearisation => "sigma_n does not hold it",
-            _ if *is_linear => {
-                "sigma_n holds the error of linearisation; --estimator nonlinear does without linearisation, where it answers"
-            }
+            Warning::UnknownLinearisation => "sigma_n does not include it",
+            _ if *is_linear => "sigma_n includes the error of linearisation, which --estimator nonlinear avoids",
             Warning::Residual(_) => {
-                "sigma_n rests on the residual and does not hold what a wrong model does; check the contacts, their directions, the \
-                 finger's dimensions and the noise"
+                "sigma_n follows from the residual and does not include errors of a wrong model; check the contacts, their directions, the finger's \
+                 dimensions and the stated noise"
             }
-            _ => "sigma_n holds that error",
+            _ => "sigma_n includes this error",
         };
         write!(f, "{warning}; {advice}")
     }
@@ -158,7 +157,7 @@ pub enum Refusal {
     Estimator(#[from] EstimatorError),
     /// A force is infinite or not a number.
     #[error(
-        "not identifiable: a force at contact {contact} hardly moves the measured nodes, or the displacements are not those of a finger in mm"
+        "not identifiable: a force at contact {contact} hardly moves the measured nodes; measure others, and check that displacements are in mm"
     )]
     NotFinite {
         /// Position of the contact in the list, counted from 1.

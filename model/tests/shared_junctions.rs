@@ -271,7 +271,7 @@ fn what_cannot_share_a_junction_is_refused_by_its_key() {
         assert!(error.starts_with("finger.ribs.positions_mm: ") && error.contains(words), "{error}");
     }
     let brackets = refused(&|d| d.ribs.bracket_mm = BracketLengths::Alike([2.0, 2.0]));
-    assert!(brackets.starts_with("finger.ribs.bracket_mm: expected none where"), "{brackets}");
+    assert!(brackets.starts_with("finger.ribs.bracket_mm: expected no brackets where"), "{brackets}");
     let rigid = refused(&|d| d.ribs.strip = None);
-    assert!(rigid.starts_with("finger.ribs.rigid: expected ribs that deform where"), "{rigid}");
+    assert!(rigid.starts_with("finger.ribs.rigid: expected false where"), "{rigid}");
 }

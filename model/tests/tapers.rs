@@ -146,6 +146,9 @@ fn objects_on_a_tapered_front_plate_are_refused() {
         "\n[object]\nshape = \"box\"\nwidth_mm = 40.0\nheight_mm = 20.0\nat_mm = 76.5\ntravel_mm = 12.0\nsteps = 6\n";
     scene("thickness_mm = 1.5", "count = 11", object).expect("one thickness");
     let refused = scene("thickness_mm = 1.5\ntip_thickness_mm = 1.0", "count = 11", object).expect_err("a taper");
-    assert!(refused.message.starts_with("finger.front.tip_thickness_mm: expected a front plate of one"), "{refused}");
+    assert!(
+        refused.message.starts_with("finger.front.tip_thickness_mm: expected a front plate of constant"),
+        "{refused}"
+    );
     assert!(scene("thickness_mm = 1.5\ntip_thickness_mm = 0.0", "count = 11", "").is_err());
 }

@@ -49,7 +49,7 @@ pub enum LensFitError {
     #[error("expected at least one image of a grid")]
     NoView,
     /// An image shows too few dots.
-    #[error("image {image} shows {found} dots of the grid, of which at least {LEAST_POINTS} are needed")]
+    #[error("image {image} shows {found} dots of the grid, expected at least {LEAST_POINTS}")]
     TooFew {
         /// Number of the image, from 1.
         image: usize,
@@ -65,10 +65,10 @@ pub enum LensFitError {
         reason: PlanePoseError,
     },
     /// The fitted parameters are not a valid lens.
-    #[error("no lens of this kind fits the dots: {0}")]
+    #[error("no lens with Brown-Conrady distortion fits the dots: {0}")]
     Impossible(#[from] ImpossibleLens),
     /// The search found no minimum.
-    #[error("no lens of this kind fits the dots")]
+    #[error("no lens with Brown-Conrady distortion fits the dots: check that each image shows one plane grid")]
     NotFound,
 }
 

@@ -35,10 +35,10 @@ pub enum PlanePoseError {
     #[error("a pose needs points that do not lie on one line")]
     OnALine,
     /// A pixel lies beyond the fold of the lens's distortion.
-    #[error("a pixel lies where the lens's distortion folds the image")]
+    #[error("a pixel lies where the distortion of the lens folds the image")]
     Folded,
     /// No pose projects the points to their pixels.
-    #[error("no pose puts the points where they are seen")]
+    #[error("no pose of the camera projects the points onto their pixels")]
     NotFound,
 }
 

@@ -63,7 +63,9 @@ pub(super) fn place_tip(d: &FingerDescription) -> Result<Vector, ImpossibleFinge
     let area = 0.25 * ((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))).sqrt();
     let (front, back) = (d.front_length_mm, d.back_length_mm);
     let tip = Vector::new(2.0 * area / d.base_width_mm, (back - front) * (back + front) / (2.0 * d.base_width_mm));
-    require(tip.iter().all(|x| x.is_finite()), &longest, || "expected lengths of a finger in mm".to_owned())?;
+    require(tip.iter().all(|x| x.is_finite()), &longest, || {
+        "expected a smaller length in mm: the position of the tip overflows".to_owned()
+    })?;
     Ok(tip)
 }
 
@@ -140,9 +142,9 @@ pub(super) fn check_zones(d: &FingerDescription) -> Result<(), ImpossibleFinger>
 fn check_shared_junctions(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let shared = "where ribs share a junction or end in a corner of the base";
     let refused = finger.has_shared_junctions();
-    require(!(refused && finger.has_brackets()), &RIBS.bracket_mm.path(), || format!("expected none {shared}"))?;
+    require(!(refused && finger.has_brackets()), &RIBS.bracket_mm.path(), || format!("expected no brackets {shared}"))?;
     let is_rigid = finger.description.ribs.strip.is_none();
-    require(!(refused && is_rigid), &RIBS.rigid.path(), || format!("expected ribs that deform {shared}"))
+    require(!(refused && is_rigid), &RIBS.rigid.path(), || format!("expected false {shared}"))
 }
 
 /// Checks that rods, clips and rigid ends leave part of each member to bend, and that brackets leave room for each rib.
@@ -176,7 +178,7 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
             };
             require(arms_mm[0] + arms_mm[1] < length_mm * (1.0 - SMALLEST_SPACING), &key, || {
                 format!(
-                    "expected clips and rigid ends that leave some of each member of the {name} plate to bend, found {:?} of {length_mm:?} mm rigid",
+                    "expected clips and rigid ends shorter than each member of the {name} plate, found {:?} mm in a member of {length_mm:?} mm",
                     arms_mm[0] + arms_mm[1]
                 )
             })?;
@@ -200,8 +202,7 @@ fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
             let distance_mm = (finger.hinge(hinge) - finger.base(plate)).dot(&finger.inward(plate));
             require(distance_mm * (1.0 - SMALLEST_SPACING) > other_mm, &key, || {
                 format!(
-                    "expected brackets that leave room for rib {} between them, found {brackets_mm:?} on front and back \
-                     plate",
+                    "expected brackets shorter than the gap between the plates at rib {}, found {brackets_mm:?} mm on front and back plate",
                     rib + 1
                 )
             })?;

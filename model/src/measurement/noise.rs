@@ -34,7 +34,7 @@ pub enum DisplacementNoise {
 
 /// The covariance of the displacements has no inverse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the noise of the displacements must be positive")]
+#[error("expected noise of the displacements above zero")]
 pub struct NoNoise;
 
 impl DisplacementNoise {

@@ -40,7 +40,7 @@ impl Load {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum LoadError {
     /// The node does not exist.
-    #[error("node {node} does not exist: the finger has the key nodes 1 to {key_nodes}")]
+    #[error("node {node} does not exist: the finger has nodes 1 to {key_nodes}")]
     NodeMissing {
         /// The requested node.
         node: NodeId,

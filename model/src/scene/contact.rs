@@ -65,7 +65,8 @@ fn read_lean(table: &TableReader, from: Normal) -> Result<Option<Lean>, SceneErr
         (None, None) => {
             return match table.first_of(&[CONTACT.friction_sigma.name, CONTACT.friction_build_up_n.name]) {
                 Some(name) => {
-                    let expected = format!("a coefficient of friction (or friction_range), as `{name}` is there");
+                    let expected =
+                        format!("a coefficient of friction (or friction_range), because the table has `{name}`");
                     Err(table.missing(CONTACT.friction.name, &expected))
                 }
                 None => Ok(None),
@@ -80,7 +81,7 @@ fn read_normal(table: &TableReader) -> Result<Normal, SceneError> {
     match table.word(&CONTACT.normal, [true, false])? {
         true => Ok(Normal::Deformed { over_mm }),
         false if table.has(&CONTACT.normal_over_mm) => {
-            let expected = "nothing: an undeformed plate has one normal";
+            let expected = "no value with normal = \"undeformed\", which is not averaged";
             Err(table.wrong(CONTACT.normal_over_mm.name, expected, &format!("{over_mm:?}")))
         }
         false => Ok(Normal::Undeformed),

@@ -52,7 +52,7 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
     };
     let motor_deg = table.get(&GRASP.motor_deg)?;
     if motor_deg[0] == motor_deg[1] {
-        return Err(table.wrong(GRASP.motor_deg.name, "two different motor angles", "the same twice"));
+        return Err(table.wrong(GRASP.motor_deg.name, "two different motor angles", "the same angle twice"));
     }
     let [least_deg, most_deg] = gripper.reach_deg();
     if let Some(beyond) = motor_deg.iter().find(|angle| gripper.pose(**angle).is_none()) {
@@ -62,13 +62,13 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
     let until_force_n = table.optional(&GRASP.until_force_n)?;
     let holds = table.is_true(&GRASP.hold)?;
     if holds && until_force_n.is_none() {
-        return Err(table.wrong(GRASP.hold.name, "it together with until_force_n", "it alone"));
+        return Err(table.wrong(GRASP.hold.name, "until_force_n in the same table", "none"));
     }
     let path_mm = table.optional(&GRASP.path_mm)?.unwrap_or_default();
     let step_deg = table.get(&GRASP.step_deg)?;
     let most_steps = GRASP.path_steps.kind.2;
     if (motor_deg[1] - motor_deg[0]).abs() / step_deg > most_steps as f64 {
-        let expected = format!("a motor angle that makes at most {most_steps} steps of motor_deg");
+        let expected = format!("an angle that divides the range of motor_deg into at most {most_steps} steps");
         return Err(table.wrong(GRASP.step_deg.name, &expected, &format!("{step_deg:?}")));
     }
     let gravity_m_s2 = table.get(&GRASP.gravity_m_s2)?;
@@ -78,15 +78,15 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
         false => Some(Support::Rails),
     };
     if support.is_some() && gravity_m_s2 == [0.0; 2] {
-        return Err(table.wrong(GRASP.support.name, "a gravity that puts the object on its support", "none"));
+        return Err(table.wrong(GRASP.support.name, "a gravity_m_s2 that presses the object onto its support", "none"));
     }
     let frames_per_s = table.optional(&GRASP.frames_per_s)?;
     if frames_per_s.is_some() && table.has(&GRASP.step_deg) {
-        return Err(table.wrong(GRASP.step_deg.name, "either it or frames_per_s", "both"));
+        return Err(table.wrong(GRASP.step_deg.name, "either step_deg or frames_per_s", "both"));
     }
     let delay_frames = table.get(&GRASP.delay_frames)?;
     if delay_frames > 0 && frames_per_s.is_none() {
-        return Err(table.wrong(GRASP.delay_frames.name, "it together with frames_per_s", "it alone"));
+        return Err(table.wrong(GRASP.delay_frames.name, "frames_per_s in the same table", "none"));
     }
     Ok(GraspDescription {
         motor_deg,

@@ -106,7 +106,7 @@ fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, Sce
     if table.has(&OBJECT.mass_g) || table.has(&OBJECT.centre_mm) {
         let hand = [&press[..], &[OBJECT.path_mm.name, OBJECT.steps.name]].concat();
         if let Some(name) = table.first_of(&hand) {
-            return Err(table.not_of(name, "an object with mass_g and centre_mm, which is free,"));
+            return Err(table.not_of(name, "a free object (mass_g, centre_mm)"));
         }
         let centre_mm = table.get(&OBJECT.centre_mm)?.into();
         return Ok(ObjectMotion::Free { mass_g: table.get(&OBJECT.mass_g)?, centre_mm });

@@ -209,6 +209,6 @@ impl<'d, 't> TableReader<'d, 't> {
 
     /// The error for a value that has no meaning beside another key.
     pub(super) fn not_of(&self, name: &str, whose: &str) -> SceneError {
-        self.wrong(name, "nothing", &format!("a value that {whose} does not have"))
+        self.wrong(name, "nothing", &format!("a key that {whose} does not have"))
     }
 }

@@ -58,7 +58,7 @@ pub(super) fn read_touched(table: &TableReader) -> Result<TouchedDescription, Sc
     let place = match (table.optional(&TOUCHED.pose_mm)?, table.first_of(&of_pose)) {
         (Some(pose_mm), _) => Some(read_place(table, &shape, pose_mm)?),
         (None, Some(name)) => {
-            return Err(table.missing(TOUCHED.pose_mm.name, &format!("[x, y] in mm, as `{name}` is there")));
+            return Err(table.missing(TOUCHED.pose_mm.name, &format!("[x, y] in mm, because the table has `{name}`")));
         }
         (None, None) => None,
     };

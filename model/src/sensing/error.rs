@@ -27,11 +27,11 @@ pub enum SensingError {
     },
     /// No finger within the errors of the scene's table `assembly` explains the measurement.
     #[error(
-        "no finger that differs from the scene's by the errors of its table assembly explains the measurement: expected smaller errors, or another scene"
+        "no finger within the errors of the scene's table assembly explains the measurement: reduce these errors, or correct the finger in the scene"
     )]
     NoSuchFinger,
     /// No contact is given.
-    #[error("no contact was given: nothing to estimate")]
+    #[error("expected at least one contact, found none")]
     NoContact,
     /// Two contacts have the same position and direction.
     #[error("contacts {first} and {second} have the same position and direction: their forces are not identifiable")]
@@ -42,7 +42,9 @@ pub enum SensingError {
         second: usize,
     },
     /// There are more unknowns than measured coordinates.
-    #[error("not identifiable: {unknowns} unknown forces, but only {coordinates} measured coordinates")]
+    #[error(
+        "not identifiable: {unknowns} unknown forces, but only {coordinates} measured coordinates; measure more nodes, or state fewer contacts"
+    )]
     TooFewMarkers {
         /// Number of unknown forces.
         unknowns: usize,
@@ -51,8 +53,8 @@ pub enum SensingError {
     },
     /// The data hardly change with some combination of the unknowns.
     #[error(
-        "not identifiable: the scaled singular values span {span:.1e}, more than {limit:.0e}: the measured nodes do \
-         not determine the forces (contact {weakest} least)"
+        "not identifiable: the scaled singular values span {span:.1e}, expected at most {limit:.0e}: the measured nodes do not determine the forces \
+         (contact {weakest} least); take neighbouring contacts as one"
     )]
     IllConditioned {
         /// Ratio of largest to smallest scaled singular value, dimensionless.
@@ -64,7 +66,8 @@ pub enum SensingError {
     },
     /// A requested position, direction or force is not identifiable.
     #[error(
-        "not identifiable: {what} of contact {contact} is only known to {sigma:.2} {unit} (one standard deviation)"
+        "not identifiable: {what} of contact {contact} is only known to {sigma:.2} {unit} (one standard deviation); reduce the noise, \
+         measure more nodes, or state position and direction"
     )]
     Undetermined {
         /// Name of the quantity: "the position", "the direction" or "the force".
@@ -78,7 +81,8 @@ pub enum SensingError {
     },
     /// Two different answers explain the data equally well.
     #[error(
-        "not identifiable: {force_n:.3} N and {other_n:.3} N at contact {contact} explain the measurement equally well"
+        "not identifiable: {force_n:.3} N and {other_n:.3} N at contact {contact} explain the measurement equally well; state the position or \
+         direction, or measure more nodes"
     )]
     Ambiguous {
         /// Position of the contact in the list, from 1.
@@ -90,14 +94,14 @@ pub enum SensingError {
     },
     /// An answer from few markers is far from the linear one, and only one start of the search leads to it.
     #[error(
-        "not identifiable: forces that explain the measurement are far from those of the linear finger, and other starts of \
-         the search do not lead to them"
+        "not identifiable: the forces found are far from those of the linear finger, and other starts of the search do not lead to them; measure \
+         more nodes"
     )]
     Unconfirmed,
     /// No forces explain the data.
     #[error(
-        "the co-rotational model does not explain the measurement: the residual is {residual_rms_mm:.3} mm of \
-         {moved_rms_mm:.3} mm (root mean squares)"
+        "the co-rotational model does not explain the measurement: the residual is {residual_rms_mm:.3} mm rms, the displacement {moved_rms_mm:.3} \
+         mm rms; check the contacts, the node numbers and the unit (mm)"
     )]
     Unexplained {
         /// Root mean square of the weighted residual, mm.
@@ -107,8 +111,8 @@ pub enum SensingError {
     },
     /// The search for forces does not converge.
     #[error(
-        "the co-rotational model cannot explain the measurement: after {iterations} steps forces still change by \
-         {change_n:.2e} N"
+        "the co-rotational model does not explain the measurement: after {iterations} steps of the search the forces still change by {change_n:.2e} \
+         N; check the contacts, the node numbers and the unit (mm)"
     )]
     NotConverged {
         /// Number of steps.
@@ -118,27 +122,29 @@ pub enum SensingError {
     },
     /// The measurement contradicts the linear finger, and the error of linearisation cannot be computed.
     #[error(
-        "the measurement contradicts the linear model, and the co-rotational finger carries no forces that the linear model \
-         would answer so: its error is not known (the nonlinear estimator does without linearisation)"
+        "the measurement contradicts the linear model, and no forces on the co-rotational finger lead the linear model to this answer, so that its \
+         error is unknown: use the nonlinear estimator"
     )]
     NotLinearised,
     /// Prior knowledge cannot be weighed against the measurement, because no noise is stated.
     #[error(
-        "a base or a friction that is known to a standard deviation has to be weighed against the noise of the measurement, \
-         which was not stated"
+        "a standard deviation of base, friction or contact has to be weighed against the noise of the displacements, which is unknown: state it \
+         (--noise-mm, or noise_mm in the table camera of the scene)"
     )]
     NoiseNotStated,
     /// A direction refers to the normal of an object, but no object is known.
-    #[error("the direction of contact {contact} is that of an object's outline, and no object is known")]
+    #[error(
+        "the direction of contact {contact} is the normal of an object's outline: expected a table contact.object with pose_mm in the scene"
+    )]
     NoObject {
         /// Position of the contact in the list, from 1.
         contact: usize,
     },
     /// The object cannot touch the plate.
     #[error(
-        "the object cannot touch the plate at contact {contact}: where the markers have the plate, its outline with what lies between is \
-         {gap_mm:.2} mm {} (where it is, is known to {sd_mm:.2} mm, one standard deviation)",
-        if *gap_mm > 0.0 { "away from it" } else { "off, inside the finger" }
+        "the object cannot touch the plate at contact {contact}: the gap between outline and pad is {gap_mm:.2} mm, {} (standard deviation \
+         {sd_mm:.2} mm); check pose_mm, frame and pad_mm",
+        if *gap_mm > 0.0 { "outside the finger" } else { "inside the finger" }
     )]
     NotTouching {
         /// Position of the contact in the list, from 1.

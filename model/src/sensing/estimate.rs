@@ -17,21 +17,21 @@ pub enum Warning {
     Residual(ResidualTest),
     /// The error of linearisation exceeds the error due to noise.
     #[error(
-        "the linear model errs by about {:.3} N at contact {}, as a co-rotational finger under the sensed forces shows; noise \
-         alone would be {:.3} N (one standard deviation)",
+        "the linear model errs by about {:.3} N at contact {} (by the co-rotational finger under the sensed forces); the standard deviation by noise \
+         alone is {:.3} N",
         .0.error_n, .0.contact, .0.sigma_n
     )]
     Linearisation(ModelError),
     /// The error of linearisation is unknown and not included in the standard deviations.
     #[error(
-        "the co-rotational finger carries no forces that the linear model would answer so, which explains the measurement: if the finger bends \
-         linearly, the forces hold; else the error of linearisation is unknown"
+        "the linear model explains the measurement, but no forces on the co-rotational finger lead it to this answer: the forces hold for a finger \
+         that bends linearly, else the error of linearisation is unknown"
     )]
     UnknownLinearisation,
     /// The error of the mesh exceeds the error due to noise.
     #[error(
-        "the mesh errs by about {:.3} N at contact {}, as one twice as fine shows; noise alone would be {:.3} N (one standard \
-         deviation): use more nodes",
+        "the mesh errs by about {:.3} N at contact {} (by a mesh twice as fine); the standard deviation by noise alone is {:.3} N; use more mesh \
+         nodes",
         .0.error_n, .0.contact, .0.sigma_n
     )]
     Discretisation(ModelError),

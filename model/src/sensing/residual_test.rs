@@ -40,7 +40,7 @@ impl ResidualTest {
         let [residual_mm, noise_mm] = [self.residual_sd_mm, self.noise_mm];
         let digits = (1.0 - (residual_mm - noise_mm).abs().log10().floor()).clamp(3.0, 17.0) as usize;
         format!(
-            "a residual standard deviation of {residual_mm:.digits$} mm, where noise of {noise_mm:.digits$} mm was stated"
+            "a residual standard deviation of {residual_mm:.digits$} mm, where {noise_mm:.digits$} mm of noise is expected"
         )
     }
 

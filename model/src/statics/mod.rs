@@ -30,8 +30,8 @@ use crate::mesh::{FingerShape, Load, LoadError, Mesh};
 pub enum StaticsError {
     /// The frame has a motion without deformation, or its stiffness is not a finite number.
     #[error(
-        "the linear equations have no solution in double precision: the frame can move without deforming, its mesh is too \
-         fine, or its stiffness or displacements are beyond the largest number"
+        "the linear equations have no solution in double precision: the frame can move without deforming, its mesh is too fine, or its stiffness or \
+         displacements overflow"
     )]
     NotHeld,
     /// A load does not act on a valid point of the finger.
@@ -42,8 +42,8 @@ pub enum StaticsError {
     LoadNotFinite,
     /// Rounding leaves too few correct digits.
     #[error(
-        "rounding leaves {digits:.1} digits of the solution, and 4 are the fewest that are given (5 with large rotations): use \
-         a coarser mesh (or parts that differ less in stiffness)"
+        "rounding leaves {digits:.1} digits of the solution, expected at least 4 (5 with co-rotational kinematics): use a coarser mesh, or parts \
+         that differ less in stiffness"
     )]
     TooFewDigits {
         /// Estimated number of correct decimal digits.

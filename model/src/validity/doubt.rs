@@ -74,25 +74,24 @@ impl fmt::Display for Doubt {
                 } else {
                     write!(
                         f,
-                        "(rubber in tension is {} % softer there than its modulus at rest; {key} in the scene states the \
-                         material's own)",
+                        "(at which rubber in tension is {} % softer than at rest; {key} in the scene sets the material's own limit)",
                         percent(LARGEST_STRAIN)
                     )?;
                 }
-                f.write_str("; a finger that strains so much needs a material law, not one modulus")
+                f.write_str("; such strains need a nonlinear material law")
             }
             Doubt::Shear { share, member } => write!(
                 f,
-                "members are too thick for their length: shear, which Euler-Bernoulli beams leave out, lets the loads move \
-                 by up to {} % more (limit {} %: Timoshenko's shear energy over the strain energy), most of it in {member}; \
-                 such a finger needs beams with shear or a solid model",
+                "members are too thick for their length: shear, which Euler-Bernoulli beams neglect, adds up to {} % to the displacement of the \
+                 loads (limit {} %: Timoshenko's shear energy over the strain energy), most of it in {member}; such a finger needs Timoshenko beams \
+                 or a solid model",
                 percent(*share),
                 percent(LARGEST_SHEAR_SHARE)
             ),
             Doubt::OutOfPlane { depth_ratio } => write!(
                 f,
-                "depth over thickness is {depth_ratio:.2e}, below the limit of 1: the finger bends more easily out of its \
-                 plane than in it and may buckle sideways, which a plane model does not see"
+                "depth over thickness is {depth_ratio:.2e}, below the limit of 1: the finger bends more easily out of its plane than in it and may \
+                 buckle sideways, which a plane model cannot show"
             ),
         }
     }

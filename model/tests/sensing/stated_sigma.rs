@@ -122,10 +122,10 @@ fn a_residual_is_told_apart_from_the_noise() {
         Warning::Residual(ResidualTest { noise_mm, residual_sd_mm, degrees_of_freedom: 45 }).to_string()
     };
     for (residual_mm, noise_mm, expected) in [
-        (0.00138, 0.001, "standard deviation of 0.00138 mm, where noise of 0.00100 mm"),
-        (0.2, 0.067, "standard deviation of 0.200 mm, where noise of 0.067 mm"),
-        (12.5, 0.067, "standard deviation of 12.500 mm, where noise of 0.067 mm"),
-        (1.4e-7, 1e-7, "standard deviation of 0.000000140 mm, where noise of 0.000000100 mm"),
+        (0.00138, 0.001, "standard deviation of 0.00138 mm, where 0.00100 mm of noise"),
+        (0.2, 0.067, "standard deviation of 0.200 mm, where 0.067 mm of noise"),
+        (12.5, 0.067, "standard deviation of 12.500 mm, where 0.067 mm of noise"),
+        (1.4e-7, 1e-7, "standard deviation of 0.000000140 mm, where 0.000000100 mm of noise"),
     ] {
         assert!(said(residual_mm, noise_mm).contains(expected), "{}", said(residual_mm, noise_mm));
     }

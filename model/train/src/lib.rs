@@ -41,7 +41,7 @@ pub enum TrainError {
     #[error(transparent)]
     Samples(#[from] SamplesError),
     /// The trained network is invalid because numbers overflowed.
-    #[error("training ended in a network that cannot be used: {0}")]
+    #[error("training ended in an unusable network: {0}")]
     Network(#[from] NetworkError),
     /// The training library failed.
     #[error("training failed: {0}")]

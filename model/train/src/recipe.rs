@@ -110,7 +110,7 @@ impl TrainingRecipe {
         })?;
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let not_negative = |x: f64| x.is_finite() && x >= 0.0;
-        require(not_negative(self.noise_mm), "noise_mm", "mm, zero or more", &self.noise_mm)?;
+        require(not_negative(self.noise_mm), "noise_mm", "a length in mm, zero or more", &self.noise_mm)?;
         // A single case has no spread for the scaling.
         require(self.count > 1, "count", "at least two cases", &self.count)?;
         require(!self.hidden_layers.contains(&0), "hidden_layers", "widths above zero", &self.hidden_layers)?;

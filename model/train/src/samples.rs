@@ -198,7 +198,7 @@ pub enum SamplesError {
     #[error(transparent)]
     Contacts(#[from] SensingError),
     /// The finger carries no force of this range.
-    #[error("the finger carries none of {draws} random load cases: are the forces too large for it?")]
+    #[error("the finger has no equilibrium under any of {draws} random load cases: train for smaller forces")]
     NoneCarried {
         /// Number of draws in a row.
         draws: usize,

@@ -64,9 +64,7 @@ pub fn load_shape(path: &Path, finger: &Finger) -> Result<FingerShape, FileError
         let numbers = [table.number(row, 1)?, table.number(row, 2)?, table.number(row, 3)?];
         let Some(motion) = node.0.checked_sub(1).and_then(|i| motions.get_mut(i)) else {
             let count = finger.key_node_count();
-            return Err(
-                table.wrong(row, format!("node {node} does not exist: the finger has the key nodes 1 to {count}"))
-            );
+            return Err(table.wrong(row, format!("node {node} does not exist: the finger has nodes 1 to {count}")));
         };
         if motion.replace((Vector::new(numbers[0], numbers[1]), numbers[2])).is_some() {
             return Err(table.wrong(row, format!("node {node} is listed twice")));
@@ -74,7 +72,7 @@ pub fn load_shape(path: &Path, finger: &Finger) -> Result<FingerShape, FileError
     }
     if let Some(missing) = motions.iter().position(Option::is_none) {
         let message = format!(
-            "expected a row for every key node, as solve and press write them; node {} is missing",
+            "expected a row for each node of the finger, as solve and press write them; node {} is missing",
             missing + 1
         );
         return Err(FileError::content(path, message));

@@ -50,7 +50,7 @@ impl<const N: usize> Table<N> {
                 FileError::content(path, message)
             })?;
             if found.next().is_some() {
-                let message = format!("line {header_line}: the column {column} stands there twice");
+                let message = format!("line {header_line}: expected the column {column} once, found it twice");
                 return Err(FileError::content(path, message));
             }
         }

@@ -62,10 +62,10 @@ pub enum LatticeError {
         residual: f64,
     },
     /// The front plate tapers. Contact assumes an outline parallel to the plate's middle line.
-    #[error("finger.front.tip_thickness_mm: expected a front plate of one thickness where an object touches it")]
+    #[error("finger.front.tip_thickness_mm: expected a front plate of constant thickness where an object touches it")]
     Tapered,
     /// The object overlaps the finger at the start.
-    #[error("the object overlaps the undeformed finger by {overlap_mm:.3} mm where it starts")]
+    #[error("the object overlaps the undeformed finger by {overlap_mm:.3} mm at the start")]
     Overlap {
         /// Depth of the overlap, mm.
         overlap_mm: f64,

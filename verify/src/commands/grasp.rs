@@ -54,7 +54,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if is_stream(&arguments.out) {
-        return Err(Failure::BadInput("--out: expected a folder, for five files".to_owned()));
+        return Err(Failure::BadInput("--out: expected a folder for five files, found -".to_owned()));
     }
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
     let name = name_of(&arguments.scene);

@@ -118,8 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         (None, Some(opening_mm)) => {
             let motor_deg = gripper.motor_deg_for_opening(&finger, opening_mm).ok_or_else(|| {
                 bad_input(format!(
-                    "--opening-mm: at no motor angle in reach ({from_deg:.1} to {to_deg:.1} degrees) are the tips \
-                     {opening_mm} mm apart"
+                    "--opening-mm: no motor angle in reach ({from_deg:.1} to {to_deg:.1} degrees) sets the tips {opening_mm} mm apart"
                 ))
             })?;
             vec![motor_deg]

@@ -28,8 +28,8 @@ pub fn of_moduli(path: &Path, finger: &Finger) {
 pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
     if let Some(Elsewhere { node, stated, own }) = of_another_finger(path, text, finger) {
         print_message(format_args!(
-            "warning: {}: node {node} is at ({:.2}, {:.2}) mm without load, and at ({:.2}, {:.2}) mm in the scene: are these displacements of another \
-             finger?",
+            "warning: {}: undeformed node {node} is at ({:.2}, {:.2}) mm in the file, and at ({:.2}, {:.2}) mm in the scene: are these displacements \
+             of another finger?",
             name_of(path),
             stated.x,
             stated.y,
@@ -42,6 +42,6 @@ pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
 /// Warns of images that `finray locate` refused; they are left out.
 pub fn of_refused(refused: &[RefusedImage]) {
     for RefusedImage { image, reason } in refused {
-        print_message(format_args!("warning: {image} is left out, as it was refused when it was located: {reason}"));
+        print_message(format_args!("warning: {image} is left out, because `finray locate` refused it: {reason}"));
     }
 }

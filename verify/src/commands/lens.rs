@@ -74,14 +74,14 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     write_text(&arguments.out, &text)?;
     if let Some(other) = turns.iter().position(|turn| *turn != turns[0]) {
         print_message(format_args!(
-            "warning: {}: its EXIF orientation is not that of the first image: the camera was held otherwise, and the principal point is then elsewhere \
-             in the image",
+            "warning: {}: its EXIF orientation differs from that of the first image, so that its principal point is elsewhere; hold the camera the \
+             same way in all images",
             arguments.image[other].display()
         ));
     }
     if kind == GridKind::AsymmetricDots {
         print_message(format_args!(
-            "note: the grid is asymmetric: its rows are taken to be {} mm apart, its neighbouring dots {:.3} mm",
+            "note: the grid is asymmetric: --grid-mm is taken as the distance of its rows, {} mm; neighbouring dots are {:.3} mm apart",
             arguments.grid_mm,
             arguments.grid_mm * std::f64::consts::SQRT_2
         ));
@@ -114,8 +114,8 @@ fn pose_of_plane(fit: &LensFit) -> Result<Pose, String> {
         let farther = (of[1] - origin).norm() / origin.norm();
         if turned_deg > SAME_NORMAL_DEG || farther > SAME_DISTANCE {
             return Err(format!(
-                "--plane: expected images of a grid in one place, found image {} turned by {turned_deg:.2} deg and {:.2} % nearer or farther than the \
-                 mean",
+                "--plane: expected a grid that does not move between images, found image {} turned by {turned_deg:.2} deg and {:.2} % of the \
+                 distance off the mean",
                 number + 1,
                 100.0 * farther
             ));
@@ -157,8 +157,8 @@ fn uncertain_focus(fit: &LensFit) -> Option<String> {
     let share = fit.sds[0] / fit.lens.focal_px()[0];
     (share > LARGEST_FOCAL_SHARE).then(|| {
         format!(
-            "the focal length is uncertain by {:.0} %, and so are distances from the camera, heights and slants: take images of the whole grid that slant it by \
-             20 to 40 degrees to both sides",
+            "the focal length is uncertain by {:.0} %, and so are distances from the camera, heights and slants: add images of the whole grid, \
+             slanted by 20 to 40 degrees to both sides",
             100.0 * share
         )
     })
@@ -170,7 +170,7 @@ fn not_shown(fit: &LensFit) -> Option<String> {
         LENS_PARAMETERS.iter().zip(fit.is_shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "the images hardly show {}: these stay near what lenses are like; slanted images show more",
+            "the images hardly determine {}, which stay near usual values: add images of a slanted grid",
             names.join(", ")
         )
     })

@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         }
         Err(failure) => {
             let reason = failure.reason().to_owned();
-            print_message(format_args!("warning: {reason}: refused"));
+            print_message(format_args!("warning: image refused: {reason}"));
             Err(RefusedImage { image, reason })
         }
     };
@@ -107,18 +107,18 @@ fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Obser
         self::observer(arguments, &corrected).map(|observer| all_images(arguments, observer)).unwrap_or_default();
     let count = |images: &SeenImages| images.iter().flatten().map(|seen| seen.observation.markers.len()).sum::<usize>();
     if are_alike(&found, &anew) {
-        others
-            .iter()
-            .for_each(|other| print_message(format_args!("note: {other}; the markers found are the same with it")));
+        others.iter().for_each(|other| {
+            print_message(format_args!("note: {other}; the markers found are the same with either radius"))
+        });
         return found;
     }
     let (found, sought) = match count(&anew) >= count(&found) {
-        true => (anew, ", with which they were sought again"),
+        true => (anew, ", with which the markers were located again"),
         false => (found, ""),
     };
     for other in others {
         print_message(format_args!(
-            "warning: {other}{sought}: correct it; if it is right, lens, pose, height_mm or the size of the image are not"
+            "warning: {other}{sought}: correct it; if it is right, check lens, pose, height_mm and the size of the image"
         ));
     }
     found
@@ -166,7 +166,7 @@ fn warn_of_turned(images: &[Result<Observation, RefusedImage>]) {
         let away_deg = |(_, other): &(&String, UnitComplex<f64>)| own.angle_to(other).to_degrees().abs();
         if 2 * turns.iter().filter(|other| away_deg(other) > TURNED_DEG).count() >= turns.len() {
             print_message(format_args!(
-                "warning: {image}: the base is turned by more than {TURNED_DEG} deg against that of other images: was the image turned (EXIF orientation)?"
+                "warning: {image}: the base is turned by more than {TURNED_DEG} deg relative to other images: check the EXIF orientation of the image"
             ));
         }
     }
@@ -181,8 +181,7 @@ fn warn_of_lost(path: &Path, scene: &Scene, seen: &Observation) {
     let (all, found) = (scene.finger.marked_nodes().len(), seen.markers.len());
     if found as f64 <= MANY_LOST * all as f64 {
         print_message(format_args!(
-            "warning: {}: {found} of {all} markers were found: if nothing hides the others, markers.radius_mm = {radius_mm} or inner_radius_mm are those of \
-             other markers",
+            "warning: {}: {found} of {all} markers were found: if nothing hides the others, check markers.radius_mm = {radius_mm} and inner_radius_mm",
             path.display()
         ));
     }
@@ -192,8 +191,8 @@ fn warn_of_lost(path: &Path, scene: &Scene, seen: &Observation) {
 fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
     if seen.base.is_some_and(|base| !base.is_known) {
         print_message(format_args!(
-            "warning: {}: two references on the base were not found, so the finger frame is only about where the ribs have it: \
-             displacements are to be used where the base is sought with the forces, as `finray sense` does",
+            "warning: {}: two references on the base were not found, so its pose is estimated from the ribs: use these displacements only where the \
+             base is estimated with the forces, as `finray sense` does",
             path.display()
         ));
     }
@@ -228,8 +227,8 @@ fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
         && residual_px > SURE_REST_PX
     {
         print_message(format_args!(
-            "warning: {}: the markers are {residual_px:.1} px rms from those of the scene's unloaded finger: a load that is on it already is missing in \
-             every force that is sensed; markers that are off their nodes are allowed for",
+            "warning: {}: the markers are {residual_px:.1} px rms from those of the scene's unloaded finger: if it carries a load here, every sensed \
+             force lacks that load; markers beside their nodes cause no error",
             path.display()
         ));
     }
@@ -245,8 +244,7 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
     let clamped: Vec<_> = nodes.filter_map(|node| seen.markers.iter().find(|marker| marker.node == node)).collect();
     if clamped.is_empty() {
         return Some(
-            "no marker of a clamped node is seen where the pose has it, so nothing shows that the pose holds"
-                .to_owned(),
+            "no marker of a clamped node is seen where the pose has it, so the pose is not verified".to_owned(),
         );
     }
     let moved = clamped.iter().find_map(|seen| {
@@ -255,7 +253,8 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
         Some(marker)
     })?;
     Some(format!(
-        "the marker of clamped node {} is seen {:.2} mm from where the pose has it: displacements err by as much or more, which sigma_mm does not hold",
+        "the marker of clamped node {} is seen {:.2} mm from where the pose has it: displacements err by at least as much, which sigma_mm does not \
+         include",
         moved.node,
         moved.displacement.norm()
     ))
@@ -269,8 +268,8 @@ fn observed(observer: &mut Observer, path: &Path) -> Result<SeenImage, Failure> 
 fn warn_of_motion(path: &Path, motion_blur_px: Option<f64>) {
     if let Some(blur_px) = motion_blur_px {
         print_message(format_args!(
-            "warning: {}: markers are blurred in one direction, by {blur_px:.1} px (standard deviation), as of a motion while the shutter was open; sigma_mm \
-             holds what that leaves in steady motion",
+            "warning: {}: markers are blurred in one direction, by {blur_px:.1} px (standard deviation), as by a motion during the exposure; \
+             sigma_mm includes the error that a steady motion causes",
             path.display()
         ));
     }

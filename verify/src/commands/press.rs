@@ -53,7 +53,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             return Err(bad_input("--shape: expected a file, found -: standard output takes the forces"));
         }
         if *shape == arguments.out || *shape == figure_path(&arguments.out) {
-            return Err(bad_input("--shape and --out, or the figure beside it, are the same file"));
+            return Err(bad_input(
+                "expected different files for --shape and --out (or the figure beside it), found one",
+            ));
         }
     }
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
@@ -84,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             let share = format!("{imbalance:.1e} of their size");
             bar.suspend(|| {
                 print_message(format_args!(
-                    "note: step {number}: contact forces and those on the base differ by {share}"
+                    "note: step {number}: contact forces and the reaction at the base differ by {share}"
                 ))
             });
         }
@@ -104,7 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let ended = match outcome {
         Ok(Refinement { fineness, change: Some(change) }) if change.share > TOTAL_TOLERANCE => {
             let TotalChange { step, share } = change;
-            let differ = format!("its total and that with half as many differ by {:.1} %", 100.0 * share);
+            let differ = format!("its total force and that with half as many differ by {:.1} %", 100.0 * share);
             print_message(format_args!(
                 "warning: step {step}: a lattice of {fineness} segments a member is coarse: {differ}"
             ));

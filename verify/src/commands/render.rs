@@ -73,15 +73,13 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         (None, _) => camera,
         (Some(base), Some(_)) => Camera { pose: camera.pose.of_moved_base(base), ..camera },
         (Some(_), None) => {
-            return Err(bad_input("--base: expected a scene with a table [base], as a base that moves"));
+            return Err(bad_input("--base: expected a scene with a table [base], found none"));
         }
     };
     let hidden: Vec<NodeId> = arguments.hide.iter().copied().map(NodeId).collect();
     if let Some(unknown) = hidden.iter().find(|node| !(1..=finger.key_node_count()).contains(&node.0)) {
         let count = finger.key_node_count();
-        return Err(bad_input(format!(
-            "--hide: node {unknown} does not exist: the finger has the key nodes 1 to {count}"
-        )));
+        return Err(bad_input(format!("--hide: node {unknown} does not exist: the finger has nodes 1 to {count}")));
     }
     let shape = match &arguments.shape {
         Some(path) => displacements::load_shape(path, finger)?,

@@ -80,8 +80,8 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             hints::of_refused(&seen.refused);
             if seen.misplaced_mm > SAME_MM {
                 print_message(format_args!(
-                    "warning: {}: located with another scene, or with --rest: markers without load or as this scene's camera has them are up to \
-                     {:.2} mm elsewhere; locate the images with this scene",
+                    "warning: {}: located with another scene, or with --rest: positions of markers differ by up to {:.2} mm from those with this \
+                     scene; locate the images with this scene",
                     located.display(),
                     seen.misplaced_mm
                 ));
@@ -120,7 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     {
         // The report exists and its path is printed, so this is not an error.
         print_message(format_args!(
-            "note: nothing here opens a page ({}); it is {}",
+            "note: no program opens the page ({}); it is {}",
             first_line(&error),
             page.display()
         ));

@@ -107,7 +107,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     };
     match (&arguments.forces, arguments.contacts.ask_measured()) {
         (Some(_), true) if arguments.contacts.count() > 1 => {
-            return Err(bad_input("a direction is `measured`: expected one contact, whose force --forces has"));
+            return Err(bad_input(
+                "a direction is `measured`: expected one contact, because --forces has one force an image",
+            ));
         }
         (Some(forces), true) => {
             not_both_from_standard_input(&arguments.scene, forces, "--forces")?;

@@ -68,7 +68,7 @@ impl Pressing {
     pub fn warn(&self) {
         if let Some((step, error)) = &self.unsolved {
             print_message(format_args!(
-                "warning: step {step}: beams have no equilibrium under the contact forces: {error}"
+                "warning: step {step}: the beam model has no equilibrium under the contact forces: {error}"
             ));
         }
         if let Some((_, step, doubts)) = &self.worst {

@@ -270,7 +270,7 @@ fn zones_that_are_not_identifiable_or_named_are_refused() {
         finray_reading(measurements.as_bytes(), &[&["calibrate", scene, "--measurements", "-"], options].concat())
             .refused()
     };
-    assert_says(&refused(PAPER, &["--zones"]), &["--zones", "no [[finger.zone]]"]);
+    assert_says(&refused(PAPER, &["--zones"]), &["--zones", "expected tables [[finger.zone]] in the scene"]);
     let scene = folder.put("scene.toml", twin_with([1.0, 1.0, 1.0]));
     for (groups, expected) in [
         ("--zones=7", "expected groups of zones, 1 to 6"),

@@ -70,8 +70,9 @@ fn measurements_that_contradict_their_images_are_refused_by_name() {
     let rows = |image: &str, names: [&str; 2]| located.renamed(image, names);
     let scaled = |times: f64| move |force: &mut [f64; 2]| *force = force.map(|part| times * part);
     let as_measured = located.forces.clone();
-    let names = ["press1.png: the marker of node", "near to node", "check the names"];
-    let force = ["the measured force is", "times what its markers show", "check its sign, unit, frame and row"];
+    let names = ["press1.png: the marker of node", "near to node", "check the node numbers"];
+    let force =
+        ["the measured force is", "times the force that its markers show", "check its sign, unit, frame and row"];
     // What is changed, and what is said of it.
     let cases = vec![
         ("front", rows("press1.png", ["7", "8"]), as_measured.clone(), names.to_vec()),
@@ -93,7 +94,7 @@ fn measurements_that_contradict_their_images_are_refused_by_name() {
             "all-grams",
             located.rows.clone(),
             with(&|forces| forces.iter_mut().for_each(scaled(GRAMS_A_NEWTON))),
-            vec!["measured forces are", "times (median) those under which the finger", "unit (N)"],
+            vec!["measured forces are", "times (median) the forces that bend the scene's finger", "unit (N)"],
         ),
         (
             "all-signs",

@@ -160,7 +160,7 @@ fn bad_scenes_are_refused() {
         ),
         (
             &[("path_steps = 12", "step_deg = 9.0\nframes_per_s = 5.0")],
-            "grasp.step_deg: expected either it or frames_per_s, found both",
+            "grasp.step_deg: expected either step_deg or frames_per_s, found both",
         ),
         (&[("[60.0, 0.0]]", "[60.0, 5.0]]")], "grasp.path_mm: point 3 leads through the support, 5.000 mm deep"),
         (&[("link_mm = [25.0, 40.0]", "link_mm = [5.0, 10.0]")], "gripper.link_mm: "),
@@ -172,7 +172,7 @@ fn bad_scenes_are_refused() {
             &[("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, 0.0]")],
             "grasp.motor_deg: expected two different motor angles",
         ),
-        (&[("path_steps = 12", "hold = true")], "grasp.hold: expected it together with until_force_n"),
+        (&[("path_steps = 12", "hold = true")], "grasp.hold: expected until_force_n in the same table"),
         (&[("path_steps = 12", "path_stepz = 12")], "unknown key `grasp.path_stepz`"),
         (&[("mass_g = 60.0\n", "mass_g = 60.0\nat_mm = 70.0\n")], "object.at_mm: expected nothing"),
         (&[("path_steps = 12", "support = true\ngravity_m_s2 = [0.0, 0.0]")], "grasp.support: expected a gravity"),

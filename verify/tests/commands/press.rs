@@ -86,7 +86,7 @@ fn the_shape_goes_to_a_file_of_its_own() {
     assert_says(&finray(&["press", &scene, "--shape", "-"]).refused(), &["--shape: expected a file, found -"]);
     assert_says(
         &finray(&["press", &scene, "--shape", &out, "--out", &out]).refused(),
-        &["--shape and --out are the same file"],
+        &["expected different files for --shape and --out"],
     );
 }
 

@@ -61,7 +61,7 @@ fn sizes_must_be_positive_finite_numbers() {
             "count = 11",
             "count = 11\nclip_mm = [12.8, 0.0]",
             "clip_mm",
-            "finger.ribs.clip_mm: expected clips and rigid ends that leave some",
+            "finger.ribs.clip_mm: expected clips and rigid ends shorter than each member",
         ),
         (
             "[finger.front]",
@@ -97,7 +97,8 @@ fn sizes_must_be_positive_finite_numbers() {
         if room {
             Scene::from_toml(&scene).unwrap_or_else(|error| panic!("{value}: {error}"));
         } else {
-            let expected = "finger.ribs.bracket_mm: expected brackets that leave room for rib 11 between them";
+            let expected =
+                "finger.ribs.bracket_mm: expected brackets shorter than the gap between the plates at rib 11";
             assert_refused("count = 11", &bracket, "bracket_mm", &[expected]);
         }
     }
@@ -138,7 +139,7 @@ fn three_lengths_must_make_a_triangle() {
         assert_refused(from, to, at, &[expected]);
     }
     let huge = paper_with(&[("58.0", "58.0e200"), ("153.0", "153.0e200")]);
-    assert_says(&refused(&huge), &["line 10: finger.front_length_mm: expected lengths of a finger in mm"]);
+    assert_says(&refused(&huge), &["line 10: finger.front_length_mm: expected a smaller length in mm"]);
 }
 
 #[test]

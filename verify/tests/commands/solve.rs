@@ -133,7 +133,7 @@ fn loads_that_the_finger_cannot_take_are_refused() {
     for (load, expected) in [
         (["--load", "1:0,-1"], "node 1 is clamped"),
         (["--load", "25:0,-1"], "node 25 is clamped"),
-        (["--load", "26:0,-1"], "node 26 does not exist: the finger has the key nodes 1 to 25"),
+        (["--load", "26:0,-1"], "node 26 does not exist: the finger has nodes 1 to 25"),
         (["--load", "0:0,-1"], "node 0 does not exist"),
         (["--load-at", "0:1,0"], "s = 0 mm is not on the front plate"),
         (["--load-at", "153.001:1,0"], "reaches from 0 (clamped) to 153 mm (tip)"),
@@ -149,7 +149,7 @@ fn loads_that_the_finger_cannot_take_are_refused() {
         (["--load-at", "80"], "expected S_MM:FORCE,ANGLE_DEG"),
         (["--load-at", "80:1,normal"], "expected a finite number, found \"normal\""),
         (["--load-at", "80:1,0,0"], "expected a finite number, found \"0,0\""),
-        (["--mesh-nodes", "24"], "--mesh-nodes: expected 25 (the key nodes alone) to 200000 mesh nodes, found 24"),
+        (["--mesh-nodes", "24"], "--mesh-nodes: expected 25 (one element a member) to 200000 mesh nodes, found 24"),
         (["--mesh-nodes", "200001"], "found 200001"),
         (["--mesh-nodes", "many"], "many"),
         (["--kinematics", "quadratic"], "corotational-chord"),

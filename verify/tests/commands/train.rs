@@ -94,7 +94,7 @@ fn hidden_nodes_are_no_markers() {
     let network = network(&folder, &["--contact", "19"], &["--hide", "3", "4"]);
     let all = shape(&[(19, 2.0)]);
     let message = sense(&all, &["--contact", "19"], Some(&network)).refused();
-    assert_says(&message, &["node 3 is none of the 21 markers"]);
+    assert_says(&message, &["node 3 is not among the 21 markers"]);
     let seen: String =
         all.lines().filter(|l| !l.starts_with("3,") && !l.starts_with("4,")).map(|l| l.to_owned() + "\n").collect();
     let forces = Csv::of(&sense(&seen, &["--contact", "19"], Some(&network)).done()).numbers("force_n");

@@ -21,7 +21,8 @@ pub enum LocateError {
     },
     /// The markers are too small in the image.
     #[error(
-        "markers of this camera have a radius of {radius_px:.1} px, of which at least {LEAST_RADIUS_PX} px are needed"
+        "the scene's markers have a radius of {radius_px:.1} px in the image, expected at least {LEAST_RADIUS_PX} px: use larger markers or a closer \
+         camera"
     )]
     TooSmall {
         /// Radius of the markers in the image, px.
@@ -31,12 +32,14 @@ pub enum LocateError {
     #[error("the camera does not see the finger: its middle {0}")]
     View(#[from] ViewError),
     /// The finger lies outside the image.
-    #[error("the camera does not see the finger: its middle is outside the image")]
+    #[error(
+        "the camera does not see the finger: its middle is outside the image; check the pose in the table camera of the scene"
+    )]
     Outside,
     /// The blur covers the whole marker, so that no pixel shows its undisturbed light.
     #[error(
-        "markers are out of focus: their edge is blurred by {blur_px:.1} px (standard deviation), of which at most {LARGEST_BLUR} of their \
-         radius of {radius_px:.1} px can be measured"
+        "markers are out of focus: their edge is blurred by {blur_px:.1} px (standard deviation), expected at most {LARGEST_BLUR} of their radius of \
+         {radius_px:.1} px"
     )]
     Blurred {
         /// Standard deviation of the blur, px.
@@ -46,8 +49,8 @@ pub enum LocateError {
     },
     /// The finger or the camera moved while the shutter was open.
     #[error(
-        "markers are blurred by a motion: by {blur_px:.1} px (standard deviation), of which at most {LARGEST_MOTION} of their radius of {radius_px:.1} px \
-         can be measured; is the shutter open too long?"
+        "markers are blurred by a motion: by {blur_px:.1} px (standard deviation), expected at most {LARGEST_MOTION} of their radius of \
+         {radius_px:.1} px; use a shorter exposure"
     )]
     Moved {
         /// Standard deviation of the blur along the motion, px.
@@ -56,20 +59,18 @@ pub enum LocateError {
         radius_px: f64,
     },
     /// The image is flipped; holds the kind of flip, in words.
-    #[error(
-        "the image shows the finger {0}: turn it as the camera held it (EXIF orientation), or state the pose that the camera had"
-    )]
+    #[error("the image shows the finger {0}: correct the image (EXIF orientation), or the camera's pose in the scene")]
     Flipped(&'static str),
     /// The finger is not at the pose of the scene's camera; holds its placement.
     #[error(
-        "the finger is not where the scene's camera has it: {0}; is the image turned, mirrored or resized, or the pose another one? (--rest finds the pose \
-         in an image of the unloaded finger)"
+        "the finger is not where the scene's camera has it: {0}; check whether the image is turned, mirrored or resized, or find the pose with \
+         --rest, an image of the unloaded finger"
     )]
     Elsewhere(FingerPlacement),
     /// The references on the base contradict the base of the finger that the markers show.
     #[error(
-        "the marks that look like the references on the base are {away_mm:.0} mm from where the ribs have the base: other marks were taken for them; are \
-         base.reference.radius_mm, inner_radius_mm and at_mm right?"
+        "the marks that look like the references on the base are {away_mm:.0} mm from the base that the ribs show: check base.reference.radius_mm, \
+         inner_radius_mm and at_mm"
     )]
     OtherReferences {
         /// Distance between the two positions of the base, mm.
@@ -77,8 +78,8 @@ pub enum LocateError {
     },
     /// The image shows markers, but no marks at the distances of the references on the base.
     #[error(
-        "the references on the base were not found: {} marks look like them, in their order, none of which are as far apart; {like_markers} look like \
-         markers; are base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose right?",
+        "the references on the base were not found: {} marks look like them (in their order), but no pair has their distance, and {like_markers} \
+         look like markers; check base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose",
         counts(like_references)
     )]
     NoReferences {
@@ -89,8 +90,8 @@ pub enum LocateError {
     },
     /// Patches of the markers' colours have a radius that differs from that of the camera's markers.
     #[error(
-        "markers of this camera have a radius of {expected_px:.1} px, found patches of their colours with {found_px:.1} px: is the image resized, or the \
-         camera or its distance another one?"
+        "expected markers with a radius of {expected_px:.1} px, found patches of their colours with {found_px:.1} px: check markers.radius_mm, the \
+         camera's pose, and whether the image is resized"
     )]
     OtherSize {
         /// Radius from the scene, px.
@@ -99,7 +100,7 @@ pub enum LocateError {
         found_px: f64,
     },
     /// The markers could not be assigned to nodes.
-    #[error("no finger is seen: {0}")]
+    #[error("no finger is recognised: {0}")]
     Naming(#[from] NamingError),
 }
 
@@ -114,7 +115,8 @@ pub enum LocatorError {
     NotGrey,
     /// Ribs share a junction; naming needs ribs with separate ends.
     #[error(
-        "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, as markers are named by their ribs"
+        "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, because markers are named by their \
+         ribs"
     )]
     SharedJunctions,
     /// A marker's colour is too close to grey.

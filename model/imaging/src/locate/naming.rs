@@ -34,7 +34,7 @@ const ROUNDS: usize = 3;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NamingError {
     /// Too few markers fit the finger.
-    #[error("found {found} of {all} markers on the free nodes, of which at least {least} are needed")]
+    #[error("found {found} of {all} markers on the free nodes, expected at least {least}")]
     TooFew {
         /// Number of markers on free nodes that fit the finger.
         found: usize,
@@ -44,13 +44,13 @@ pub enum NamingError {
         least: usize,
     },
     /// Two positions of the base fit equally well.
-    #[error("two places of the base fit alike: the names of {nodes} nodes differ")]
+    #[error("two positions of the base fit equally well, and the names of {nodes} nodes differ between them")]
     Places {
         /// Number of nodes whose names differ.
         nodes: usize,
     },
     /// Two assignments of the markers fit equally well.
-    #[error("two ways to name the markers fit alike: they differ at {nodes} nodes of the {plate} plate")]
+    #[error("two ways to name the markers fit equally well: they differ at {nodes} nodes of the {plate} plate")]
     Ambiguous {
         /// Number of nodes whose names differ.
         nodes: usize,

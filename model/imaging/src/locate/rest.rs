@@ -40,13 +40,13 @@ pub enum RestError {
     Pose(#[from] PlanePoseError),
     /// There are no two rows of markers that meet at a tip, and the scene states no pose to start from.
     #[error(
-        "no unloaded finger is seen: expected two rows of markers as the scene has them, with at least six of ten in sight"
+        "no unloaded finger is recognised: expected two rows of markers as the scene has them, with at least six of ten in sight"
     )]
     NoPattern,
     /// The markers do not fit the scene's unloaded finger.
     #[error(
-        "the markers are {residual_px:.1} px rms from those of the scene's unloaded finger, at most {LARGEST_RESIDUAL_PX} px are expected: is \
-         the finger loaded, or the lens or the finger another one?"
+        "the markers are {residual_px:.1} px rms from those of the scene's unloaded finger, expected at most {LARGEST_RESIDUAL_PX} px: unload the \
+         finger, or correct lens or finger in the scene"
     )]
     NotAtRest {
         /// Residual standard deviation of one pixel coordinate, px.

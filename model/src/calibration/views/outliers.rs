@@ -54,12 +54,13 @@ impl fmt::Display for Outlier {
         match self.what {
             OutlierKind::Force { times } => write!(
                 f,
-                "{view}: the measured force is {times:.3} times what its markers show, against the other images: check its unit, frame and row"
+                "{view}: the measured force is {times:.3} times the force that its markers show, relative to the other images: check its unit, frame \
+                 and row"
             ),
             OutlierKind::Marker { node, away_mm, rms_mm } => write!(
                 f,
-                "{view}: the marker of node {node} is {away_mm:.2} mm from where the calibrated finger has it, markers in general {rms_mm:.2} mm: check \
-                 whether it is that node's, and well seen"
+                "{view}: the marker of node {node} is {away_mm:.2} mm from its position on the calibrated finger, all markers {rms_mm:.2} mm rms: \
+                 check its node number and its rim in the image"
             ),
         }
     }

@@ -73,17 +73,20 @@ impl View {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ViewError {
     /// The scene's finger does not explain the view, so a search has no starting point.
-    #[error("the finger of the scene does not explain it, so that there is nowhere to begin: {0}")]
+    #[error("no starting point, because the scene's finger does not fit this image: {0}")]
     Start(#[from] SensingError),
     /// The scene's finger carries the measured force at no position along its plate.
-    #[error("the finger of the scene carries {force_n:.3} N nowhere along its plate: are units and modulus right?")]
+    #[error(
+        "the scene's finger has no equilibrium under {force_n:.3} N at any position along its plate: check the unit of the force and the moduli"
+    )]
     NotCarried {
         /// The measured force, N.
         force_n: f64,
     },
     /// The measured force contradicts the markers.
     #[error(
-        "the measured force is {times:.3} times what its markers show, where {usual:.3} times is usual: check its sign, unit, frame and row"
+        "the measured force is {times:.3} times the force that its markers show, expected {usual:.3} (median of all images): check its sign, unit, \
+         frame and row"
     )]
     Force {
         /// Ratio of measured force to the force that the markers show, dimensionless.
@@ -93,7 +96,8 @@ pub enum ViewError {
     },
     /// A marker is at the computed position of another node.
     #[error(
-        "the marker of node {node} is {away_mm:.1} mm from where the finger has that node, and near to node {other}: check the names of its markers"
+        "the marker of node {node} is {away_mm:.1} mm from that node's position on the finger, and near to node {other}: check the node numbers of \
+         this image"
     )]
     Name {
         /// Node by which the marker is named.
@@ -105,8 +109,9 @@ pub enum ViewError {
     },
     /// The calibrated finger would sense forces too inaccurately for use. The measured force of this view deviates most.
     #[error(
-        "forces in new images would err by {share:.2} of themselves (standard deviation), so that a 95 % interval would hold zero, and this image's measured \
-         force is furthest off, {times:.3} times what its markers show: check its sign, unit, frame and row, and the markers' names; or measure more forces"
+        "forces sensed with this calibration would have a relative standard deviation of {share:.2}, so that every 95 % interval would include zero. \
+         The measured force of this image is furthest off, {times:.3} times the force that its markers show: check its sign, unit, frame and row, \
+         and the node numbers, or measure more forces"
     )]
     ForceErrors {
         /// Relative standard deviation of a force in a new image, dimensionless.
@@ -116,8 +121,8 @@ pub enum ViewError {
     },
     /// Markers deviate too far from the calibrated finger. A marker of this view deviates most.
     #[error(
-        "the calibrated finger misses markers by {missed_mm:.2} mm rms, which move by {moved_mm:.2} mm: it is another finger, or they have wrong names; furthest off, \
-         by {away_mm:.1} mm, is that of node {node} in this image"
+        "the calibrated finger misses the markers by {missed_mm:.2} mm rms, and they move by only {moved_mm:.2} mm rms: check that the scene has \
+         this finger, and the node numbers. In this image node {node} is furthest off, by {away_mm:.1} mm"
     )]
     MarkerErrors {
         /// Node of the marker.

@@ -13,7 +13,7 @@ pub enum NetworkError {
     #[error("not a complete network: {0} is missing")]
     Missing(String),
     /// The file contains a part that does not belong to a network.
-    #[error("not a network of this kind: {0} does not belong to it")]
+    #[error("not a network of this format: {0} is unknown")]
     Unexpected(String),
     /// A tensor has numbers of the wrong type.
     #[error("{tensor}: expected numbers of type {expected}, found {found}")]
@@ -64,7 +64,7 @@ pub enum NetworkError {
         reason: String,
     },
     /// The file has another version of the format.
-    #[error("the network is written in format {found}, and only format {expected} is known")]
+    #[error("the network has format {found}, expected format {expected}: train it with this version of finray")]
     Format {
         /// Known version.
         expected: u32,
@@ -72,7 +72,7 @@ pub enum NetworkError {
         found: u64,
     },
     /// The checksum does not match the contents.
-    #[error("the network is damaged: its checksum is not that of its contents")]
+    #[error("the network is damaged: its checksum does not match its contents")]
     Damaged,
     /// The network was trained for another finger.
     #[error(
@@ -93,7 +93,7 @@ pub enum NetworkError {
         asked: String,
     },
     /// A measured node is not a marker of the network.
-    #[error("node {node} is none of the {known} markers that the network was trained on: leave it out")]
+    #[error("node {node} is not among the {known} markers that the network was trained on: leave it out")]
     UnknownMarker {
         /// The measured node.
         node: NodeId,
@@ -102,8 +102,7 @@ pub enum NetworkError {
     },
     /// Too few markers are measured for a network that cannot fill in hidden ones.
     #[error(
-        "the network needs all of its {expected} markers, found {found}: only one whose inputs are principal directions \
-         can fill in hidden ones"
+        "the network needs all of its {expected} markers, found {found}: only a network with principal components as inputs fills in hidden markers"
     )]
     HiddenMarkers {
         /// Number of markers of the network.
@@ -115,9 +114,7 @@ pub enum NetworkError {
     #[error("the measured markers are not those that the estimator was prepared for, in their order")]
     OtherMarkers,
     /// A marker has a weight other than 1.
-    #[error(
-        "node {node} has the weight {weight}: the network was trained on markers that all count alike, with weight 1"
-    )]
+    #[error("node {node} has the weight {weight}, expected 1: the network was trained on markers of equal weight")]
     Weighted {
         /// Node of the marker.
         node: NodeId,
@@ -136,8 +133,8 @@ pub enum NetworkError {
     },
     /// The shape is unlike those of the training.
     #[error(
-        "the shape is unlike those that the network was trained on: its input {input} is {value:.2}, where training reached \
-         {largest:.2} (forces up to {largest_total_n} N in all)"
+        "the shape is unlike those that the network was trained on: its input {input} is {value:.2}, expected at most {largest:.2} (forces up to \
+         {largest_total_n} N in all)"
     )]
     OutsideTraining {
         /// Number of the input, from 1.
@@ -151,8 +148,8 @@ pub enum NetworkError {
     },
     /// A force is outside the range of the training.
     #[error(
-        "contact {contact}: {force_n:.3} N lies beyond the forces that the network was trained on, {least_n} to {largest_n} N: \
-         something else pushes, or the contacts are others"
+        "contact {contact}: {force_n:.3} N is outside the forces that the network was trained on, {least_n} to {largest_n} N: check for further \
+         contacts"
     )]
     ForceOutsideTraining {
         /// Number of the contact, from 1.

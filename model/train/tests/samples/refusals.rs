@@ -20,7 +20,7 @@ fn forces_beyond_the_finger_are_refused() {
     };
     let refused = too_large.draw(&paper(), 2, 1, Stream::Training).expect_err("beyond the finger");
     assert_eq!(refused, SamplesError::NoneCarried { draws: 100 });
-    assert!(refused.to_string().contains("none of 100 random load cases"), "{refused}");
+    assert!(refused.to_string().contains("under any of 100 random load cases"), "{refused}");
 }
 
 #[test]

@@ -75,14 +75,14 @@ impl Fit {
             match named {
                 Named::Friction { builds_up } => {
                     if fit.0.friction.is_some() {
-                        return Err(bad("friction is named twice".to_owned()));
+                        return Err(bad("expected one of friction and friction-build-up, found two".to_owned()));
                     }
                     let between_objects = prior_sd.unwrap_or_default();
                     fit.0.friction = Some(FrictionQuestion { builds_up: *builds_up, between_objects });
                 }
                 Named::ForceError => fit.0.force_error_between_objects = prior_sd.unwrap_or_default(),
                 Named::BaseCompliance if prior_sd.is_some() => {
-                    return Err(bad("base-compliance takes no standard deviation".to_owned()));
+                    return Err(bad("base-compliance: expected no prior, found one".to_owned()));
                 }
                 Named::BaseCompliance => fit.0.base_compliance = true,
                 Named::Quantities(of) => {
@@ -122,12 +122,12 @@ impl Fit {
         if self.seeks(|quantity| *quantity == Quantity::Modulus)
             && self.seeks(|quantity| matches!(quantity, Quantity::PlateModulus(_)))
         {
-            return Err("expected either modulus or those of the plates, found both".to_owned());
+            return Err("expected either modulus, or front-modulus and back-modulus; found both".to_owned());
         }
         if self.seeks(|quantity| *quantity == Quantity::Clip)
             && self.seeks(|quantity| matches!(quantity, Quantity::PlateClip(_)))
         {
-            return Err("expected either clip or those of the plates, found both".to_owned());
+            return Err("expected either clip, or front-clip and back-clip; found both".to_owned());
         }
         Ok(())
     }
@@ -177,7 +177,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<Done, Fai
     notes::print(&found);
     if measured == 0 && arguments.calibrated.is_some() {
         print_message(
-            "warning: no force was measured: intervals of forces that are sensed with the calibrated finger may be too narrow; measure one force (--forces)",
+            "warning: no force was measured: 95 % intervals of forces sensed with this calibration may be too narrow; measure one force (--forces)",
         );
     }
     for outlier in &estimate.outliers {
@@ -185,7 +185,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<Done, Fai
     }
     if compliance.is_some_and(|compliance| compliance.sigma_deg_per_n.is_infinite()) {
         print_message(format_args!(
-            "note: base_deg_per_n: two images do not show its standard deviation, and `finray sense` takes it for exact"
+            "note: base_deg_per_n: two images do not determine its standard deviation, so `finray sense` uses it as exact"
         ));
     }
     let mut files: Vec<(PathBuf, String)> = Vec::new();

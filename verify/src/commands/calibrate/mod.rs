@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let Some(measured) = &arguments.measurements else {
         return Err(bad_input(
-            "expected --measurements FILE, shapes under known loads, or --located FILE with --fit NAMES, images of the pressed finger",
+            "expected --measurements FILE (shapes under known loads), or --located FILE with --fit NAMES (images of the pressed finger)",
         ));
     };
     not_both_from_standard_input(&arguments.scene, measured, "--measurements")?;
@@ -156,8 +156,7 @@ const LARGEST_FACTOR: f64 = 10.0;
 fn warn_of_modulus(factor: f64) {
     if !(1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
         print_message(format_args!(
-            "warning: modulus_factor is {factor:.3e}: the finger is hardly the scene's; check units (N, mm, MPa), thicknesses and the numbers of the \
-             nodes"
+            "warning: modulus_factor is {factor:.3e}, far from 1: check units (N, mm, MPa), thicknesses and node numbers"
         ));
     }
 }
@@ -174,7 +173,7 @@ fn failure(error: CalibrationError) -> Failure {
 fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
     let bad = |reason: String| bad_input(format!("--zones: {reason}"));
     if zone_count == 0 {
-        return Err(bad("the scene has no [[finger.zone]]".to_owned()));
+        return Err(bad("expected tables [[finger.zone]] in the scene, found none".to_owned()));
     }
     let zones: Vec<Vec<usize>> = if groups == EACH {
         (0..zone_count).map(|zone| vec![zone]).collect()

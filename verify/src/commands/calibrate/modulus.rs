@@ -32,8 +32,7 @@ pub fn run(
     };
     if !(factor.is_finite() && sigma.is_finite()) {
         return Err(bad_input(
-            "not identifiable: loads and displacements do not fit each other by hundreds of powers of ten: are the \
-             units right?",
+            "not identifiable: the modulus overflows; check the units of loads (N) and displacements (mm)",
         ));
     }
     warn_of_modulus(factor);
@@ -49,7 +48,7 @@ pub fn run(
             KinematicsArgument::Linear if distances_mm[1] < distances_mm[0] && difference > sigma => {
                 print_message(format_args!(
                     "warning: the co-rotational finger is closer to the measured nodes ({:.3} mm in the mean, the linear one {:.3} mm) and has \
-                     modulus_factor {:.4}: displacements are too large for --kinematics linear; sigma holds the difference",
+                     modulus_factor {:.4}: displacements are too large for --kinematics linear; sigma includes the difference",
                     distances_mm[1], distances_mm[0], corotational.factor
                 ));
                 sigma = sigma.hypot(difference);
@@ -57,7 +56,7 @@ pub fn run(
             KinematicsArgument::Corotational if distances_mm[0] < distances_mm[1] && difference > sigma => {
                 print_message(format_args!(
                     "warning: the linear finger is closer to the measured nodes ({:.3} mm in the mean, the co-rotational one {:.3} mm) and has \
-                     modulus_factor {:.4}: are these shapes of --kinematics linear?",
+                     modulus_factor {:.4}: use --kinematics linear if the shapes were computed so",
                     distances_mm[0], distances_mm[1], linear.factor
                 ));
             }
@@ -74,17 +73,17 @@ fn warn_of_contradictions(found: &CorotationalModulus) {
     outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));
     for outlier in outliers.iter().take(MOST_NAMED) {
         print_message(format_args!(
-            "warning: case {} in the order of the file: node {} is {:.2} mm from where the finger has it, and counts little: is it another node, or \
-             the load another one?",
+            "warning: case {} in the order of the file: node {} is {:.2} mm from its position on the finger and gets little weight: check its node \
+             number and the load",
             outlier.case + 1,
             outlier.node,
             outlier.distance_mm
         ));
     }
     if let Some(more) = outliers.len().checked_sub(MOST_NAMED).filter(|more| *more > 0) {
-        print_message(format_args!("warning: {more} further nodes are far from where the finger has them"));
+        print_message(format_args!("warning: {more} further nodes are far from their positions on the finger"));
     }
     if let Some(test) = found.contradiction {
-        print_message(format_args!("warning: {}; sigma rests on the residual", Warning::Residual(test)));
+        print_message(format_args!("warning: {}; sigma follows from the residual", Warning::Residual(test)));
     }
 }

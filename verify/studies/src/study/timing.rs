@@ -12,7 +12,7 @@ impl Study {
         let folder = folder.display();
         if !self.is_paper {
             self.timing_notes
-                .push(format!("Criterion's results in {folder} are of the paper's finger and were left aside."));
+                .push(format!("Criterion's results in {folder} are for the paper's finger and are ignored."));
             return;
         }
         let taken = criterion::take_times(&mut self.speed_error, times);
@@ -23,7 +23,7 @@ impl Study {
         });
         if let Some(first) = times.unreadable.first() {
             self.timing_notes.push(format!(
-                "{} of the files there are not what criterion writes and were left aside, the first of them {}.",
+                "{} of the files there are not in criterion's format and are ignored, the first of them {}.",
                 times.unreadable.len(),
                 first.display()
             ));
@@ -34,7 +34,7 @@ impl Study {
     pub fn take_peers(&mut self, peers: Peers) {
         if !self.is_paper {
             self.timing_notes
-                .push("The times of other programs are of the paper's finger and were left aside.".to_owned());
+                .push("The times of other programs are for the paper's finger and are ignored.".to_owned());
             return;
         }
         let machine = match peers.machine.as_str() {
@@ -48,8 +48,8 @@ impl Study {
         if let Some(other) = others.first() {
             let Asked { nodes, forces_n } = &asked[other.task as usize];
             self.timing_notes.push(format!(
-                "{} points of other programs are for other nodes or forces than ours and were left aside, the first of them for {} N on nodes {} \
-                 instead of {forces_n} N on nodes {nodes}.",
+                "{} points of other programs are for other nodes or forces than ours and are ignored, the first of them for {} N on nodes {} instead \
+                 of {forces_n} N on nodes {nodes}.",
                 others.len(),
                 other.asked.forces_n,
                 other.asked.nodes

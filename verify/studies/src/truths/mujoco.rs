@@ -23,7 +23,7 @@ const SAME: f64 = 1e-9;
 #[derive(Debug, thiserror::Error)]
 pub enum NotExported {
     /// The finger was not exported.
-    #[error("MuJoCo's shapes were exported for the fingers {fingers} alone, and this is none of them", fingers = names())]
+    #[error("MuJoCo's shapes were exported for the fingers {fingers} only; this scene has another finger", fingers = names())]
     Finger,
     /// The force was not exported.
     #[error("MuJoCo's shapes of the finger {finger} were exported for forces of {exported} N, not for {asked} N")]

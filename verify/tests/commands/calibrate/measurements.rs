@@ -37,7 +37,7 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
     assert!((linear - 0.9).abs() > 3.0 * sigma && (linear - 0.9).abs() < 3.0 * wide, "{linear} +- {wide}");
     assert_says(
         &warnings[0],
-        &["the co-rotational finger is closer", "--kinematics linear", "sigma holds the difference"],
+        &["the co-rotational finger is closer", "--kinematics linear", "sigma includes the difference"],
     );
     // Shapes of a finger that bends linearly are said to be.
     let (_, warnings) =

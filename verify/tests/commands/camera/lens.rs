@@ -87,6 +87,6 @@ fn the_plane_of_a_grid_is_written() {
     assert_close(&[apart(scene.camera.expect("a camera").lens, found)], &[apart(true_lens, truth)], 0.001);
     assert_says(
         &lens(&[&images[0], &images[2]]).refused(),
-        &["--plane: expected images of a grid in one place", "image"],
+        &["--plane: expected a grid that does not move between images", "image"],
     );
 }

@@ -66,13 +66,13 @@ fn times_say_who_took_them() {
         page[page.find("id=\"speed-error\"").expect("the section")..].split("</section>").next().unwrap_or_default();
     for said in [
         "The times of 2 of ",
-        "1 of the files there are not what criterion writes",
+        "1 of the files there are not in criterion's format",
         "on this machine: a desk, one core",
         ">criterion<",
         ">OpenSees 3.7.1.2<",
         ">OpenSees: corotational frame<",
         "2 points are of other programs",
-        "1 points of other programs are for other nodes or forces than ours and were left aside, the first of them for 3 N on nodes 14 18 22 \
+        "1 points of other programs are for other nodes or forces than ours and are ignored, the first of them for 3 N on nodes 14 18 22 \
          instead of 3 N on nodes 14-24",
     ] {
         assert!(section.contains(said), "{said}");

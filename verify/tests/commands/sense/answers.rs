@@ -177,7 +177,7 @@ fn shipped_networks_sense_the_paper_finger() {
     let other = paper_load(15, 0.5, 0.0);
     let other = finray(&["solve", PAPER, "--load", &loads[0], "--load", &other]).done();
     let message = sense_text(&other, &[&["--contact", "19", "20"][..], &network].concat()).refused();
-    assert_says(&message, &["contact 2: -", "beyond the forces that the network was trained on, 0 to 5 N"]);
+    assert_says(&message, &["contact 2: -", "is outside the forces that the network was trained on, 0 to 5 N"]);
 
     let message = sense_text(&shape, &[&["--contact", "19@10"][..], &network].concat()).refused();
     assert_says(&message, &["no network ships for these contacts (19@10)", "finray train"]);

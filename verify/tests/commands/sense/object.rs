@@ -64,10 +64,10 @@ fn objects_that_cannot_be_are_refused() {
     };
     let noise = ["--noise-mm", "0.01"];
     assert_says(&refused("", &noise), &["expected a table contact.object in the scene"]);
-    assert_says(&refused(OBJECT, &[]), &["which was not stated"]);
+    assert_says(&refused(OBJECT, &[]), &["which is unknown"]);
     assert_says(&refused(OBJECT, &["--estimator", "ridge"]), &["`object` or `auto` needs --estimator nonlinear"]);
     for (from, to, expected) in [
-        ("[75.45, 29.45]", "[75.45, 31.45]", "mm away from it"),
+        ("[75.45, 29.45]", "[75.45, 31.45]", "mm, outside the finger"),
         ("[75.45, 29.45]", "[75.45, 27.45]", "inside the finger"),
         ("radius_mm = 20.0", "", "contact.object.radius_mm is missing"),
         ("radius_mm", "radius", "line 30: unknown key `contact.object.radius`"),
@@ -77,17 +77,13 @@ fn objects_that_cannot_be_are_refused() {
             "line 30: contact.object.radius_mm: expected a length in mm above zero, up to 10000, found -1.0",
         ),
         ("\"disc\"", "\"cube\"", "line 29: contact.object.shape: expected one of \"disc\", \"ellipse\", \"polygon\""),
-        (
-            "\"disc\"",
-            "\"ellipse\"",
-            "line 30: contact.object.radius_mm: expected nothing, found a value that an ellipse",
-        ),
+        ("\"disc\"", "\"ellipse\"", "line 30: contact.object.radius_mm: expected nothing, found a key that an ellipse"),
         ("radius_mm = 20.0", "rotation_deg = 3", "contact.object.radius_mm is missing"),
         ("= 0.05", "= 0.05\nrotation_deg = 3", "line 33: contact.object.rotation_deg: expected nothing"),
         (
             "pose_mm = [75.45, 29.45]",
             "",
-            "contact.object.pose_mm is missing: expected [x, y] in mm, as `pose_sigma_mm` is there",
+            "contact.object.pose_mm is missing: expected [x, y] in mm, because the table has `pose_sigma_mm`",
         ),
         ("pose_sigma_mm = 0.05", "", "contact.object.pose_sigma_mm is missing"),
         (

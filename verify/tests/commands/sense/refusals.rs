@@ -7,7 +7,7 @@ use crate::kit::*;
 fn contacts_that_cannot_be_sensed_are_refused() {
     let shape = linear_shape(&TRUTH);
     for (contacts, expected) in [
-        (vec![], "no contact was given"),
+        (vec![], "expected at least one contact"),
         (vec!["--contact", "1"], "node 1 is clamped"),
         (vec!["--contact", "25"], "node 25 is clamped"),
         (vec!["--contact", "26"], "node 26 does not exist"),

@@ -67,11 +67,11 @@ fn shards_that_do_not_fit_are_refused() {
         (vec![second, &foreign, third], vec!["foreign.csv", "another --seed"]),
         (vec![one, second, third, &fourth], vec!["fourth.csv", "another number of shards"]),
         (vec![second, &map, third], vec!["map.csv", "another command"]),
-        (vec![&torn, second, third], vec!["torn.csv", "not a whole shard 1/3"]),
+        (vec![&torn, second, third], vec!["torn.csv", "not a complete shard 1/3"]),
         (vec![&short, second, third], vec!["short.csv", "expected 320 rows, found 319"]),
-        (vec![one, second, &whole], vec!["whole.csv", "is no shard"]),
-        (vec![one, second, &bytes], vec!["bytes.csv", "is no shard"]),
-        (vec![one, second, PAPER], vec!["paper.toml", "is no shard"]),
+        (vec![one, second, &whole], vec!["whole.csv", "is not a shard"]),
+        (vec![one, second, &bytes], vec!["bytes.csv", "is not a shard"]),
+        (vec![one, second, PAPER], vec!["paper.toml", "is not a shard"]),
         (vec![one, second, &missing], vec!["missing.csv", "cannot be read"]),
     ] {
         let message = finray(&[&["merge"], &shards[..], &["--out", &out]].concat()).refused();

@@ -119,7 +119,7 @@ fn unfinished_rows_of_another_request_are_not_touched() {
     for (name, content) in [("text", "my notes\n"), ("bytes", "# \u{0}\u{1}"), ("head", "# finray = 1\n")] {
         folder.put("out.csv.partial", content);
         let message = finray(&with(&SWEEP, &["--out", &out])).refused();
-        assert_says(&message, &["out.csv.partial", "no table at all"]);
+        assert_says(&message, &["out.csv.partial", "not a table of finray"]);
         assert_eq!(folder.read("out.csv.partial"), content, "{name}");
     }
 }

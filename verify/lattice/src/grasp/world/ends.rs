@@ -8,7 +8,7 @@ use finray_model::Vector;
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum WorldError {
     /// The object overlaps a finger or the support.
-    #[error("the object overlaps {what} by {overlap_mm:.3} mm where it starts")]
+    #[error("the object overlaps {what} by {overlap_mm:.3} mm at the start")]
     Overlap {
         /// Body that it overlaps.
         what: TouchedBody,
@@ -24,13 +24,13 @@ pub enum WorldError {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum GraspFailure {
     /// The object falls or slides away and does not come to rest.
-    #[error("the object gets away: the fingers do not hold it")]
+    #[error("drop: the object gets away, because the fingers do not hold it")]
     Dropped,
     /// Fingers hold the object, but no equilibrium is found. Plates may snap too far; coarse lattices jam earlier.
     #[error("jam: no equilibrium of object and fingers is found")]
     Jammed,
     /// A finger folds.
-    #[error("a finger folds")]
+    #[error("fold: a finger folds")]
     Folded,
 }
 

@@ -48,7 +48,9 @@ pub enum GraspEnd {
         motor_deg: f64,
     },
     /// The motor reached its end before the target force was sensed.
-    #[error("at the last motor angle, {motor_deg} degrees, {sensed_n:.3} N are sensed, less than until_force_n")]
+    #[error(
+        "too weak: at the last motor angle, {motor_deg} degrees, {sensed_n:.3} N are sensed, less than until_force_n"
+    )]
     TooWeak {
         /// Motor angle, degrees.
         motor_deg: f64,

@@ -52,7 +52,9 @@ pub enum GraspError {
         outline: String,
     },
     /// A hand moves the object, which must be free.
-    #[error("object.mass_g is missing: expected a free object with mass_g and centre_mm, found one that a hand moves")]
+    #[error(
+        "object.mass_g is missing: expected a free object with mass_g and centre_mm, found one on a prescribed path"
+    )]
     NotFree,
     /// The outline of the object is invalid.
     #[error(transparent)]
@@ -66,7 +68,7 @@ pub enum GraspError {
         depth_mm: f64,
     },
     /// The object is inside a finger, or overlaps it behind its front plate.
-    #[error("the object lies across the {finger} finger where it starts")]
+    #[error("the object lies across the {finger} finger at the start: check centre_mm")]
     AcrossFinger {
         /// Name of the finger: left or right.
         finger: &'static str,

@@ -26,7 +26,7 @@ pub fn load(path: &Path) -> Result<Peers, FileError> {
 
 fn peer(table: &Table<9>, row: &Row<9>) -> Result<Peer, FileError> {
     let text = |column: usize| match row.cells[column].as_str() {
-        "" => Err(table.wrong(row, format!("{}: expected words, found nothing", COLUMNS[column]))),
+        "" => Err(table.wrong(row, format!("{}: expected text, found nothing", COLUMNS[column]))),
         words => Ok(words.to_owned()),
     };
     let task = Task::ALL.into_iter().find(|task| task.name() == row.cells[0]).ok_or_else(|| {

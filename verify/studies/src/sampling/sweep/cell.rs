@@ -76,7 +76,7 @@ impl Outcome {
     }
 
     pub(super) fn not_carried() -> Outcome {
-        let refusal = "the finger that is sensed has no equilibrium under this force".to_owned();
+        let refusal = "the true finger has no equilibrium under this force".to_owned();
         Outcome { samples: 0, answered: 0, errors: None, covered: None, refusal: Some(refusal) }
     }
 }

@@ -33,7 +33,7 @@ pub enum MergeError {
         of: usize,
     },
     /// No file was given.
-    #[error("no shard was given")]
+    #[error("expected at least one shard, found none")]
     Nothing,
 }
 
@@ -52,7 +52,7 @@ impl Shards {
         for path in paths {
             let (theirs, shard, rows_at) = whole_shard(path)?;
             let foreign = |what: &str| {
-                let message = format!("is no part of the table that {} belongs to: another {what}", first.display());
+                let message = format!("is not a shard of the same table as {}: it has another {what}", first.display());
                 Err(FileError::content(path, message).into())
             };
             if let Some(what) = request.difference(&theirs) {
@@ -92,7 +92,7 @@ impl Shards {
 /// Request and number of a shard, and the byte offset of its rows.
 fn whole_shard(path: &Path) -> Result<(Request, Shard, u64), FileError> {
     let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
-    let no_shard = || FileError::content(path, "is no shard: expected a file that was written with --shard I/N");
+    let no_shard = || FileError::content(path, "is not a shard: expected a file written with --shard I/N");
     let mut reader = BufReader::new(File::open(path).map_err(unreadable)?);
     // A binary file has no head.
     let lines = lines_of_head(&mut reader).or_else(|error| match error.kind() {
@@ -115,7 +115,7 @@ fn whole_shard(path: &Path) -> Result<(Request, Shard, u64), FileError> {
     }
     if begin != header || rows != head.row_count() || last != b'\n' {
         let message = format!(
-            "is not a whole shard {shard}: expected {} rows, found {rows}; give its run the same command again",
+            "is not a complete shard {shard}: expected {} rows, found {rows}; run its command again",
             head.row_count()
         );
         return Err(FileError::content(path, message));

@@ -134,14 +134,12 @@ fn keep_whole_blocks(file: &mut File, rows_at: u64, rows_in_block: usize) -> std
 fn of_another_request(file: &mut File, head: &Head) -> String {
     let theirs = file.rewind().and_then(|()| lines_of_head(&mut BufReader::new(&*file)));
     let difference = match theirs.ok().and_then(|lines| Head::from_lines(&lines)) {
-        None => "or is no table at all".to_owned(),
+        None => "it is not a table of finray".to_owned(),
         Some(theirs) if theirs.shard != head.shard => "another --shard".to_owned(),
         Some(theirs) => match theirs.request.difference(&head.request) {
             Some(what) => format!("another {what}"),
-            None => "with other columns".to_owned(),
+            None => "other columns".to_owned(),
         },
     };
-    format!(
-        "stands in the way: it was begun with another request ({difference}); move it, delete it, or give another --out"
-    )
+    format!("belongs to another request ({difference}): move it, delete it, or give another --out")
 }
