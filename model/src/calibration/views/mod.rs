@@ -177,6 +177,10 @@ pub fn views(
     sought: &[Sought],
     model: &ViewModel,
 ) -> Result<ViewEstimate, CalibrationError> {
+    let leaning = views.iter().filter(|view| view.force.is_none()).count();
+    let shares_lean = !sought.is_empty() && leaning > 1 && model.lean.sd_deg > 0.0;
+    let shared_lean = shares_lean.then_some(Sought { quantity: Quantity::Lean, prior_sd: Some(model.lean.sd_deg) });
+    let sought = &[sought, shared_lean.as_slice()].concat()[..];
     let is_scaled = sought.iter().any(|sought| sought.quantity.is_modulus()) && views.iter().any(|v| v.force.is_some());
     let scatter = is_scaled.then_some(FIRST_SCATTER);
     let errors = MarkerErrors { noise_factor: 1.0, model_mm: FIRST_MODEL_ERROR_MM };

@@ -20,6 +20,9 @@ pub(super) const BASE_ROWS: usize = 3;
 const MARGIN: f64 = 0.02;
 /// Smallest standard deviation of a lean, degrees, which stands for an exact lean.
 const SETTLED_DEG: f64 = 1e-3;
+/// Standard deviation of a view's own part of the lean where another part is shared, as a share of the lean's. The shared part has all of it, since friction
+/// of one object may be the same in all views; but friction may also build up, and objects may differ.
+const OWN_LEAN: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Change of the normal's turn, rad, below which it has settled, and the largest number of steps.
 const SETTLED_RAD: f64 = 1e-9;
 const NORMAL_STEPS: usize = 60;
@@ -54,6 +57,8 @@ pub(super) struct Candidate {
     pub base: Isometry2<f64>,
     /// Moment at the tip without load, N mm.
     pub preload_nmm: f64,
+    /// Lean that all forces without a measurement share beside the mean lean, degrees.
+    pub lean_deg: f64,
 }
 
 /// Least-squares problem of a calibration.
@@ -101,6 +106,7 @@ impl Problem<'_> {
             },
             Quantity::MarkerHeight => self.model.marker_height_mm,
             Quantity::Preload => self.model.preload_nmm,
+            Quantity::Lean => self.model.lean.angle_deg,
             _ => 0.0,
         }
     }
@@ -109,7 +115,7 @@ impl Problem<'_> {
     pub(super) fn candidate(&self, shared: &[f64]) -> Option<Candidate> {
         let mut description = self.finger.description().clone();
         let (mut marker_height_mm, mut at, mut turn_deg) = (self.model.marker_height_mm, Vector::zeros(), 0.0);
-        let mut preload_nmm = self.model.preload_nmm;
+        let (mut preload_nmm, mut lean_deg) = (self.model.preload_nmm, 0.0);
         let mut error = UnloadedError::none(self.finger.rib_count());
         for (sought, &change) in self.sought.iter().zip(shared) {
             match sought.quantity {
@@ -118,6 +124,7 @@ impl Problem<'_> {
                 Quantity::BaseY => at.y += change,
                 Quantity::BaseTurn => turn_deg += change,
                 Quantity::Preload => preload_nmm += change,
+                Quantity::Lean => lean_deg += change,
                 Quantity::Unloaded(k) => error = error.and(change, &self.unloaded[k]),
                 of_finger => changed(&mut description, self.finger.rib_count(), of_finger, change),
             }
@@ -130,7 +137,7 @@ impl Problem<'_> {
         }
         let base = Isometry2::new(at + error.base, turn_deg.to_radians() + error.base_turn_rad);
         let mesh = Mesh::with_elements_per_member(&finger, self.model.elements);
-        Some(Candidate { mesh, marker_height_mm, base, preload_nmm })
+        Some(Candidate { mesh, marker_height_mm, base, preload_nmm, lean_deg })
     }
 
     /// Number of unknowns of a view.
@@ -141,6 +148,13 @@ impl Problem<'_> {
             (None, _) => 2,
         };
         OWN + of_force
+    }
+
+    /// Standard deviation of the part of a view's lean that is not shared, degrees.
+    fn further_lean_sd_deg(&self) -> f64 {
+        let is_shared = self.sought.iter().any(|sought| sought.quantity == Quantity::Lean);
+        let share = if is_shared { OWN_LEAN } else { 1.0 };
+        (share * self.model.lean.sd_deg).max(SETTLED_DEG)
     }
 
     /// Number of residuals of a view: its markers, its base, and its measured force or lean.
@@ -172,7 +186,7 @@ impl Problem<'_> {
         let measured = view
             .force
             .map(|force| (candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
-        let lean_deg = self.model.lean.mean_deg(own.force_n) + own.further_lean_deg;
+        let lean_deg = self.model.lean.mean_deg(own.force_n) + candidate.lean_deg + own.further_lean_deg;
         // A lean or a pad may depend on the normal, which turns with the force. A few iterations settle the turn.
         let preload = AssemblyErrors::load(finger, candidate.preload_nmm);
         let preload = candidate.mesh.frame_load(&preload).ok().filter(|_| candidate.preload_nmm != 0.0);
@@ -266,7 +280,7 @@ impl Problem<'_> {
             rows.push((own.force_n / force.norm() - 1.0) / scatter);
         }
         if view.force.is_none() {
-            rows.push(own.further_lean_deg / self.model.lean.sd_deg.max(SETTLED_DEG));
+            rows.push(own.further_lean_deg / self.further_lean_sd_deg());
         }
         Some(rows)
     }

@@ -30,6 +30,8 @@ pub enum Quantity {
     BaseTurn,
     /// Moment at the tip that the plates exert on each other without load, N mm.
     Preload,
+    /// Lean that all forces without a measurement share beside the scene's mean lean, degrees: one object has one friction.
+    Lean,
     /// Multiple of an error that the scene states for its unloaded finger, in standard deviations. Errors count from 0.
     Unloaded(usize),
 }
@@ -51,6 +53,7 @@ impl fmt::Display for Quantity {
             Quantity::BaseY => f.write_str("base_y_mm"),
             Quantity::BaseTurn => f.write_str("base_deg"),
             Quantity::Preload => f.write_str("preload_nmm"),
+            Quantity::Lean => f.write_str("lean_deg"),
             Quantity::Unloaded(k) => write!(f, "unloaded_error_{}", k + 1),
         }
     }
@@ -118,6 +121,7 @@ pub(super) fn changed(description: &mut FingerDescription, rib_count: usize, qua
         | Quantity::BaseY
         | Quantity::BaseTurn
         | Quantity::Preload
+        | Quantity::Lean
         | Quantity::Unloaded(_) => {}
     }
 }

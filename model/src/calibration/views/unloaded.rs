@@ -27,7 +27,12 @@ impl Problem<'_> {
             let known_direction = &all[..=OWN];
             for unknowns in [&all[..], known_direction] {
                 let found = self.force_alone(&jacobian, rows.clone(), unknowns, own.force_n);
-                changes.extend(found.map(|(by_shared, ..)| by_shared.transpose()));
+                changes.extend(found.map(|(mut by_shared, ..)| {
+                    // A new force has a lean of its own, whose uncertainty is the scene's.
+                    let leans = self.sought.iter().zip(by_shared.iter_mut());
+                    leans.filter(|(sought, _)| sought.quantity == Quantity::Lean).for_each(|(_, by)| *by = 0.0);
+                    by_shared.transpose()
+                }));
             }
         }
         if changes.is_empty() {
@@ -78,7 +83,7 @@ impl Problem<'_> {
                 Quantity::BaseY => error.base += base.rotation.inverse() * Vector::new(0.0, change),
                 Quantity::BaseTurn => error.base_turn_rad += change.to_radians(),
                 Quantity::Preload => error.preload_nmm += change,
-                Quantity::Modulus | Quantity::PlateModulus(_) | Quantity::Unloaded(_) => {}
+                Quantity::Modulus | Quantity::PlateModulus(_) | Quantity::Lean | Quantity::Unloaded(_) => {}
             }
         }
         error
