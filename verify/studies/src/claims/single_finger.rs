@@ -67,7 +67,7 @@ fn over_angles(tables: &[TableOne], same: impl Fn(&TableOne) -> bool) -> ClaimVe
     over_assumptions(&tables.iter().map(|table| figure(same(table))).collect::<Vec<_>>())
 }
 
-/// Text with the finding for each of these directions.
+/// Text that lists the finding for each assumed direction of the weights.
 fn by_angle(tables: &[TableOne], found: impl Fn(&TableOne) -> String) -> String {
     let at = |table: &TableOne| format!("{} deg: {}", table.angle_deg, found(table));
     tables.iter().map(at).collect::<Vec<_>>().join("; ")
@@ -145,7 +145,7 @@ fn noise(study: &Study, table: &TableOne, words: &Words) -> Result<Option<Claim>
     words.claim("poor-ends", all_simulated(&pairs), numbers).map(Some)
 }
 
-/// Claims on the paper's conclusions from its errors, for a finger fitted to these errors.
+/// Claims on the paper's conclusions from its errors, tested on the digital twin: a finger fitted to these errors.
 fn on_the_twin(table: &TableOne, twin: &TwinStudy, words: &Words) -> Result<[Claim; 3], ClaimError> {
     let moduli = moduli_mpa(&twin.finger);
     let mean = |rows: &[&TableOneRow], factor: f64| {

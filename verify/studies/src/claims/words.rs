@@ -6,7 +6,7 @@ use minijinja::{Environment, Value};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// The shipped texts, one table for each claim.
+/// Texts of the claims that ship with the program, one table for each claim.
 pub struct Words {
     templates: Environment<'static>,
     untested: Vec<Untested>,

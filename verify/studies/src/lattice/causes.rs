@@ -6,7 +6,7 @@ use finray_lattice::energy::{BodyMotion, Energy};
 use finray_lattice::settling::{Precision, SWEEPS, Settling};
 use finray_lattice::springs::AxialSprings;
 
-/// Stiffness factor at which axial springs count as rigid: 100 times more changes the paper's finger by a share of 1e-3.
+/// Stiffness factor at which axial springs count as rigid. A factor 100 times as large changes the paper's finger by 1e-3, relative.
 pub const AS_GOOD_AS_RIGID: f64 = 1e3;
 
 /// Axial springs to compare, with their names; those of a beam are first.
@@ -24,7 +24,7 @@ pub struct AxialRow {
     pub name: &'static str,
     /// The axial springs.
     pub axial: AxialSprings,
-    /// Largest difference from converged beams, relative to the largest displacement, by force; `None` without equilibrium.
+    /// Largest difference from converged beams per force, relative to the largest displacement; `None` if a load has no equilibrium.
     pub errors: Option<Vec<f64>>,
 }
 
@@ -46,7 +46,7 @@ pub fn axial(finger: &Finger, fineness: usize, grid: &LoadGrid) -> Result<Vec<Ax
     AXIAL_SPRINGS.par_iter().map(row).collect()
 }
 
-/// Settings of settling to compare, as sweeps a step and precision of positions. The default number of sweeps is `SWEEPS`.
+/// Settings of settling to compare: sweeps over the springs per step, and precision of the positions. The default number of sweeps is `SWEEPS`.
 pub const SETTLINGS: [(usize, Precision); 5] = [
     (8, Precision::Double),
     (16, Precision::Double),
@@ -54,7 +54,7 @@ pub const SETTLINGS: [(usize, Precision); 5] = [
     (2 * SWEEPS, Precision::Double),
     (SWEEPS, Precision::Single),
 ];
-/// Number of steps after which a lattice counts as not settled: several times the number that the paper's finger needs.
+/// A lattice counts as not settled after this number of steps, several times the number that the paper's finger needs.
 const MOST_STEPS: usize = 20_000;
 
 /// Error of one setting of settling against the lattice's own equilibrium.
@@ -64,13 +64,13 @@ pub struct SettlingRow {
     pub sweeps: usize,
     /// Floating-point precision of the positions.
     pub positions: Precision,
-    /// Largest difference from the equilibria, relative to the largest displacement; `None` if a load does not settle.
+    /// Largest difference from the equilibria, relative to the largest displacement; `None` if the lattice does not settle under a load.
     pub error: Option<f64>,
-    /// Largest number of steps to rest; `None` if a load does not settle.
+    /// Largest number of steps to rest; `None` if the lattice does not settle under a load.
     pub steps: Option<usize>,
 }
 
-/// Settles a lattice with each of [`SETTLINGS`] under all loads of a grid.
+/// Settles a lattice (simulates it until rest) with each of [`SETTLINGS`] under all loads of a grid.
 ///
 /// # Errors
 /// [`LatticeError`] if a load has no equilibrium or settling fails for another reason than too many steps.
