@@ -62,7 +62,7 @@ impl MujocoTruth {
         Ok(MujocoTruth { finger: finger.clone(), name: exported.name, cases: exported.cases()? })
     }
 
-    /// Those of the given forces (N) for which shapes were exported.
+    /// The subset of `forces_n` (N) for which shapes were exported.
     pub fn exported(&self, forces_n: &[f64]) -> Vec<f64> {
         forces_n.iter().copied().filter(|force_n| self.require_force(*force_n).is_ok()).collect()
     }
