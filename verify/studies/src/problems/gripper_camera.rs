@@ -20,7 +20,7 @@ const FOCAL_PX: f64 = 1360.0;
 const SIZE_PX: [u32; 2] = [1600, 1400];
 /// Height of the markers above the plane of the beams, towards the camera, mm.
 const HEIGHT_MM: f64 = 2.0;
-/// Steps of Newton's method, which converges quadratically.
+/// Largest number of Newton steps; the method converges quadratically.
 const MOST_STEPS: usize = 20;
 
 /// Checks of the finger frames in the camera's frame, and of undeformed nodes in its images.
@@ -138,7 +138,7 @@ fn joints(gripper: &Gripper, angles: &[f64]) -> Vec<Vector> {
     joints
 }
 
-/// Position of the joint at the rocker's length from the fixed joint and the link's length from the nut, mm, by Newton's method from `near`.
+/// Position of the joint, mm, at the rocker's length from the fixed joint and the link's length from the nut. Newton's method starts at `near`.
 fn joint(gripper: &Gripper, motor_deg: f64, near: Vector) -> Vector {
     let description = gripper.description();
     let [rocker_mm, link_mm] = description.link_mm;

@@ -13,7 +13,7 @@ const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotationa
 const BENT: [f64; 6] = [0.3, -0.2, 0.4, -0.5, 0.9, -0.3];
 /// Step of the differences, mm and rad. Truncation error (its fourth power) and rounding error (divided by it) are far below the tolerance.
 const STEP: f64 = 2e-3;
-/// Largest difference, relative to the largest derivative.
+/// Tolerance of a difference, relative to the largest derivative.
 pub const TOLERANCE: f64 = 1e-9;
 
 /// Derivative at 0 by finite differences of fourth order.
