@@ -69,12 +69,12 @@ impl AccuracyMap {
         })
     }
 
-    /// Mean relative error by direction, then position: of one force (N), or over all forces. `None` where a force has no answer or no equilibrium.
+    /// Mean relative error by direction, then position: of one force (N), or over all forces. `None` if a force has no answer or no equilibrium.
     pub fn errors(&self, force_n: Option<f64>) -> Vec<Vec<Option<f64>>> {
         self.values(force_n, |cell| cell.mean_error)
     }
 
-    /// A quantity of the cells by direction, then position: of one force (N), or its mean over all forces. `None` where a force lacks it.
+    /// A quantity of the cells by direction, then position: of one force (N), or its mean over all forces. `None` if a force lacks the quantity.
     pub fn values(&self, force_n: Option<f64>, of: impl Fn(&MapCell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let forces = self.request.forces_n.len();
         let (positions, angles) = (self.request.positions_mm.len(), self.request.angles_deg.len());
@@ -90,7 +90,7 @@ impl AccuracyMap {
         (0..angles).map(|angle| (0..positions).map(|position| cell(position, angle)).collect()).collect()
     }
 
-    /// The cells at those of the given positions (mm) and directions (degrees) that this map has.
+    /// The part of this map at the given positions (mm) and directions (degrees). Positions and directions that the map lacks are omitted.
     pub fn thinned(&self, positions_mm: &[f64], angles_deg: &[f64]) -> AccuracyMap {
         let kept = |all: &[f64], wanted: &[f64]| all.iter().copied().filter(|x| wanted.contains(x)).collect::<Vec<_>>();
         let request = MapRequest {
