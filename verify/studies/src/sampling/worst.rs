@@ -1,10 +1,10 @@
-//! The worst force of each cell: the only criterion by which a position and direction counts as trusted.
+//! The worst force of each cell (position and direction): the only criterion by which a cell counts as trusted.
 
 use super::map::AccuracyMap;
 use super::sweep::{CellState, MapCell};
 use crate::settings::TRUSTED_ERROR;
 
-/// A position and direction, with the worst of the map's forces.
+/// A position and direction, with the worst result among the map's forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstCell {
     /// Position on the front plate, mm from the base.

@@ -31,7 +31,7 @@ impl Request {
         env!("CARGO_PKG_VERSION").to_owned()
     }
 
-    /// Number of blocks, one for each truth and contact.
+    /// Number of blocks, one for each true finger and contact.
     pub fn block_count(&self) -> usize {
         self.truths.len() * self.grid.contact_count()
     }
@@ -98,7 +98,7 @@ impl Head {
     }
 }
 
-/// Lines of a file that may be a head: those behind a mark. The reader then stands at the first line without a mark.
+/// Lines of a file that may be a head: the lines that begin with a mark. The reader then stands at the first line without a mark.
 ///
 /// # Errors
 /// [`std::io::Error`] of the reader.

@@ -9,13 +9,12 @@ use finray_files::csv_text;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Table {
-    /// One accuracy map. Truth, estimator and noise level are constant and have no column.
+    /// One accuracy map. True finger, estimator and noise level are constant and have no column.
     Map,
     /// All results of each cell.
     Sweep,
 }
 
-/// A row of [`Table::Sweep`].
 #[derive(Serialize)]
 struct Row {
     truth: TruthId,
