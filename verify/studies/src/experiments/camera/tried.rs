@@ -1,4 +1,4 @@
-//! A force at one node under one condition: observed displacements and the sensed force.
+//! A force at one node under one condition: displacements are observed, and the force is sensed from them.
 
 use super::conditions::{Change, Condition, ImageChange};
 use super::{Bent, ExperimentError};
@@ -25,7 +25,7 @@ pub(super) struct Tried {
     pub first_order: Option<f64>,
 }
 
-/// Observes and senses one deformed finger; `None` if it is not seen.
+/// Observes and senses one deformed finger; `None` if the camera does not see it.
 pub(super) fn tried(
     mesh: &Mesh,
     (number, bent): (usize, &Bent),
@@ -110,7 +110,7 @@ fn in_image(
     })
 }
 
-/// Displacements of points that one camera projects and another one reads; `None` if one of them does not see the finger.
+/// Displacements of points that one camera projects and another one reads; `None` if one of the cameras does not see the finger.
 fn projected(
     finger: &Finger,
     shape: &FingerShape,

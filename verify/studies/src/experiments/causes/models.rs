@@ -6,7 +6,7 @@ use crate::truths::Truth;
 use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
 use finray_model::finger::{Part, Zone};
 
-/// An end of the finger, which may have zones.
+/// An end of the finger, which may have zones of other stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     Base,
@@ -18,9 +18,9 @@ pub(super) enum End {
 pub(super) enum Bending {
     /// Linear; exact at key nodes.
     Linear,
-    /// Co-rotational, one element a member.
+    /// Co-rotational, one element per member.
     Coarse,
-    /// Co-rotational, [`ELEMENTS`] elements a member.
+    /// Co-rotational, [`ELEMENTS`] elements per member.
     Refined,
 }
 
@@ -46,8 +46,8 @@ pub(super) struct Models {
 }
 
 impl Models {
-    /// All models of a true finger. Their moduli are calibrated on its shapes under weights (N) at three nodes, a third, half and two thirds of the way
-    /// from tip to base. They are nodes 17, 19 and 21 of the paper's finger (sec. V-A).
+    /// All models of a true finger. Their moduli are calibrated on its shapes under weights (N) at three nodes: a third, half and two thirds of the
+    /// way from tip to base. On the paper's finger these are nodes 17, 19 and 21 (sec. V-A).
     pub fn of(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Result<Models, ExperimentError> {
         let cases = weighed(finger, truth, weights_n);
         let mesh = |number: usize| {
@@ -60,12 +60,10 @@ impl Models {
         Ok(Models { finger: finger.clone(), meshes })
     }
 
-    /// Mesh of the model with this knowledge.
     pub fn mesh(&self, known: Known) -> &Mesh {
         &self.meshes[known.number()]
     }
 
-    /// The true finger.
     pub fn finger(&self) -> &Finger {
         &self.finger
     }
@@ -102,7 +100,6 @@ fn end_of(finger: &Finger, zone: &Zone) -> End {
     if zone.from_mm + zone.to_mm < finger.plate_length_mm(plate) { End::Base } else { End::Tip }
 }
 
-/// Whether a finger has zones at an end.
 pub(super) fn has_zones(finger: &Finger, end: End) -> bool {
     finger.description().zones.iter().any(|zone| end_of(finger, zone) == end)
 }

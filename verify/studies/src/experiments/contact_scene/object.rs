@@ -33,11 +33,11 @@ pub enum OutlineError {
     },
 }
 
-/// Largest distance of a corner from the object's point, mm.
+/// Largest admissible distance of a corner from the object's point, mm.
 const FARTHEST_MM: f64 = 1e4;
 /// Number of corners of a drawn disc.
 const DRAWN_CORNERS: usize = 90;
-/// Largest difference between the areas of an outline and of its triangles, as a share; only rounding unless the outline crosses itself.
+/// Tolerance between the areas of an outline and of its triangles, relative. Only an outline that crosses itself exceeds it.
 const AREA_TOLERANCE: f64 = 1e-9;
 
 /// Outline of a pressed object about its moved point, rotated as the scene states.
@@ -70,7 +70,7 @@ impl TurnedOutline {
         })
     }
 
-    /// Shape for the computation of contacts.
+    /// Shape for the computation of contacts, mm.
     pub fn shape(&self) -> Shape {
         match self {
             TurnedOutline::Disc(radius_mm) => Shape::disc(*radius_mm),
@@ -111,7 +111,7 @@ impl TurnedOutline {
         corners.into_iter().chain(first).collect()
     }
 
-    /// Extent of the outline along a unit vector from the moved point, mm.
+    /// Largest extent of the outline along a unit vector, from the moved point, mm.
     pub fn reach_mm(&self, along: Vector) -> f64 {
         match self {
             TurnedOutline::Disc(radius_mm) => *radius_mm,
@@ -151,9 +151,9 @@ pub struct PreparedObject {
     pub outline: TurnedOutline,
     /// Coefficient of friction, dimensionless.
     pub friction: f64,
-    /// Starting position, mm, finger frame.
+    /// Starting position in the finger frame, mm.
     pub start: Vector,
-    /// Unit vector of the motion, dimensionless, finger frame; for a path, of its first segment.
+    /// Unit vector of the motion in the finger frame; for a path, of its first segment.
     pub along: Vector,
     /// Motion of the hand, step by step.
     pub steps: Vec<HandStep>,
@@ -162,16 +162,16 @@ pub struct PreparedObject {
 /// One step of the hand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandStep {
-    /// Corners of the path that are passed in the step, mm, finger frame.
+    /// Corners of the path that the object passes in the step, in the finger frame, mm.
     pub corners: Vec<Vector>,
     /// Position or force at the end of the step.
     pub end: Push,
-    /// Unit vector of the motion at the end of the step, dimensionless, finger frame.
+    /// Unit vector of the motion at the end of the step, in the finger frame.
     pub along: Vector,
 }
 
 impl PreparedObject {
-    /// Prepares the object of a scene; `corners` as for [`TurnedOutline::new`].
+    /// Prepares the object of a scene. `corners` (mm) are those of a polygon's file; other outlines ignore them.
     ///
     /// # Errors
     /// [`OutlineError`] for a free object, or corners that form no valid outline.
@@ -211,7 +211,7 @@ impl PreparedObject {
     }
 }
 
-/// Position at which an object on its line first meets the straight line over the rods of the undeformed finger, mm, finger frame.
+/// Position at which an object on its line first meets the straight line over the rods of the undeformed finger, in the finger frame, mm.
 fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, at_mm: f64, along: Vector) -> Vector {
     let inward = finger.direction(0.0);
     let surface_mm = rod_radius_mm.max(0.5 * finger.description().front.thickness_mm);

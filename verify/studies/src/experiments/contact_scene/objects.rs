@@ -11,7 +11,7 @@ impl Evidence for SceneStudy {
     }
 }
 
-/// Segments of plate between two key nodes, and steps of the object, in a quick study.
+/// Number of plate segments between two key nodes, and number of steps of the object, in a quick study.
 const QUICK_FINENESS: usize = 2;
 const QUICK_STEPS: usize = 3;
 

@@ -1,4 +1,4 @@
-//! Noise samples of one step: coverage of the stated intervals.
+//! Noise samples of one step, which give the coverage of the stated intervals.
 
 use super::{ContactScene, SceneStep, SensedForce, SensedStep};
 use crate::prelude::*;
