@@ -10,7 +10,7 @@ use crate::sampling::map::MapRequest;
 use finray_model::sensing::{LARGEST_SPAN, marker_coordinates};
 use finray_model::statics::Ladder;
 
-/// Limits of sensing one force at one position and direction; all `None` if the finger has no equilibrium.
+/// Limits of sensing one force at one position and direction. Every limit is `None` if the finger has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Explanation {
     /// Position on the front plate, mm from the base.
@@ -25,11 +25,12 @@ pub struct Explanation {
     pub bound_unknown_direction: Option<f64>,
     /// Cramer-Rao bound of the direction, degrees; `None` if the two components are not identifiable.
     pub direction_sigma_deg: Option<f64>,
-    /// Condition number: motion of the markers by the best observed force component, over that by the worst observed one.
+    /// Condition number, dimensionless: motion of the markers by the best observed force component, over that by the worst observed one.
     pub condition: Option<f64>,
-    /// |d (sensed / true) / d angle|, per degree of error in the assumed direction.
+    /// Size of the relative force error per degree of error in the assumed direction: |d (sensed / true) / d angle|, 1/degree.
     pub error_per_deg: Option<f64>,
-    /// |d (sensed / true) / d position|, per mm of error in the assumed position. At a rib the plate's strain jumps, and the value is one-sided.
+    /// Size of the relative force error per mm of error in the assumed position: |d (sensed / true) / d position|, 1/mm. At a rib the plate's strain
+    /// jumps, so the value is one-sided.
     pub error_per_mm: Option<f64>,
 }
 
@@ -58,7 +59,7 @@ pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
     let (positions, step_deg, _) = effort.coarse_resolution();
-    // An explanation needs only one shape a cell, so directions can be fine.
+    // An explanation needs only one shape per cell, so directions can be fine.
     let (positions_mm, angles_deg) = match effort {
         Effort::Quick => {
             let coarse = MapRequest::grid(finger, positions, step_deg).0.len();
@@ -155,7 +156,7 @@ impl Sensitivity {
         self.along.dot(motion) / self.along.norm_squared()
     }
 
-    /// Largest over smallest singular value of (j, c). It is equal for (normal, tangential), which is a rotation of (j, c).
+    /// Largest over smallest singular value of (j, c). The value is the same for (normal, tangential), which is a rotation of (j, c).
     fn condition(&self) -> f64 {
         let values = DMatrix::from_columns(&[self.along.clone(), self.across.clone()]).singular_values();
         values.max() / values.min()

@@ -80,7 +80,7 @@ pub enum MeasuredError {
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
     /// The image was not located, or has no measured force.
-    #[error("image {name:?} is not among those that were located and whose force was measured")]
+    #[error("image {name:?} needs located markers and a measured force, but lacks at least one of them")]
     NotLocated {
         /// Name of the image.
         name: String,
@@ -91,7 +91,7 @@ pub enum MeasuredError {
 }
 
 impl MeasuredStudy {
-    /// Prior knowledge in the order of the study, with the sensed forces.
+    /// Sensed forces by prior knowledge, in the order of the study.
     pub fn by_knowledge(&self) -> impl Iterator<Item = (&'static str, &[MeasuredForce])> {
         self.forces.chunk_by(|a, b| a.known == b.known).map(|forces| (forces[0].known, forces))
     }
@@ -148,7 +148,7 @@ pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result
     Ok(MeasuredStudy { images: measured.len(), forces, residuals, pictures })
 }
 
-/// Senses the force in one image; `None` if the direction is not available as this prior knowledge requires.
+/// Senses the force in one image; `None` if this prior knowledge requires a direction that is not available.
 fn sensed(
     scene: &Scene,
     finger: &Finger,

@@ -80,7 +80,7 @@ impl From<TimedBy> for String {
     }
 }
 
-/// Starting point of an answer.
+/// Starting point of an iterative solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
@@ -93,7 +93,7 @@ pub enum Start {
 }
 
 impl Start {
-    /// Suffix of a setting in words.
+    /// Suffix that states the starting point in a setting.
     pub fn suffix(self) -> &'static str {
         match self {
             Start::None => "",
@@ -117,9 +117,9 @@ pub struct SpeedErrorPoint {
     pub setting: String,
     /// Starting point of each answer.
     pub start: Start,
-    /// Median time of an answer, s.
+    /// Median computation time per answer, s.
     pub seconds: f64,
-    /// 95th percentile of the time of an answer, s; `None` if only a median is given.
+    /// 95th percentile of the computation time per answer, s; `None` if only a median is given.
     pub seconds_95: Option<f64>,
     /// Median preparation time for a new contact, s; only for sensing that was timed by the report.
     pub preparation_seconds: Option<f64>,
@@ -144,7 +144,7 @@ impl SpeedErrorPoint {
     }
 }
 
-/// Largest number of nodes along the front plate at which forces are requested: all nodes that the paper loads on its finger.
+/// Forces are requested at up to this number of nodes along the front plate: all nodes that the paper loads on its finger.
 pub const ASKED_NODES: usize = 11;
 
 /// Load cases of a task on a finger.
