@@ -39,9 +39,9 @@ pub struct ObjectRow {
     pub motor_deg: f64,
     /// Phase of the grasp.
     pub phase: super::Phase,
-    /// Position x of the object's point, mm, in the gripper's initial frame.
+    /// Position x of the object's reference point in the gripper's initial frame, mm.
     pub x_mm: f64,
-    /// Position y of the object's point, mm, in the gripper's initial frame.
+    /// Position y of the object's reference point in the gripper's initial frame, mm.
     pub y_mm: f64,
     /// Angle of the object, rad.
     pub rotation_rad: f64,

@@ -17,13 +17,13 @@ const FRAMES_PER_S: [f64; 7] = [2.0, 5.0, 10.0, 25.0, 50.0, 100.0, 200.0];
 const CHECKED_PER_S: f64 = 25.0;
 /// Delays of sensing, in frames.
 pub const DELAYS: [usize; 2] = [0, 2];
-/// Segments of the lattice in a plate member. The finger then differs by about 1 % from its model, which does not affect the controller.
+/// Number of lattice segments per plate member. The finger then differs by about 1 % from its model, which does not affect the controller.
 const FINENESS: usize = 1;
-/// Share of the target force above which steps are frames.
+/// Steps are frames above this share of the target force.
 const FRAMES_FROM: f64 = 0.9;
 /// Number of noise realisations for each loop.
 const REALISATIONS: u64 = 3;
-/// Largest difference from the target while the loop holds, relative to the target.
+/// Tolerance of the difference from the target while the loop holds, relative to the target.
 const HELD_TOLERANCE: f64 = 0.05;
 
 /// Setting of a loop.
@@ -109,7 +109,7 @@ pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, ExperimentErr
     let of = |scene: &Scene| Ok::<_, GraspError>(GraspScene::new(scene, &[])?.with_fineness(FINENESS));
     let grasp = of(&scene)?.grasp().clone();
     let (target_n, motor_deg_per_s) = (grasp.until_force_n.unwrap_or_default(), grasp.motor_deg_per_s);
-    // All loops share their beginning: up to 90 % of the force no frame has an effect.
+    // All loops share their beginning, because frames have no effect up to 90 % of the force.
     let mut closing = |changed: GraspDescription| {
         scene.grasp = Some(GraspDescription { path_mm: Vec::new(), ..changed });
         of(&scene)
@@ -158,7 +158,7 @@ fn frames_per_s(scene: &GraspScene) -> f64 {
     scene.grasp().frames_per_s.unwrap_or_default()
 }
 
-/// States at a camera's frames until the force is reached (N), or the motor is at its end.
+/// States at a camera's frames until the true force reaches `until_n` (N), or the motor is at its end.
 fn closing_frames<'s, 'l>(mut course: Course<'s, 'l>, until_n: f64) -> Vec<Course<'s, 'l>> {
     let mut frames = Vec::new();
     while course.force_n() < until_n && !course.is_at_end() && course.advance().is_ok() {

@@ -17,9 +17,9 @@ pub const GROUPS: [[usize; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
 pub const LOADED: [usize; 9] = [14, 16, 17, 18, 19, 20, 21, 22, 24];
 /// Nodes at which sensing is tested on the twin: the contact nodes except the tip.
 const SENSED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
-/// Elements a member for the calibration of zones. Averaged over 54 shapes, noise is smaller than the error of a coarse mesh.
+/// Elements per member for the calibration of zones. Averaged over 54 shapes, noise is smaller than the error of a coarse mesh.
 const CALIBRATION_ELEMENTS: usize = 12;
-/// Largest mean relative error at a node with known zones: 10 % above the Cramer-Rao bound at the worst node (24).
+/// Tolerance of the mean relative error at a node with known zones: 10 % above the Cramer-Rao bound at the worst node (24).
 const SENSED: f64 = 0.013;
 /// Tolerance of rms error over sigma around 1, exceeded by chance once in thousands for 10 repetitions of 4 parameters (standard error 0.11).
 const COVERED: f64 = 0.45;
@@ -39,7 +39,7 @@ pub struct TwinStudy {
     pub fits: Vec<TwinFit>,
     /// Standard deviation of a coordinate's noise in calibrations and sensing, mm.
     pub noise_mm: f64,
-    /// The twin's factors calibrated from noisy shapes, one estimate a repetition.
+    /// The twin's factors calibrated from noisy shapes, one estimate per repetition.
     pub calibrations: Vec<FactorEstimate>,
     /// Results of sensing at each node.
     pub sensing: Vec<TwinSensing>,
