@@ -244,10 +244,10 @@ impl Convergence {
         let left = self.left(CHECKED_FORCE_N).unwrap_or(f64::NAN);
         vec![
             check("key nodes alone", error(mesh(|m| m.elements_a_member == Some(1))), KEY_NODES_TOLERANCE),
-            check("two elements a member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
+            check("two elements per member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
             check("684 nodes", error(mesh(|m| m.elements_a_member.is_none())), FINE_MESH_TOLERANCE),
             on(&format!("{finest} nodes"), "grid convergence index").vanishes(
-                "what may be left / largest displacement",
+                "estimated error / largest displacement",
                 left,
                 REFERENCE_TOLERANCE,
             ),

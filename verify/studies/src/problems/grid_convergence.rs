@@ -113,7 +113,7 @@ pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
             ("cantilever", of_cantilever(kinematics)?, CANTILEVER_TOLERANCE),
             ("paper finger, 3 N at node 19", on_finger, FINGER_TOLERANCE),
         ] {
-            let problem = format!("{what}, {name}, 4, 8, 16 elements a member");
+            let problem = format!("{what}, {name}, 4, 8, 16 elements per member");
             let subject = Kind::Analytical.on(problem, "error terms");
             checks.push(subject.is("order of convergence", order, convergence.order, tolerance));
         }

@@ -32,7 +32,7 @@ const TINY_FORCE_TOLERANCE: f64 = 0.13 * TINY_FORCE_N;
 /// [`ProblemError`] if a load has no equilibrium or the lattice does not settle.
 pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let lattice = Lattice::new(finger, FINENESS)?;
-    let name = |what: &str| format!("{what}, {FINENESS} segments a plate member");
+    let name = |what: &str| format!("{what}, {FINENESS} segments per plate member");
     let mut checks = Vec::new();
 
     let grid = LoadGrid::full(finger);

@@ -42,7 +42,7 @@ pub fn checks(finger: &Finger) -> Vec<Check> {
         .into_iter()
         .map(|(kinematics, name)| {
             let ours = worst(meshes.iter().map(|mesh| force(mesh.frame(), kinematics)));
-            let problem = format!("finger turned by 1e-9 to pi rad, {name}, 1 to 16 elements a member");
+            let problem = format!("finger turned by 1e-9 to pi rad, {name}, 1 to 16 elements per member");
             Kind::Analytical.on(problem, "rigid motion").vanishes("largest nodal force / (EA x turn)", ours, TOLERANCE)
         })
         .collect()

@@ -4,11 +4,11 @@ use super::{Findings, Unexpected};
 use crate::prelude::*;
 use finray_model::statics::{elastic_energy, reaction};
 
-/// Largest difference between the ladder solver and the general sparse solver, relative to the largest displacement.
+/// Tolerance between the ladder solver and the general sparse solver, relative to the largest displacement.
 pub const AGREEMENT: f64 = 1e-8;
-/// Largest imbalance of force and moment between reactions and load, relative to the load. Strains of stiff elements have fewer digits.
+/// Tolerance of the imbalance of force and moment between reactions and load, relative to the load. Strains of stiff elements have fewer digits.
 pub const BALANCE: f64 = 1e-6;
-/// Largest difference between elastic energy and work, relative to the work: the error of the quadrature.
+/// Tolerance of elastic energy against work, relative to the work: the error of the quadrature.
 pub const ENERGY: f64 = 1e-6;
 /// Tolerance of a limit load, relative; load steps end at 1e-6 of the requested load.
 pub const LIMIT: f64 = 1e-3;
