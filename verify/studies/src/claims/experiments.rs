@@ -16,7 +16,6 @@ fn loaded(finger: &Finger) -> impl Iterator<Item = NodeId> {
     finger.contact_nodes().skip(1)
 }
 
-/// A figure at each loaded node, from tip to base.
 fn by_node(finger: &Finger, figure: impl Fn(NodeId) -> Result<f64, SensingError>) -> Result<Vec<f64>, SensingError> {
     loaded(finger).map(figure).collect()
 }

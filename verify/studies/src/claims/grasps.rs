@@ -118,7 +118,6 @@ pub fn pick_and_place(observed: Option<&Observations>, words: &Words) -> Result<
     words.claim("pick-and-place", verdict, numbers)
 }
 
-/// Name of each object, with one of its figures.
 fn objects(
     observed: Option<&Observations>,
     figure: impl Fn(&crate::experiments::grasp::observations::Totals) -> Option<f64>,

@@ -38,7 +38,6 @@ fn listed(sets: &[&[usize]]) -> String {
     sets.collect::<Vec<_>>().join("; ")
 }
 
-/// Sentence of the paper that states the figure.
 fn quoted(group: &ContactGroup, quantity: &str) -> &'static str {
     match (group.name, quantity) {
         ("one node", _) => "\"the average relative error is 6.5% when the grasping forces vary from 0.3 to 3 N\"",

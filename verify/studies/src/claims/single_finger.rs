@@ -36,7 +36,6 @@ fn listed<'r>(rows: impl IntoIterator<Item = &'r TableOneRow>, of: impl Fn(&Tabl
     rows.into_iter().map(|row| format!("{} at {}", percent(of(row)), row.node)).collect::<Vec<_>>().join(", ")
 }
 
-/// The paper's mean relative error of a row.
 fn papers(row: &TableOneRow) -> f64 {
     row.paper_mean_error
 }

@@ -71,7 +71,6 @@ impl Words {
     }
 }
 
-/// Formats a share in per cent.
 pub(super) fn percent(share: f64) -> String {
     match 100.0 * share.abs() {
         0.0 => "0 %".to_owned(),

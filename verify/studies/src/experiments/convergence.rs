@@ -81,7 +81,6 @@ impl Evidence for Convergence {
     }
 }
 
-/// Refinement study of the finger.
 pub(crate) fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
     context.progress.part("convergence", loaded_nodes(context.finger).len());
     let (first, most_nodes) = context.effort.choose((3, 2500), (0, 5000));
@@ -89,11 +88,8 @@ pub(crate) fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
     convergence(context.finger, forces_n, most_nodes, &|| context.progress.step())
 }
 
-/// Solves ascending forces (N) on meshes of up to `most_nodes` nodes; loads without equilibrium leave gaps. `progress` is called after each
-/// loaded node.
-///
-/// # Errors
-/// [`MeshSizeError`] if the fine mesh cannot be built.
+/// Solves ascending forces (N) on meshes of up to `most_nodes` nodes; loads without equilibrium leave gaps. `progress` is called after each loaded
+/// node. Fails if the fine mesh cannot be built.
 pub(crate) fn convergence(
     finger: &Finger,
     forces_n: &[f64],

@@ -56,7 +56,6 @@ pub struct CoverageRow {
     pub error_over_sigma_with_warning: Option<f64>,
 }
 
-/// Seed of the noise samples.
 const SEED: u64 = 5;
 
 impl Evidence for CoverageRow {
@@ -121,7 +120,6 @@ fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
     Some(CoverageRow { error_over_sigma_with_warning: None, ..counts.row(of) })
 }
 
-/// Counts of samples.
 #[derive(Debug, Clone, Copy, Default)]
 struct Counts {
     samples: usize,

@@ -103,7 +103,6 @@ impl Answers {
             && self.force_error.is_some_and(|error| error <= IDENTIFIED_FORCE)
     }
 
-    /// Senses every noise sample of a measurement.
     fn of(
         estimator: &mut NonlinearEstimator,
         seen: &Measurement,

@@ -51,10 +51,7 @@ pub struct ExplanationMap {
 
 impl Evidence for ExplanationMap {}
 
-/// Explains sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
-///
-/// # Errors
-/// [`LoadError`] for a position off the front plate.
+/// Explains sensing of the drawn force on the co-rotational finger. Without noise the bounds are 0.
 pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);

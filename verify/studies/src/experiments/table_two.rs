@@ -69,7 +69,6 @@ pub const STEPS: usize = 4 * {
     let [one, neighbours, apart] = CONTACT_GROUPS;
     one.sets.len() + neighbours.sets.len() + apart.sets.len()
 };
-/// Seed of the forces and the noise.
 const SEED: u64 = 1;
 
 /// Results for Table II on two fingers.

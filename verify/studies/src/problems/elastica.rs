@@ -7,7 +7,6 @@ use crate::prelude::*;
 use finray_model::frame::{NodeIndex, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
 
-/// Number of elements of the cantilever.
 const ELEMENTS: usize = 400;
 /// EA L^2 / EI, large because the reference beam is inextensible; 1e6 would cause an error of 8e-6.
 const AXIAL_RIGIDITY: f64 = 1e9;

@@ -9,7 +9,6 @@ use finray_model::frame::{FrameLoad, NodeIndex};
 use finray_model::statics::solve_frame;
 use std::f64::consts::{PI, TAU};
 
-/// Number of elements of the cantilever.
 const ELEMENTS: usize = 64;
 /// EA L^2 / EI. There is no axial force, so it only affects the conditioning of the equations.
 const AXIAL_RIGIDITY: f64 = 1e6;

@@ -22,7 +22,6 @@ const STEP_DEG: f64 = 0.1;
 /// reach.
 pub const SLOPE_TOLERANCE: f64 = 1e-6;
 
-/// The linkage of the shipped scenes.
 pub(super) fn shipped() -> Result<Gripper, ProblemError> {
     let reference = |what: String| ProblemError::Reference(what);
     let scene = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).map_err(|error| reference(error.to_string()))?;

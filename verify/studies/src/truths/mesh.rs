@@ -48,9 +48,6 @@ impl<'m> MeshTruth<'m> {
     }
 
     /// Shapes of the linear finger under forces (N), as multiples of its shape under 1 N.
-    ///
-    /// # Errors
-    /// [`StaticsError`] if the contact is not on the finger or cannot be solved.
     fn multiples(
         &self,
         solved: &NodalCompliance,

@@ -26,7 +26,6 @@ pub(super) enum Bending {
 
 const BENDINGS: [Bending; 3] = [Bending::Linear, Bending::Coarse, Bending::Refined];
 
-/// Knowledge of the finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Known {
     /// Whether the zones at the base are known.

@@ -69,7 +69,6 @@ pub fn causes(
 /// The true finger and its model, with one cause eliminated.
 struct World {
     off: Option<Cause>,
-    /// The true finger.
     mesh: Mesh,
     truth: TruthId,
     /// Mesh of the finger that the network represents, with the modulus of its use.

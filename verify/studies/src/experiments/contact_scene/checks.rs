@@ -7,7 +7,6 @@ use crate::check::{Check, Kind, SETTLED_LATTICE, Subject, worst};
 use crate::problems::lattice::NEWTON;
 use finray_lattice::skin::Touch;
 
-/// Source of checks of sensed forces.
 const TRUE_FORCES: &str = "true forces";
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
 /// Tolerance of contact forces against forces on the clamps, relative to their sum: rounding.

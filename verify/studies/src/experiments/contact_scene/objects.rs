@@ -51,7 +51,6 @@ impl Objects {
         self.scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum()
     }
 
-    /// Presses the objects onto the finger.
     pub(crate) fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
         run_all(&self.scenes, CAMERA_NOISE_MM, self.samples, &|| progress.step())
     }

@@ -77,7 +77,6 @@ impl ContactScene {
         stopped.map_or(Ok(Refinement { fineness, change }), Err)
     }
 
-    /// Presses the object onto a lattice of this fineness.
     pub(super) fn press(&self, fineness: usize) -> Pressed {
         let mut steps = Vec::new();
         let outcome = self.press_each(fineness, &mut steps);

@@ -83,7 +83,6 @@ const SLIPPED: f64 = 0.5;
 /// Controller gain. In each frame the motor closes by this share of the missing force, divided by the delay in frames plus one.
 const GAIN: f64 = 0.5;
 
-/// Remaining task of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Task {
     Close,
@@ -170,16 +169,13 @@ impl<'s, 'l> Course<'s, 'l> {
         self.step += 1;
     }
 
-    /// True force of a finger across the gripper, mean of both fingers, N.
+    /// Mean of both fingers' true forces across the gripper, N.
     pub(super) fn force_n(&self) -> f64 {
         let on_object = [0, 1].map(|finger| force_of(&self.world, TouchedBody::Finger(finger)).x.abs());
         0.5 * on_object.iter().sum::<f64>()
     }
 
-    /// Advances by one step and settles the world.
-    ///
-    /// # Errors
-    /// [`GraspEnd`] if the grasp ends in this step.
+    /// Advances by one step and settles the world, unless the grasp ends in this step.
     pub(super) fn advance(&mut self) -> Result<(), GraspEnd> {
         let grasp = &self.scene.grasp;
         let [from_deg, to_deg] = grasp.motor_deg;

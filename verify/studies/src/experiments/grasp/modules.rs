@@ -17,7 +17,6 @@ use finray_model::estimators::network::NetworkSensing;
 
 /// Number of noise samples per step.
 const SAMPLES: usize = 4;
-/// Seed of the noise.
 const SEED: u64 = 1;
 
 /// Results of all tests with sensor modules.

@@ -15,7 +15,6 @@ const NODES: std::ops::RangeInclusive<usize> = 16..=20;
 pub const SMALL_N: f64 = 0.3;
 /// Relative differences are formed for totals of at least this share of the largest total.
 const COUNTS: f64 = 0.1;
-/// Seed of the noise.
 const SEED: u64 = 1;
 
 /// Comparison of grasps with the paper's observations.

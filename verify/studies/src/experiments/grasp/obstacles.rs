@@ -19,10 +19,7 @@ pub enum Obstacle {
 }
 
 impl GraspScene {
-    /// Checks that the fingers touch nothing but the object.
-    ///
-    /// # Errors
-    /// The first [`Obstacle`] found.
+    /// Checks that the fingers touch nothing but the object; fails with the first [`Obstacle`] otherwise.
     pub(super) fn require_clear(&self, world: &World) -> Result<(), Obstacle> {
         let table = self.support().filter(|_| self.grasp.support == Some(Support::Table));
         if let Some(plane) = table

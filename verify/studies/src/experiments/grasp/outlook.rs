@@ -18,7 +18,7 @@ pub struct LoopFigures {
     pub largest_error: f64,
 }
 
-/// True force of a finger across the gripper, mean of both fingers, N.
+/// Mean of both fingers' true forces across the gripper, N.
 fn force_n(step: &GraspStep) -> f64 {
     0.5 * step.fingers.iter().map(|finger| finger.total_n).sum::<f64>()
 }

@@ -11,7 +11,6 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_model::scene::GraspDescription;
 
-/// Frame rates, 1/s.
 const FRAMES_PER_S: [f64; 7] = [2.0, 5.0, 10.0, 25.0, 50.0, 100.0, 200.0];
 /// Frame rate of the paper's camera, 1/s, at which the loop is checked.
 const CHECKED_PER_S: f64 = 25.0;
@@ -21,7 +20,6 @@ pub const DELAYS: [usize; 2] = [0, 2];
 const FINENESS: usize = 1;
 /// Steps are frames above this share of the target force.
 const FRAMES_FROM: f64 = 0.9;
-/// Number of noise realisations for each loop.
 const REALISATIONS: u64 = 3;
 /// Tolerance of the difference from the target while the loop holds, relative to the target.
 const HELD_TOLERANCE: f64 = 0.05;

@@ -57,10 +57,7 @@ impl Eyes {
         }
     }
 
-    /// Observation of the markers of a deformed finger.
-    ///
-    /// # Errors
-    /// [`NotSensed`] if the image does not show the finger.
+    /// Observes the markers of a deformed finger. Fails if the image does not show the finger.
     fn observed(&self, finger: &Finger, shape: &FingerShape, noise: &mut Noise) -> Result<Observation, NotSensed> {
         let (camera, markers, disturbances) = match self {
             Eyes::Noise(noise_mm) => {

@@ -57,7 +57,6 @@ const SHOWN: [ReportedScene; 3] = [
 ];
 
 impl ReportedScene {
-    /// Name and grasp of the scene.
     fn scene(&self) -> Result<(String, GraspScene), ExperimentError> {
         let mut scene = Scene::from_toml(self.toml)?;
         if let (Some(grasp), Some((step_deg, path_steps))) = (&mut scene.grasp, self.coarser) {

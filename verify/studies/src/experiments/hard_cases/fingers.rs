@@ -76,7 +76,6 @@ const FOUR_DIGITS: f64 = 1e-4;
 /// Load for stiff or delicate fingers, N.
 const SMALL_FORCE_N: f64 = 0.1;
 
-/// A finger with a changed description.
 fn variant(finger: &Finger, change: impl FnOnce(&mut FingerDescription)) -> Result<Finger, Unexpected> {
     let mut description = finger.description().clone();
     change(&mut description);

@@ -108,7 +108,6 @@ fn questions() -> impl Iterator<Item = &'static Question> {
     [fingers::QUESTIONS, loads::QUESTIONS, sensing::QUESTIONS, input::QUESTIONS].into_iter().flatten()
 }
 
-/// The contact node in the middle.
 fn middle(finger: &Finger) -> NodeId {
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     nodes[nodes.len() / 2]

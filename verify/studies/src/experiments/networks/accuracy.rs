@@ -18,7 +18,6 @@ const SUM_ERROR: f64 = 0.01;
 /// to 2 %. Measured errors of a sum are up to 59 % above it: the noise of neighbours cancels in a sum, but the networks' own errors need not.
 const OVER_BOUND: f64 = 1.10;
 const SUM_OVER_BOUND: f64 = 1.70;
-/// Seed of the forces and the noise.
 const SEED: u64 = 2;
 
 /// Contact nodes, with the tolerance of each force's mean error at the camera's noise.

@@ -22,7 +22,6 @@ pub(super) struct Case {
     pub not_carried: usize,
 }
 
-/// Estimates from one noise sample.
 struct Sample {
     /// The bound: standard deviations stated by an estimator of the true finger. `None` without noise, or if a force is not identifiable.
     bound: Option<Sensed>,
@@ -32,7 +31,6 @@ struct Sample {
     sensed: Vec<Option<Sensed>>,
 }
 
-/// Estimate of one estimator from one noise sample.
 pub(super) struct CaseEstimate<'c> {
     pub case: &'c Case,
     pub bound: Option<&'c Sensed>,

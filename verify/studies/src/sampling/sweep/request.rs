@@ -99,9 +99,6 @@ impl Head {
 }
 
 /// Lines of a file that may be a head: the lines that begin with a mark. The reader then stands at the first line without a mark.
-///
-/// # Errors
-/// [`std::io::Error`] of the reader.
 pub(super) fn lines_of_head(reader: &mut impl BufRead) -> std::io::Result<String> {
     let mut lines = String::new();
     while reader.fill_buf()?.starts_with(&MARK.as_bytes()[..1]) {

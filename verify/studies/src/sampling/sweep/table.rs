@@ -50,9 +50,6 @@ impl Table {
     }
 
     /// Rows of the cells as CSV without header, one line each.
-    ///
-    /// # Errors
-    /// [`csv::Error`] of the writer; none occurs in memory.
     pub(super) fn rows(self, cells: &[Cell]) -> Result<String, csv::Error> {
         let text = match self {
             Table::Map => csv_text(cells.iter().map(MapCell::from))?,
