@@ -44,10 +44,10 @@ pub struct Check {
     pub ours: f64,
     /// Largest difference that passes, in the unit of the quantity.
     pub tolerance: f64,
-    /// Whether it passes.
+    /// Whether the check passes.
     pub verdict: Verdict,
-    /// Difference relative to an external or analytical reference, dimensionless. For a reference of 0 it is the figure itself, which is then a
-    /// ratio or in radians. `None` for internal checks: many are balances, counts or multiples of a standard deviation.
+    /// Difference relative to an external or analytical reference, dimensionless. For a reference of 0: the figure itself, which is then a ratio or
+    /// in radians. `None` for internal checks, because many are balances, counts or multiples of a standard deviation.
     pub disagreement: Option<f64>,
 }
 

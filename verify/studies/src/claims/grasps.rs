@@ -102,7 +102,7 @@ pub fn untouched(observed: Option<&Observations>, words: &Words) -> Result<Claim
     words.claim("untouched", verdict, numbers)
 }
 
-/// Claim that forces while opening equal those while closing.
+/// Claim that a finger has equal forces while opening and closing.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.

@@ -1,7 +1,7 @@
 //! Coverage of stated intervals over positions, directions and forces, by finger and estimator.
 //!
-//! On the finger that equals the estimators' model, every cell has independent noise samples. Maps share their samples between cells, which is a
-//! poor test of coverage. On the finger with softer ends the model's error dominates, so its maps are counted.
+//! On the finger that equals the estimators' model, every cell has independent noise samples, because samples that cells share (as in maps) test
+//! coverage poorly. On the finger with softer ends the model's error dominates, so the cells of its maps are counted.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -25,7 +25,8 @@ const REFUSED_OF_ANOTHER: f64 = 0.5;
 /// For answers with a warning, rms sigma may be at most this multiple of the rms error. A larger sigma would cover the error but carry no
 /// information.
 const LARGEST_SIGMA: f64 = 3.0;
-/// True finger on which stated intervals must contain the true force. On others (softer ends) the estimators' model is wrong, and they warn.
+/// True finger on which stated intervals must contain the true force. On others (softer ends) the estimators' model is wrong, and the estimators
+/// warn.
 pub const TRUTH: TruthId = TruthId::Corotational;
 
 /// Coverage on one finger by one estimator.
@@ -239,7 +240,7 @@ impl CoverageRow {
     }
 
     /// Checks on the finger that equals the estimators' model. Nearly all samples are answered, and coverage is 93 to 97 % without a warning. With a
-    /// warning it is at least 93 %, with a sigma close to the error.
+    /// warning, coverage is at least 93 %, with a sigma close to the error.
     pub fn checks(&self, is_paper: bool) -> Vec<Check> {
         if self.truth != TRUTH {
             return Vec::new();

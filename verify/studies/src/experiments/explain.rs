@@ -1,8 +1,8 @@
 //! Explanation of an accuracy map: noise floors of forces, and errors caused by wrong directions and positions.
 //!
-//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j, one
-//! across the load gives c, and a shift of the load along the plate gives m. They are columns of the co-rotational finger's tangent compliance in
-//! its loaded shape. The stiffness of the deformed finger differs from that at rest.
+//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j, a
+//! small force across the load gives c, and a shift of the load along the plate gives m. They are columns of the co-rotational finger's tangent
+//! compliance in its loaded shape, because the deformed finger has another stiffness than the finger at rest.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -148,7 +148,7 @@ impl Sensitivity {
         Ok(Some(Sensitivity { along, across, moved }))
     }
 
-    /// Least-squares coefficient of another motion of the markers on that of the force: j+ x.
+    /// Least-squares coefficient of another motion of the markers on the motion by the force: j+ x.
     fn projected(&self, motion: &DVector<f64>) -> f64 {
         self.along.dot(motion) / self.along.norm_squared()
     }
@@ -166,9 +166,9 @@ fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
 }
 
 impl Explanation {
-    /// Formulas, with noise s and force F: the bound is s / (F |j|). With unknown direction it is s / (F |j - c c+ j|), and that of the direction
-    /// s / (F |c - j j+ c|). An error of one degree in the direction acts like a force F (pi / 180) c, of which least squares attributes j+ c to the
-    /// force. An error of one mm in the position acts like m.
+    /// Formulas, with noise s and force F: the bound is s / (F |j|). With unknown direction the bound is s / (F |j - c c+ j|), and the bound of the
+    /// direction is s / (F |c - j j+ c|). An error of one degree in the direction acts like a force F (pi / 180) c, of which least squares
+    /// attributes j+ c to the force. An error of one mm in the position acts like m.
     fn of(s_mm: f64, angle_deg: f64, force_n: f64, noise_mm: f64, sensitivity: Option<&Sensitivity>) -> Explanation {
         let condition = sensitivity.map(Sensitivity::condition);
         let told_apart = sensitivity.filter(|_| condition.is_some_and(|condition| condition <= LARGEST_SPAN));

@@ -1,4 +1,4 @@
-//! Study of the lattice: its error with the causes, its computation time, and sensing of its shapes.
+//! Study of the lattice: its error and the causes of the error, its computation time, and sensing of its shapes.
 
 use super::contact_scene::objects::Objects;
 use super::contact_scene::study::SceneStudy;
@@ -107,7 +107,8 @@ struct Extent {
     /// Loads by fineness and for the axial springs: every `nodes`-th node, and directions in degrees.
     nodes: usize,
     angles_deg: &'static [f64],
-    /// Positions and step of the directions (degrees), for least squares and nonlinear; both are subsets of the co-rotational map's.
+    /// Positions and step of the directions (degrees), for least squares and for the nonlinear estimator. Both grids are parts of the co-rotational
+    /// map's grid.
     maps: [(usize, f64); 2],
 }
 

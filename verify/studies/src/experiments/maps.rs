@@ -13,8 +13,8 @@ struct Plan {
     request: MapRequest,
 }
 
-/// Computes a map for each true finger and estimator. Scenes other than the paper's have only true fingers of their own beams. Maps on the spring
-/// lattice are part of [its own study](super::lattice), except those of networks.
+/// Computes a map for each true finger and estimator. For scenes other than the paper's, true fingers consist of the scene's own beams only. Maps on
+/// the spring lattice are part of [its own study](super::lattice), except maps of networks.
 pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     let finger = context.finger;
     let ids: Vec<TruthId> =

@@ -66,7 +66,7 @@ impl Context<'_> {
         self.forces.checked(self.is_paper)
     }
 
-    /// Noise levels, mm: 0, and the camera's if it has noise.
+    /// Noise levels, mm: 0, and the camera's noise if it is above 0.
     pub fn noise_levels_mm(&self) -> Vec<f64> {
         if self.noise_mm > 0.0 { vec![0.0, self.noise_mm] } else { vec![0.0] }
     }

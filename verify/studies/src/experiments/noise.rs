@@ -129,7 +129,7 @@ impl NoiseStudy {
         })
     }
 
-    /// Checks of the paper's finger under the camera's noise. The number of drawn cases decides which apply; a refused case fails its check.
+    /// Checks of the paper's finger under the camera's noise. The number of drawn cases decides which checks apply; a refused case fails its check.
     pub fn checks(&self) -> Vec<Check> {
         if self.noise_mm != CAMERA_NOISE_MM {
             return Vec::new();

@@ -84,7 +84,7 @@ impl From<TimedBy> for String {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
-    /// No starting point: a direct solution, or a start from rest.
+    /// No starting point: a direct solution, or iterations from rest.
     None,
     /// Least squares on the linear finger, as for an unrelated measurement.
     Cold,
@@ -113,7 +113,7 @@ pub struct SpeedErrorPoint {
     /// The estimator; `None` for other programs and for models.
     #[serde(skip)]
     pub estimator: Option<EstimatorId>,
-    /// Setting in words, including the start.
+    /// Setting in words, including the starting point.
     pub setting: String,
     /// Starting point of each answer.
     pub start: Start,
@@ -127,7 +127,7 @@ pub struct SpeedErrorPoint {
     pub error: f64,
     /// Largest error for frames without noise, in standard deviations of the noise: the error of the model and its mesh.
     pub bias_sigmas: Option<f64>,
-    /// Number of answers that were refused or had no equilibrium; all other figures exclude them.
+    /// Number of answers that were refused or had no equilibrium. All other figures exclude these answers.
     pub failed: usize,
     /// Number of requested answers.
     pub asked: usize,
@@ -138,7 +138,7 @@ pub struct SpeedErrorPoint {
 }
 
 impl SpeedErrorPoint {
-    /// The setting without its start.
+    /// The setting without the starting point.
     pub fn mesh(&self) -> &str {
         self.setting.trim_end_matches(self.start.suffix())
     }

@@ -9,7 +9,7 @@ use finray_lattice::springs::AxialSprings;
 /// Stiffness factor at which axial springs count as rigid. A factor 100 times as large changes the paper's finger by 1e-3, relative.
 pub const AS_GOOD_AS_RIGID: f64 = 1e3;
 
-/// Axial springs to compare, with their names; those of a beam are first.
+/// Axial springs to compare, with their names. The springs of a beam are first.
 pub const AXIAL_SPRINGS: [(&str, AxialSprings); 4] = [
     ("as a beam's", AxialSprings::OF_A_BEAM),
     ("fixed at the segments' ends", AxialSprings { inset: 0.0, ..AxialSprings::OF_A_BEAM }),

@@ -1,4 +1,5 @@
-//! The camera on the gripper: positions of the undeformed fingers in its images as the gripper closes. Displacements are relative to them.
+//! The camera on the gripper: positions of the undeformed fingers in its images as the gripper closes. Displacements are relative to these
+//! positions.
 //!
 //! Source: Xu et al. (IEEE T-RO 2021), eq. (10), and the joint of rocker and link by Newton's method. Lens, pose and lengths are assumed.
 

@@ -1,6 +1,6 @@
 //! The gripper's linkage over its whole reach: closed forms against the equations that they solve.
 //!
-//! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths are those of the shipped scenes, which are assumed.
+//! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths are assumed; the shipped scenes state them.
 
 use super::ProblemError;
 use crate::prelude::*;

@@ -112,7 +112,7 @@ impl From<Vec<Check>> for ProblemResults {
     }
 }
 
-/// Solves, in parallel, those of [`ALL`] that apply to a finger.
+/// Solves, in parallel, the problems of [`ALL`] that apply to a finger.
 pub(crate) fn solve_all(finger: &Finger, forces: ReportForces) -> Result<ProblemResults, ProblemError> {
     let applying = ALL.par_iter().with_max_len(1).filter(|problem| (problem.applies_to)(finger));
     let solved: Vec<ProblemResults> =

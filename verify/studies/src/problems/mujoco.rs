@@ -25,7 +25,7 @@ pub const CERTAIN_TOLERANCE: f64 = 4e-5;
 const CERTAIN: f64 = 2e-4;
 /// Tolerance of rotations, rad: [`CERTAIN_TOLERANCE`] times displacements of about 20 mm, divided by 12 mm between two ribs.
 pub const ROTATION_TOLERANCE_RAD: f64 = CERTAIN_TOLERANCE * 20.0 / 12.0;
-/// Tolerance as a multiple of the sum of both solvers' stated uncertainties. These are no bounds, and rounding matters at 0.01 N (1.7).
+/// Tolerance as a multiple of the sum of both solvers' stated uncertainties, which are no bounds. At 0.01 N the multiple is 1.7 because of rounding.
 pub const UNCERTAINTIES: f64 = 2.0;
 /// Largest force, N, under which the finger counts as linear, within [`LINEAR_TOLERANCE`].
 const LINEAR_FORCE_N: f64 = 0.01;

@@ -45,7 +45,7 @@ impl Row {
 /// A load case, and the deviation of the model from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseDeviation {
-    /// Number of the case in its file.
+    /// Number of the case in the reference file.
     pub case: usize,
     /// Kinematics of the case.
     pub kinematics: Kinematics,

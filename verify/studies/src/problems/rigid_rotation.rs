@@ -10,7 +10,7 @@ use finray_model::statics::Assembly;
 const ANGLES: [f64; 7] = [1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.0, std::f64::consts::PI];
 /// Elements per member. Element lengths range from a fraction of a millimetre to a whole rib.
 const ELEMENTS: [usize; 3] = [1, 4, 16];
-/// Tolerance of nodal forces, relative to those of a linear frame: EA times the angle.
+/// Tolerance of nodal forces, relative to the nodal forces of a linear frame: EA times the angle.
 pub const TOLERANCE: f64 = 1e-10;
 
 /// Motion of all nodes rotated about the origin by `angle` (rad). Half-angle formulas keep the digits of small rotations.

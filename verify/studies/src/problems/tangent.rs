@@ -60,7 +60,7 @@ fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 
         assembly
     };
     let residual = |by: f64, loads: &[FrameLoad]| DVector::from_column_slice(at(by, loads).residual());
-    // This energy excludes the loads: it is that of the beams alone.
+    // This energy is the elastic energy of the beams, without the loads.
     let power = slope(|by| DVector::from_element(1, at(by, &[]).elastic_energy()));
     let mut change = DVector::zeros(unknowns);
     for (value, (row, column)) in at(0.0, loads).stiffness() {

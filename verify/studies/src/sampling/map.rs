@@ -9,7 +9,7 @@ use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 use crate::truths::{Truth, TruthId};
 use std::io::Read;
 
-/// Request of maps: the grid of the [`Sweep`] that they summarise. Each noise level gives one map.
+/// Request of maps: the grid of the [`Sweep`] whose cells the maps summarise. Each noise level gives one map.
 pub type MapRequest = Grid;
 
 /// An accuracy map, with its cells by position, direction and force.
@@ -55,7 +55,7 @@ pub fn accuracy_maps(
 }
 
 impl AccuracyMap {
-    /// Reads the cells of a sweep with one truth, estimator and noise level, written as [`Table::Map`](sweep::Table::Map).
+    /// Reads the cells of a sweep with one true finger, estimator and noise level, written as [`Table::Map`](sweep::Table::Map).
     ///
     /// # Errors
     /// [`csv::Error`] if the table is invalid.
@@ -162,7 +162,7 @@ pub struct MapSummary {
     pub answered: usize,
     /// Number of cells that the estimator refused.
     pub refused: usize,
-    /// Number of cells in which a force has no equilibrium. The errors and shares of cells below exclude them.
+    /// Number of cells in which a force has no equilibrium. The errors and shares of cells below exclude these cells.
     pub without_equilibrium: usize,
     /// Mean of |sensed / true - 1| over the answered cells; `None` without answered cells.
     pub mean_error: Option<f64>,

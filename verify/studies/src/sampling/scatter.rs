@@ -142,7 +142,8 @@ impl ScatterRow {
         self.cases + self.refused
     }
 
-    /// Whether a root mean square over the bound exceeds `tolerance`, or is within two standard errors of it. Then more cases are needed.
+    /// Whether a root mean square over the bound exceeds `tolerance`, or is within two standard errors of `tolerance`, so that more cases are
+    /// needed.
     pub fn is_near_tolerance(&self, tolerance: f64) -> bool {
         let mut figures = self.forces.iter().chain(&self.sum).filter_map(|scatter| scatter.bound?.controlled);
         figures.any(|found| (found.over_bound_controlled - 1.0).abs() + 2.0 * found.standard_error > tolerance)

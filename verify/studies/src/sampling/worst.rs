@@ -19,7 +19,7 @@ pub struct WorstCell {
     pub is_trusted: bool,
 }
 
-/// Counts of a map's cells, or of those in a region.
+/// Counts of the cells of a map, or of a region of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TrustCounts {
     /// Number of cells: positions and directions.

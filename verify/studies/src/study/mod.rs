@@ -67,7 +67,7 @@ macro_rules! study {
             pub noise_mm: f64,
             /// Forces of maps, drawings and their explanations.
             pub forces: ReportForces,
-            /// Checks of figures against references, without those of the hard cases.
+            /// Checks of figures against references, without the checks of the hard cases.
             pub checks: Vec<Check>,
             /// Figures that are expected to differ from their references.
             pub comparisons: Vec<Comparison>,
@@ -120,7 +120,7 @@ macro_rules! study {
 
 study! { |context|
     "maps":
-        /// Maps by truth and estimator, with and without noise. The lattice's maps are in `lattice`, except those that need a network.
+        /// Maps by true finger and estimator, with and without noise. The lattice's maps are in `lattice`, except maps that need a network.
         maps: Vec<AccuracyMap> = maps::run(context);
     "assumed contacts":
         /// Map of the nonlinear estimator if position and direction of the contact are assumed instead of known.
@@ -138,7 +138,7 @@ study! { |context|
         /// Share of stated 95 % intervals that contain the true force, by finger and estimator.
         coverage: Vec<coverage::CoverageRow> = coverage::run(context, &maps);
     "causes":
-        /// Causes of force errors, by truth and sensing method.
+        /// Causes of force errors, by true finger and sensing method.
         causes: Vec<causes::CauseMap> = causes::run(context, twin.as_ref().map(|twin| &twin.finger));
     "convergence":
         /// Discretisation error by mesh and load.

@@ -62,7 +62,7 @@ impl TruthId {
     /// Mesh of the true finger, derived from the scene's finger.
     ///
     /// # Errors
-    /// [`TruthError`] if this truth does not exist for the finger.
+    /// [`TruthError`] if the scene's finger has no true finger of this type.
     pub fn mesh(self, finger: &Finger) -> Result<Mesh, TruthError> {
         (self.row().mesh)(finger)
     }

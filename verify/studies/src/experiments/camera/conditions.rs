@@ -24,7 +24,7 @@ pub(super) enum Change {
     FinerFinger(usize),
 }
 
-/// Difference of an image from that of the scene's camera.
+/// Difference of an image from the image of the scene's camera.
 pub(super) struct ImageChange {
     /// Standard deviation of the noise, grey levels of 255, and of the blur, px.
     grey_noise: f64,
@@ -49,7 +49,7 @@ pub(super) struct AssumedChange {
     k1: f64,
     /// Factor of the focal lengths.
     focal: f64,
-    /// Rotation of the finger's plane about its y axis, degrees.
+    /// Rotation of the finger's plane about the y axis of that plane, degrees.
     tilt_deg: f64,
     /// Error added to the height of the markers, mm.
     height_mm: f64,
@@ -117,7 +117,7 @@ impl ImageChange {
         Disturbances { light_falloff: FALLOFF, blur_px, grey_noise, clutter, seed }
     }
 
-    /// The image after compression; `None` if it cannot be compressed.
+    /// The image after compression; `None` if compression fails.
     pub fn compressed(&self, image: RgbImage) -> Option<RgbImage> {
         let Some(quality) = self.quality else { return Some(image) };
         let mut bytes = Vec::new();

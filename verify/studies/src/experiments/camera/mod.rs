@@ -1,8 +1,8 @@
 //! From image to force: effects of noise, blur, resolution, markers, compression, lens, pose and height on displacement and force.
 //!
-//! A known force at a node deforms the finger. The scene's camera sees it in a rendered image, and its markers are located. The force is sensed with
-//! the same beams, so that all errors come from the camera. Errors in the assumed camera (lens, pose, height) need no image: points are projected by
-//! the true camera and read with another one.
+//! A known force at a node deforms the finger. The scene's camera sees the finger in a rendered image, in which the markers are located. The force
+//! is sensed with the same beams, so that all errors come from the camera. Errors in the assumed camera (lens, pose, height) need no image: points
+//! are projected by the true camera and read with the assumed one.
 
 mod conditions;
 mod tried;
@@ -78,7 +78,7 @@ pub struct CameraStudy {
     pub needed: Vec<NeededNoise>,
     /// Size of the scene's images, px.
     pub size_px: [u32; 2],
-    /// Scale at the middle of the undeformed finger, px/mm; `None` if the camera does not see it.
+    /// Scale at the middle of the undeformed finger, px/mm; `None` if the camera does not see the finger.
     pub px_a_mm: Option<f64>,
     /// Processing times of an image in memory, on one core; `None` if the image shows no finger.
     pub times: Option<FrameTimes>,

@@ -113,7 +113,7 @@ pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finge
     Ok(Finger::new(description)?)
 }
 
-/// Shapes under ascending weights (N) along the normal. At each node they end before the first weight without equilibrium.
+/// Shapes under ascending weights (N) along the normal. At each node the shapes end before the first weight without equilibrium.
 pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Vec<CalibrationCase> {
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();

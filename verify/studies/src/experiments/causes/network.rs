@@ -1,4 +1,4 @@
-//! Errors that a network adds to those of the model that it was trained on.
+//! Errors that a network adds to the errors of the model with which it was trained.
 //!
 //! A network senses only at its contact nodes and along the normal. The other studies of causes assume a wrong contact and model. Here the true
 //! contact has equal errors instead, and the true finger is made uniform. The measurements are noisy.
@@ -71,7 +71,7 @@ struct World {
     off: Option<Cause>,
     mesh: Mesh,
     truth: TruthId,
-    /// Mesh of the finger that the network represents, with the modulus of its use.
+    /// Mesh of the finger that the network represents, with the modulus for which the network is used.
     model: Mesh,
     /// Ratio of the modulus of use to the modulus of training.
     modulus_factor: f64,

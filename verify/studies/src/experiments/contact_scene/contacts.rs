@@ -9,8 +9,8 @@ const TOGETHER: f64 = 0.25;
 /// A contact seen by the camera, with the true force that it carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenContact {
-    /// Position, and direction from the object into the finger, without noise. They come from the surfaces alone, not from the forces. For several
-    /// touches they are the middle of their interval and of their directions.
+    /// Position, and direction from the object into the finger, without noise. Both come from the surfaces alone, not from the forces. For several
+    /// touches, the position is the middle of their interval, and the direction is the middle of their directions.
     pub contact: Contact,
     /// Half the interval of the touches (mm) and of their directions (rad), within which the distribution of the force is unknown.
     pub half_span: HalfSpan,

@@ -1,8 +1,8 @@
 //! Contact scenes: an object is pressed onto the lattice finger, a camera observes the nodes, and the forces are sensed.
 //!
 //! The camera sees, with noise, the position and direction of each contact, but not its force (`camera`). Sensing gets these contacts, the noisy
-//! displacements of the markers, and a bound of the friction coefficient (`outline_estimator`). Its forces are compared with the true ones. Presses are
-//! quasi-static equilibria on sufficiently fine lattices (`refined`), verified by rapier (`verified`).
+//! displacements of the markers, and a bound of the friction coefficient (`outline_estimator`). The sensed forces are compared with the true forces.
+//! Presses are quasi-static equilibria on sufficiently fine lattices (`refined`), verified by rapier (`verified`).
 
 mod camera;
 pub mod checks;

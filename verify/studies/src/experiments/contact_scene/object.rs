@@ -33,14 +33,14 @@ pub enum OutlineError {
     },
 }
 
-/// Largest admissible distance of a corner from the object's point, mm.
+/// Largest admissible distance of a corner from the object's reference point, mm.
 const FARTHEST_MM: f64 = 1e4;
 /// Number of corners of a drawn disc.
 const DRAWN_CORNERS: usize = 90;
 /// Tolerance between the areas of an outline and of its triangles, relative. Only an outline that crosses itself exceeds it.
 const AREA_TOLERANCE: f64 = 1e-9;
 
-/// Outline of a pressed object about its moved point, rotated as the scene states.
+/// Outline of a pressed object about its reference point, rotated as the scene states.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TurnedOutline {
     /// Radius, mm.
@@ -111,7 +111,7 @@ impl TurnedOutline {
         corners.into_iter().chain(first).collect()
     }
 
-    /// Largest extent of the outline along a unit vector, from the moved point, mm.
+    /// Largest extent of the outline along a unit vector, from the reference point, mm.
     pub fn reach_mm(&self, along: Vector) -> f64 {
         match self {
             TurnedOutline::Disc(radius_mm) => *radius_mm,

@@ -52,7 +52,7 @@ pub(super) type Pressed = (Vec<SceneStep>, Option<LatticeError>);
 
 impl ContactScene {
     /// Runs the scene and passes every step to `each`. Without a requested fineness, segments are halved until no total changes by more than
-    /// [`TOTAL_TOLERANCE`], or their number reaches its limit.
+    /// [`TOTAL_TOLERANCE`], or until the largest number of segments is reached.
     ///
     /// # Errors
     /// [`LatticeError`] if the object overlaps the finger at the start, or a step has no equilibrium. `each` has then received the earlier steps.

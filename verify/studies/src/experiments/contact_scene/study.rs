@@ -41,7 +41,7 @@ pub struct SceneStudy {
     pub length_mm: f64,
     /// Standard deviation of a coordinate of markers and outline points, mm.
     pub noise_mm: f64,
-    /// Outline of the object about its own point, closed, mm.
+    /// Outline of the object about its reference point, closed, mm.
     pub outline: Vec<Vector>,
     /// Steps up to the end, or to a failure.
     pub steps: Vec<StudiedStep>,
@@ -76,8 +76,8 @@ pub enum SceneStudyError {
     Lattice(#[from] LatticeError),
 }
 
-/// Runs several scenes in parallel, each with its number of segments per plate member, or with automatic refinement. The noise is that of each
-/// scene's camera, or `noise_mm` (mm) if the scene states none. Each step has `samples` noise samples.
+/// Runs several scenes in parallel, each with its number of segments per plate member, or with automatic refinement. The noise is the camera noise
+/// of each scene, or `noise_mm` (mm) if the scene states none. Each step has `samples` noise samples.
 ///
 /// # Errors
 /// [`SceneStudyError`] for an invalid outline, or if beams have no equilibrium under contact forces of the lattice.

@@ -292,7 +292,7 @@ impl<'s, 'l> Course<'s, 'l> {
         None
     }
 
-    /// Reason for the loss of the object on the path; `None` if it is held.
+    /// Reason for the loss of the object on the path; `None` if the object is held.
     fn lost(&self, step: &GraspStep, touches: bool) -> Option<GraspEnd> {
         let at = Vector::new(step.object[0], step.object[1]) - step.gripper_mm;
         let slid_mm = (at - self.held_at.unwrap_or(at)).norm();

@@ -67,7 +67,7 @@ pub enum GraspError {
         /// Depth below the support, mm.
         depth_mm: f64,
     },
-    /// The object is inside a finger, or overlaps it behind its front plate.
+    /// The object is inside a finger, or overlaps a finger behind the front plate.
     #[error("the object lies across the {finger} finger at the start: check centre_mm")]
     AcrossFinger {
         /// Name of the finger: left or right.
@@ -142,7 +142,7 @@ impl GraspScene {
     /// Prepares a scene. `corners` (mm) are those of a polygon's file; other outlines ignore them.
     ///
     /// # Errors
-    /// [`GraspError`] for the reason that the scene cannot be grasped.
+    /// [`GraspError`] if the scene cannot be grasped.
     pub fn new(scene: &Scene, corners: &[Vector]) -> Result<GraspScene, GraspError> {
         let missing = |table: &dyn SceneTable, outline| GraspError::Missing { table: table.path(), outline };
         let gripper = scene.gripper.ok_or_else(|| missing(&GRIPPER, GRIPPER.outline()))?;

@@ -135,7 +135,7 @@ impl ModuleStudy {
         })
     }
 
-    /// The test of the module at these nodes; `None` if there is none.
+    /// The test of the module at these nodes; `None` if no test has such a module.
     pub fn test(&self, nodes: &[usize]) -> Option<&ModuleTest> {
         self.tests.iter().find(|test| test.nodes == nodes)
     }

@@ -46,7 +46,7 @@ pub struct LoopRun {
     pub figures: Vec<Option<LoopFigures>>,
 }
 
-/// Mean and range of a figure over the noise realisations of a loop, in its unit.
+/// Mean and range of a figure over the noise realisations of a loop, in the unit of the figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     /// Mean value, in the unit of the figure.
@@ -58,7 +58,7 @@ pub struct Spread {
 }
 
 impl LoopRun {
-    /// Mean and range of a figure over all realisations; `None` if one of them never held the object.
+    /// Mean and range of a figure over all realisations; `None` if the object was never held in one of the realisations.
     pub fn over(&self, figure: impl Fn(&LoopFigures) -> f64) -> Option<Spread> {
         let values: Vec<f64> = self.figures.iter().map(|of| of.as_ref().map(&figure)).collect::<Option<_>>()?;
         let of = |fold: fn(f64, f64) -> f64| values.iter().copied().reduce(fold);
@@ -87,7 +87,8 @@ pub(crate) fn run(context: &Context) -> Result<Option<LoopStudy>, ExperimentErro
         return Ok(None);
     }
     context.progress.part("closed loop", 1);
-    // At the smallest noise all realisations have the same overshoot up to 25 frames a second. Above that they differ by less than 0.2 % of the target.
+    // At the smallest noise all realisations have the same overshoot up to 25 frames per second. Above that rate, overshoots differ by less than 0.2
+    // % of the target.
     let levels = [(LEAST_STATED_MM, 1), (context.noise_mm, REALISATIONS)];
     let all = levels.iter().flat_map(|level| DELAYS.iter().map(move |delay_frames| (*level, *delay_frames)));
     let all = all.flat_map(|((noise_mm, realisations), delay_frames)| {

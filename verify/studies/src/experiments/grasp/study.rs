@@ -7,12 +7,12 @@ use crate::prelude::*;
 /// Tolerance of the imbalance of forces and moments, relative to the largest force: rounding of Newton's method, and the resistance against a moved
 /// object.
 const BALANCE_TOLERANCE: f64 = 1e-4;
-/// Tolerance of the difference of the two fingers' totals while they alone hold the object, relative: balance across the gripper.
+/// Tolerance of the difference of both fingers' totals while only the fingers hold the object, relative: balance across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;
 /// Tolerance of the relative error of sensed totals without noise. The error comes from the lattice's difference from converged beams, and from
 /// friction, of which sensing knows only the coefficient.
 const TOTAL_TOLERANCE: f64 = 0.01;
-/// Tolerance of the difference between the work of the bases and that of friction over the whole grasp, relative, by the trapezoidal rule.
+/// Tolerance of the difference between the work of the bases and the work of friction over the whole grasp, relative, by the trapezoidal rule.
 const WORK_TOLERANCE: f64 = 0.02;
 /// Tolerance of unaccounted energy, relative to the largest elastic energy: the error of the trapezoidal rule over parts of steps. Each part lacks
 /// less than 1e-4 of the energy that deforms a finger by the object's size.

@@ -22,7 +22,7 @@ pub struct Summary {
     pub worst_imbalance: f64,
     /// Largest difference of the two fingers' totals while the support carries no load, relative to the larger total; `None` without such steps.
     pub left_right_difference: Option<f64>,
-    /// Largest displacement of the object relative to the gripper while it was lifted and carried, mm; `None` without a path.
+    /// Largest displacement of the object relative to the gripper while the object was lifted and carried, mm; `None` without a path.
     pub slid_mm: Option<f64>,
     /// Account of the motor's work, N mm.
     pub energy: Account,

@@ -144,7 +144,7 @@ fn zones(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unex
     let mut sound = Soundness::default();
     for (factor, elements) in ZONE_FACTORS.into_iter().flat_map(|factor| [(factor, 1), (factor, 4)]) {
         let mesh = Mesh::with_elements_per_member(&with_zone(factor)?, elements);
-        // Under the full force beside it, the soft zone would deform by more than its length.
+        // Under the full force beside the zone, a soft zone would deform by more than its length.
         let force = finger.direction(0.0) * if factor < 1.0 { 0.1 * FORCE_N } else { FORCE_N };
         sound.add(&mesh, finger.tip(), force)?;
     }

@@ -113,7 +113,7 @@ fn middle(finger: &Finger) -> NodeId {
     nodes[nodes.len() / 2]
 }
 
-/// Computes one hard case. It fails if an error ends it or if it exceeds the time limit.
+/// Computes one hard case. The case fails if an error ends it, or if it exceeds the time limit.
 pub fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {
     let mut findings = Findings { case: question.case, notes: Vec::new(), checks: Vec::new() };
     let begin = Instant::now();

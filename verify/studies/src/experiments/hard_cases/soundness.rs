@@ -34,7 +34,7 @@ pub struct Soundness {
     against_sparse: Vec<f64>,
     unbalanced: Vec<f64>,
     energy: Vec<f64>,
-    /// Numbers of loads without equilibrium, and of those confirmed by a smaller load.
+    /// Number of loads without equilibrium, and number of these refusals that a smaller load confirms.
     refused: usize,
     confirmed: usize,
 }

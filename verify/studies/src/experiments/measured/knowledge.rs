@@ -1,4 +1,4 @@
-//! Variants of prior knowledge about finger, rig and friction: all of it, or all except one item.
+//! Variants of prior knowledge about finger, rig and friction: with all items, or without one of them.
 
 use finray_model::finger::{BracketLengths, Finger, FingerDescription, RigidEnds};
 use finray_model::sensing::{Direction, Lean};

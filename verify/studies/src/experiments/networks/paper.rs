@@ -105,7 +105,8 @@ pub fn recorded(
     })
 }
 
-/// The paper's five figures with those recorded of a recipe on the co-rotational finger, at one noise level (mm); `None` unless all are recorded.
+/// The paper's five figures, each with the figure recorded for a recipe on the co-rotational finger, at one noise level (mm). `None` unless all five
+/// are recorded.
 pub fn figures(records: &[RecipeRow], recipe: &str, noise_mm: f64) -> Option<Vec<Figure>> {
     let mut all = Vec::new();
     for group in CONTACT_GROUPS {

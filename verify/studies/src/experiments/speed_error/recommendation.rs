@@ -13,7 +13,7 @@ const NEAR_BEST: f64 = 1.25;
 /// A sensing method with all its timed points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recommendation<'p> {
-    /// Point for one force. It starts from the previous answer if the method iterates from a starting point.
+    /// Point for one force. Each answer starts from the previous one if the method iterates from a starting point.
     pub one: &'p SpeedErrorPoint,
     /// Point for one force from a cold start; `None` if the method does not iterate from a starting point.
     pub cold: Option<&'p SpeedErrorPoint>,

@@ -1,10 +1,10 @@
 //! Sensing of a moving force, frame by frame: time, error, and the error of the mesh.
 //!
-//! A force at a node oscillates over [`TWO_FORCES_N`] once a second, at the paper's 25 frames a second. It changes by up to 0.34 N between
-//! frames. Frames show the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a cold start (least squares,
-//! as for an unrelated measurement) and from a warm start (the previous frame). Other estimators have no start. Preparation for a contact is timed
-//! separately. Stated standard deviations cover only noise, so that errors of linearisation and mesh show against them. `finray sense` also
-//! computes these errors to widen its intervals, which is not timed here.
+//! A force at a node oscillates over [`TWO_FORCES_N`] once per second, at the paper's 25 frames per second. The force changes by up to 0.34 N
+//! between frames. Frames show the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a cold start (least
+//! squares, as for an unrelated measurement) and from a warm start (the previous frame). Other estimators do not iterate from a starting point.
+//! Preparation for a contact is timed separately. Stated standard deviations cover only noise, so that errors of linearisation and mesh show against
+//! them. `finray sense` also computes these errors to widen its intervals, which is not timed here.
 
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::prelude::*;
@@ -102,7 +102,7 @@ pub struct TimedEstimator<'e> {
 }
 
 impl TimedEstimator<'_> {
-    /// Setting and start in words, as in tables and benches.
+    /// Setting and starting point in words, as in tables and benches.
     pub fn in_words(&self) -> String {
         format!("{}{}", self.setting, self.start.suffix())
     }

@@ -31,7 +31,7 @@ const LARGEST_STEP: f64 = 0.5;
 pub struct TwinFit {
     /// The zones.
     pub set: ZoneSet,
-    /// The fitted finger. Its modulus is chosen so that the paper's calibration gives the published one.
+    /// The fitted finger. Its modulus is chosen so that the paper's calibration gives the published modulus.
     pub finger: Finger,
     /// Modulus factor of each group of zones, dimensionless.
     pub factors: Vec<f64>,

@@ -13,7 +13,7 @@ use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimat
 
 /// Indices of the zones in the twin's scene that share a factor, front and back.
 pub const GROUPS: [[usize; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
-/// Nodes loaded by weights for the calibration of the zones: those of Table I and of the paper's calibration.
+/// Nodes loaded by weights for the calibration of the zones: the nodes of Table I and of the paper's calibration.
 pub const LOADED: [usize; 9] = [14, 16, 17, 18, 19, 20, 21, 22, 24];
 /// Nodes at which sensing is tested on the twin: the contact nodes except the tip.
 const SENSED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
@@ -112,7 +112,7 @@ impl TwinStudy {
         Ok(TwinStudy { finger, before: before.clone(), after, recalibrated, fits, noise_mm, calibrations, sensing })
     }
 
-    /// Residuals of the fit: the twin's errors beside those of Table I, to which its zones were fitted.
+    /// Residuals of the fit: the twin's errors beside the errors of Table I, to which the zones were fitted.
     pub fn comparisons(&self) -> Vec<Comparison> {
         let comparison = |row: &TableOneRow| Comparison {
             problem: "digital twin of Table I: residual of its fit".to_owned(),

@@ -27,7 +27,7 @@ struct Sample {
     bound: Option<Sensed>,
     /// First-order errors caused by the noise, N, of an estimator of the true finger; `None` without noise, or if not requested.
     first_order: Option<Vec<f64>>,
-    /// Estimates by estimator; `None` if it refused.
+    /// Estimates by estimator; `None` if the estimator refused.
     sensed: Vec<Option<Sensed>>,
 }
 

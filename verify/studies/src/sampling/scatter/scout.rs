@@ -9,8 +9,8 @@ use std::sync::OnceLock;
 const CLEARLY_TOO_LARGE: f64 = 0.98;
 /// A known limit load replaces a solve if the two ratios of forces differ by at most this angle, rad.
 const NEIGHBOURS: f64 = 0.1;
-/// Margin of the limits of neighbouring ratios. Forces are too large if this share of them exceeds the larger limit, and carried if they are below
-/// this share of the smaller limit.
+/// Margin of the limits of neighbouring ratios. Forces are too large if this share of the forces exceeds the larger limit. Forces are carried if
+/// they are below this share of the smaller limit.
 const BETWEEN_NEIGHBOURS: f64 = 0.9;
 
 /// Largest angle, rad, between the ratios of forces whose limit loads are computed once for all blocks of cases.
@@ -35,7 +35,6 @@ impl<'m> RatioLimits<'m> {
         RatioLimits { mesh, kinematics, contacts, range_n, limits: OnceLock::new() }
     }
 
-    /// A scout that starts with these limits.
     pub(super) fn scout(&self) -> Scout<'m> {
         let statics = Statics::ladder(self.mesh, self.kinematics);
         let mut scout = Scout { mesh: self.mesh, contacts: self.contacts, statics, limits: Vec::new() };
@@ -136,7 +135,7 @@ impl Scout<'_> {
         }
     }
 
-    /// Limit loads (N) of the nearest known ratios on both sides, the lower one first; `None` if one of them is too far.
+    /// Limit loads (N) of the nearest known ratios on both sides, the lower limit first; `None` if one of these ratios is too far.
     fn known_limits_n(&self, Ray(angle): Ray) -> Option<[f64; 2]> {
         let nearest = |side: f64| {
             let away = |limit: &Limit| side * (limit.ray.0 - angle);
