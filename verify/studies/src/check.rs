@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-/// Whether the computed figure is within the tolerance.
+/// Verdict of a check: whether the computed figure is within the tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// Within tolerance.
+    /// The figure is within the tolerance.
     Pass,
-    /// Not within tolerance, or NaN.
+    /// The figure is not within the tolerance, or is NaN.
     Fail,
 }
 
@@ -72,7 +72,7 @@ pub const SETTLED_LATTICE: &str = "rapier2d lattice";
 /// Group of references by which checks are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Against {
-    /// Other programs with independent models: [`Kind::External`] except the lattice.
+    /// Other programs with independent models: [`Kind::External`] without the lattice.
     OtherPrograms,
     /// finray's lattice, settled by a physics engine: [`SETTLED_LATTICE`].
     SettledLattice,

@@ -1,4 +1,4 @@
-//! Settings of all experiments: effort, forces, noise and progress callbacks. Depends on no other module.
+//! Settings of all experiments: effort, forces, noise and progress callbacks. This module depends on no other module.
 
 use finray_model::{Finger, Scene};
 
@@ -22,7 +22,7 @@ pub const ENOUGH_CASES: usize = 4000;
 /// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 = asin(29 / 153) if the finger's axis is horizontal.
 pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
 
-/// Forces of a report. Their ratios are the same for every finger.
+/// Forces for which a report is computed. Their ratios are the same for every finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReportForces {
     drawn_n: f64,

@@ -1,4 +1,4 @@
-//! Claims of sections IV-B and VI: the camera's position error.
+//! Claims of the paper's sections IV-B and VI: the camera's position error.
 
 use super::criteria::simulated;
 use super::{Claim, ClaimError, ClaimVerdict, Words};

@@ -1,4 +1,4 @@
-//! Claims of sections I and III: deformation under a force.
+//! Claims of the paper's sections I and III: deformation under a force.
 
 use super::criteria::{MESH_SHARE, MUCH_SHARE, NEGLIGIBLE_SHARE, at_most_nodes, over_assumptions, statement};
 use super::experiments::{self, range_of};

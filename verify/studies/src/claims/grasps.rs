@@ -1,4 +1,4 @@
-//! Claims of sections V-C and V-D: Table II on the moving gripper, and grasps of objects (Figs. 11, 14 and 16).
+//! Claims of the paper's sections V-C and V-D: Table II on the moving gripper, and grasps of objects (Figs. 11, 14 and 16).
 
 use super::criteria::{MUCH_SHARE, in_simulation};
 use super::gripper::OfGroup;

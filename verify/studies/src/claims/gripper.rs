@@ -1,4 +1,4 @@
-//! Claims of section V-C: the gripper of Table II.
+//! Claims of the paper's section V-C: the gripper of Table II.
 
 use super::criteria::{figure, over_assumptions, simulated};
 use super::{Claim, ClaimError, Words};

@@ -1,4 +1,4 @@
-//! Claims on limits of sensing (sec. IV-A, V-C, V-D and VI).
+//! Claims of the paper on limits of sensing (sec. IV-A, V-C, V-D and VI).
 
 use super::criteria::{
     DIRECTION_SHARE, MUCH_SHARE, NEGLIGIBLE_FORCE_SHARE, WELL_N, at_most_nodes, over_assumptions, statement,

@@ -20,7 +20,7 @@ use crate::problems::ProblemError;
 use crate::study::Study;
 pub use words::Words;
 
-/// Verdict on a claim.
+/// Verdict on a claim of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimVerdict {

@@ -1,4 +1,4 @@
-//! Claims of sections V-A and V-B: the single finger of Table I.
+//! Claims of the paper's sections V-A and V-B: the single finger of Table I.
 
 use super::criteria::{
     MUCH_SHARE, SAME_ERROR, TPU_MPA, accounts_for, all_simulated, figure, in_simulation, over_assumptions,

@@ -1,4 +1,4 @@
-//! Texts of all claims: templates for the computed numbers.
+//! Texts of all claims: templates that the computed numbers complete.
 
 use super::{Claim, ClaimError, ClaimVerdict};
 use crate::templates::templates;

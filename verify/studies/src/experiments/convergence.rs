@@ -1,4 +1,4 @@
-//! Mesh refinement: co-rotational solutions on successively finer meshes against the converged one.
+//! Mesh refinement: co-rotational solutions on successively finer meshes against the converged solution.
 //!
 //! Every member is divided into 1, 2, 4, ... elements. The differences between the three finest solutions give the observed order p. Richardson
 //! extrapolation of the last two gives the converged solution, and Roache's grid convergence index bounds the error of the finest mesh.
@@ -33,7 +33,7 @@ pub struct MeshSize {
     pub elements_a_member: Option<usize>,
 }
 
-/// Solutions under one load on all meshes.
+/// Errors of the solutions under one load on all meshes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refinement {
     /// Largest difference of a key node's displacement from the converged one, relative to the largest displacement, by mesh.

@@ -29,7 +29,7 @@ const LARGEST_SIGMA: f64 = 3.0;
 /// warn.
 pub const TRUTH: TruthId = TruthId::Corotational;
 
-/// Coverage on one finger by one estimator.
+/// Coverage of the intervals that one estimator states on one finger.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CoverageRow {
     /// The true finger.

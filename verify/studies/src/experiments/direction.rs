@@ -29,7 +29,7 @@ const POSITIONS: usize = 12;
 const STEP_DEG: f64 = 20.0;
 const SAMPLES: usize = 8;
 
-/// Request of a direction study.
+/// Parameters of a study of unknown directions.
 #[derive(Debug, Clone, Copy)]
 pub struct DirectionRequest<'m> {
     /// Mesh of the estimator.
@@ -48,7 +48,7 @@ pub struct DirectionRequest<'m> {
     pub seed: u64,
 }
 
-/// Results by position and direction, and for frictionless pushes.
+/// Results by position and direction, and for pushes without friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DirectionStudy {
     /// Standard deviation of a coordinate's noise, mm.
@@ -63,7 +63,7 @@ pub struct DirectionStudy {
     pub without_friction: Vec<FrictionlessPush>,
 }
 
-/// One force at one position and direction.
+/// Results for one force at one position and direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionCell {
     /// Position on the front plate, mm from the base.

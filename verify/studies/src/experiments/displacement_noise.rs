@@ -28,7 +28,7 @@ const STANDARD_ERRORS: f64 = 4.0;
 /// Tolerance between two computations of the same bound, relative: rounding.
 const SAME_BOUND: f64 = 1e-9;
 
-/// Results for one set of contacts under one noise model; for several forces, root mean squares over them.
+/// Results for one set of contacts under one noise model. For several forces, figures are root mean squares over the forces.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DisplacementNoiseRow {
     /// Contact nodes, separated by spaces.

@@ -15,7 +15,7 @@ use image::RgbImage;
 use knowledge::{KNOWLEDGE, Knowledge};
 use picture::Picture;
 
-/// The force sensed in an image, or the reason of its refusal.
+/// The force sensed in an image, or the reason why no force was sensed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasuredForce {
     /// Name of the image.

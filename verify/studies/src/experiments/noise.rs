@@ -28,7 +28,7 @@ pub const BOUND_TOLERANCE: f64 = 0.10;
 /// (four standard errors). Neighbours have 2 %, distant nodes a few tenths of a per cent.
 pub const BOUND_STANDARD_ERROR: f64 = BOUND_TOLERANCE / 4.0;
 
-/// Results on random forces sensed under noise.
+/// Results of sensing random forces under camera noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseStudy {
     /// Standard deviation of a coordinate's noise, mm.

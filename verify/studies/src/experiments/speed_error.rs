@@ -21,7 +21,7 @@ use crate::settings::TWO_FORCES_N;
 use sensing::{neighbours, singles};
 use std::fmt;
 
-/// Task of a timed point.
+/// Task whose time and error a point states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Task {
@@ -51,9 +51,9 @@ impl Task {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub enum TimedBy {
-    /// The report, which computes the point.
+    /// The report, which also computes the point.
     Report,
-    /// Criterion, in the project's benches.
+    /// Criterion, with the project's benches.
     Criterion,
     /// A script that runs another program.
     OtherProgram {
@@ -88,7 +88,7 @@ pub enum Start {
     None,
     /// Least squares on the linear finger, as for an unrelated measurement.
     Cold,
-    /// The answer to the previous frame.
+    /// The answer for the previous frame.
     Warm,
 }
 
@@ -103,7 +103,7 @@ impl Start {
     }
 }
 
-/// Time and error of one method.
+/// Time and error of one method for one task.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeedErrorPoint {
     /// Task of the point.

@@ -37,7 +37,7 @@ pub fn contact_sets() -> Vec<&'static [usize]> {
     CONTACT_GROUPS.iter().flat_map(|group| group.sets).copied().collect()
 }
 
-/// A set of contacts at which training recipes are compared.
+/// A set of contacts at which recipes for training networks are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedSet {
     /// Short name of the set.

@@ -1,4 +1,4 @@
-//! Causes of the lattice's error against beams: the same comparison with one property changed at a time.
+//! Causes of the lattice's error against beams: lattice and beams are compared with one property changed at a time.
 
 use super::accuracy::{AccuracyError, LoadGrid, beam_shapes, difference, lattice_shapes, load, worst_by_force};
 use crate::prelude::*;
@@ -57,7 +57,7 @@ pub const SETTLINGS: [(usize, Precision); 5] = [
 /// A lattice counts as not settled after this number of steps, several times the number that the paper's finger needs.
 const MOST_STEPS: usize = 20_000;
 
-/// Error of one setting of settling against the lattice's own equilibrium.
+/// Error of settling with one setting, against the lattice's own equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettlingRow {
     /// Sweeps over the springs in one step.

@@ -12,7 +12,7 @@ use std::io::Read;
 /// Request of maps: the grid of the [`Sweep`] whose cells the maps summarise. Each noise level gives one map.
 pub type MapRequest = Grid;
 
-/// An accuracy map, with its cells by position, direction and force.
+/// An accuracy map: errors of an estimator on a true finger, with cells by position, direction and force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyMap {
     /// Grid of positions, directions, forces and noise.

@@ -15,14 +15,14 @@ const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
 /// Largest number of contact nodes that are sampled. A finger with more nodes is sampled at every second node, or fewer.
 const MOST_NODES: usize = 12;
 
-/// Request of a scatter study.
+/// Parameters of a study of errors under camera noise.
 #[derive(Debug, Clone, Copy)]
 pub struct ScatterRequest<'m> {
     /// Mesh of the true finger.
     pub truth: &'m Mesh,
     /// Kinematics of the true finger.
     pub kinematics: Kinematics,
-    /// Mesh of the same finger, on which the bound is computed.
+    /// Mesh of the same finger, on which the Cramer-Rao bound is computed.
     pub model: &'m Mesh,
     /// Standard deviations of a coordinate's noise, mm; 0 for none. All levels share the forces and the scaled noise samples.
     pub noise_levels_mm: &'m [f64],

@@ -20,7 +20,7 @@ pub fn fine_mesh(finger: &Finger) -> Result<Mesh, MeshSizeError> {
     Mesh::with_nodes(finger, FINE_MESH_NODES)
 }
 
-/// A true finger as a mesh of beams, solved by the model's statics.
+/// A true finger (see [`TruthId`]) as a mesh of beams, solved by the model's statics.
 #[derive(Debug, Clone)]
 pub struct MeshTruth<'m> {
     id: TruthId,

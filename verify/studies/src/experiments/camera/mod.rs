@@ -23,7 +23,7 @@ pub const GOOD_POSITION_MM: f64 = 0.004;
 /// Name of the condition with the scene's camera unchanged.
 pub const AS_IT_IS: &str = "as it is";
 
-/// Errors under one condition.
+/// Errors of displacements and forces under one condition of the camera.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CameraRow {
     /// Property that differs from the scene's camera: "noise", "lens", ..., or the "mesh" of the finger.
@@ -65,7 +65,7 @@ pub struct NeededNoise {
     pub noise_mm: f64,
 }
 
-/// Errors of the camera, and resulting errors of the force.
+/// Errors of displacements measured by a camera, and the resulting errors of the force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraStudy {
     /// Errors under each condition; the first is the scene's camera unchanged.

@@ -1,11 +1,11 @@
-//! Causes of errors at one position and direction.
+//! Causes of sensing errors at one position and direction.
 
 use super::models::{Bending, Known, Models};
 use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES};
 use crate::prelude::*;
 use crate::truths::Truth;
 
-/// A sensing practice with all its settings.
+/// A user's practice of sensing, with all its settings.
 pub(super) struct Sensor<'m> {
     pub practice: Practice,
     pub contact: ContactKnowledge,

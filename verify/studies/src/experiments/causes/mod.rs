@@ -65,7 +65,7 @@ impl Cause {
     }
 }
 
-/// A user's practice of sensing.
+/// Estimator with which a user senses a force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Practice {
@@ -129,7 +129,7 @@ impl ContactKnowledge {
     }
 }
 
-/// Request of a study of causes.
+/// Parameters of a study of the causes of sensing errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseRequest {
     /// Practices, each with its knowledge of the contact. Each pair gives one map. Networks have a [separate study](network).
@@ -148,7 +148,7 @@ pub struct CauseRequest {
     pub weights_n: [f64; 6],
 }
 
-/// Causes of the error of one force at one position and direction.
+/// Causes of the error of one sensed force at one position and direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseCell {
     /// Position on the front plate, mm from the base.
@@ -181,7 +181,7 @@ pub const REMEDIES: [(&str, &[Cause]); 3] = [
     ("nonlinear", &[Cause::Linearisation, Cause::Discretisation]),
 ];
 
-/// Causes of errors for one true finger and practice on a grid.
+/// Causes of sensing errors for one true finger and practice, on a grid of positions, directions and forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseMap {
     /// The request.

@@ -38,7 +38,7 @@ pub(super) struct Known {
     pub bending: Bending,
 }
 
-/// Models of the finger, indexed by knowledge.
+/// Models of the finger, one for each combination of known properties.
 pub(super) struct Models {
     finger: Finger,
     meshes: Vec<Mesh>,

@@ -73,7 +73,7 @@ struct World {
     truth: TruthId,
     /// Mesh of the finger that the network represents, with the modulus for which the network is used.
     model: Mesh,
-    /// Ratio of the modulus of use to the modulus of training.
+    /// Modulus for which the network is used, divided by the modulus with which it was trained.
     modulus_factor: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Checks of contact scenes: balance and equilibrium of all scenes, and sensing of the shipped ones.
+//! Checks of contact scenes: balance and equilibrium of all scenes, and sensing of the shipped scenes.
 
 use super::samples::NoiseSamples;
 use super::study::SceneStudy;

@@ -28,7 +28,7 @@ pub struct SeenContact {
     pub friction_n: f64,
 }
 
-/// Half the interval of some touches.
+/// Half the range of the positions and directions of the touches that form one contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HalfSpan {
     /// Half the interval along the plate, mm.

@@ -49,7 +49,7 @@ pub fn simulated(scene: &Scene) -> Scene {
     }
 }
 
-/// A prepared scene: finger, object and assumed friction.
+/// A scene prepared for pressing: finger, object and assumed friction.
 #[derive(Debug, Clone)]
 pub struct ContactScene {
     /// The scene, [`simulated`].
@@ -61,7 +61,7 @@ pub struct ContactScene {
     assumed_friction: f64,
 }
 
-/// One step of a scene, at rest.
+/// Equilibrium of finger and object after one step of a contact scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneStep {
     /// Distance that the object has travelled so far, mm.
@@ -85,7 +85,7 @@ impl SceneStep {
     }
 }
 
-/// Forces sensed in one step.
+/// Forces sensed in one step of a contact scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensedStep {
     /// Every contact that is not clamped, from base to tip.
@@ -103,7 +103,7 @@ pub struct SensedContact {
     pub force: SensedForce,
 }
 
-/// A sensed force.
+/// A sensed force beside the true force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensedForce {
     /// True force, N.

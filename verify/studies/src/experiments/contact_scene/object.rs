@@ -22,10 +22,10 @@ pub enum OutlineError {
     /// The outline encloses no area, or crosses itself.
     #[error("expected the corners in order around the object: the outline crosses itself or encloses nothing")]
     Crossed,
-    /// The object is free: no hand moves it.
+    /// The object is free: the scene prescribes no motion of a hand that moves it.
     #[error("the object is free (mass_g), for `finray grasp`: expected at_mm and travel_mm or force_n, or path_mm")]
     Free,
-    /// A corner is too far away.
+    /// A corner is too far from the object's reference point.
     #[error("corner {corner} is not within {FARTHEST_MM} mm of the origin")]
     TooFar {
         /// Number of the corner in the list, from 1.
@@ -159,7 +159,7 @@ pub struct PreparedObject {
     pub steps: Vec<HandStep>,
 }
 
-/// One step of the hand.
+/// Motion of the hand that moves the object, in one step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandStep {
     /// Corners of the path that the object passes in the step, in the finger frame, mm.

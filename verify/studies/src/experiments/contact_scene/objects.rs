@@ -15,7 +15,7 @@ impl Evidence for SceneStudy {
 const QUICK_FINENESS: usize = 2;
 const QUICK_STEPS: usize = 3;
 
-/// Contact scenes to be run.
+/// Contact scenes that a report runs.
 pub struct Objects {
     /// Scenes, each with the fineness of its lattice; `None` for automatic refinement.
     scenes: Vec<(SceneWithOutline, Option<usize>)>,

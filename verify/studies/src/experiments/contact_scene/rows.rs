@@ -3,7 +3,7 @@
 use super::{ContactScene, SceneStep, SeenContact, SensedContact, SensedStep};
 use crate::prelude::*;
 
-/// One contact of a step, or the total of a step.
+/// Row of one contact of a step, or of the total of a step.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceRow {
     /// Number of the step, from 1.

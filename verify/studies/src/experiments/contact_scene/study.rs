@@ -1,4 +1,4 @@
-//! Study of a contact scene, sensed at every step, and the shipped scenes.
+//! Study of a contact scene, with forces sensed at every step, and the shipped scenes.
 
 use super::samples::NoiseSamples;
 use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, VerifiedStep, force_rows};
@@ -28,7 +28,7 @@ pub struct StudiedStep {
     pub samples: Option<NoiseSamples>,
 }
 
-/// Results of a scene.
+/// Results of a contact scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneStudy {
     /// Name of the scene.
@@ -56,7 +56,7 @@ pub struct SceneStudy {
     pub verified: Vec<VerifiedStep>,
 }
 
-/// Why a scene could not be studied.
+/// Why a contact scene could not be studied.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneStudyError {
     /// A shipped scene cannot be read.

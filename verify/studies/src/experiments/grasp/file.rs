@@ -3,7 +3,7 @@
 use super::{GraspScene, GraspStep, finger_name};
 use crate::prelude::*;
 
-/// A contact of a finger in a step, or the total of the finger.
+/// Row of a contact of a finger in a step of a grasp, or of the total of the finger.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceRow {
     /// Number of the step, from 1.
@@ -30,7 +30,7 @@ pub struct ForceRow {
     pub sigma_n: Option<f64>,
 }
 
-/// The object in a step.
+/// Row of the object in a step of a grasp.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ObjectRow {
     /// Number of the step, from 1.

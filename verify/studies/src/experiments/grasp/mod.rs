@@ -106,7 +106,7 @@ pub struct GraspScene {
     estimator: Option<(EstimatorId, Networks)>,
 }
 
-/// One step of a grasp, at rest.
+/// Equilibrium of gripper and object after one step of a grasp.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspStep {
     /// Number of the step, from 1.

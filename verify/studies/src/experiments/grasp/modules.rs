@@ -28,7 +28,7 @@ pub struct ModuleStudy {
     pub tests: Vec<ModuleTest>,
 }
 
-/// A finger that closes on one module.
+/// Results of a finger that closes on one sensor module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModuleTest {
     /// Nodes of the module.
@@ -37,7 +37,7 @@ pub struct ModuleTest {
     pub steps: Vec<ModuleStep>,
 }
 
-/// A step at rest.
+/// Equilibrium of the finger after one step of the motor, with the sensed forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModuleStep {
     /// Motor angle by which the gripper has closed, degrees.

@@ -24,7 +24,7 @@ const REALISATIONS: u64 = 3;
 /// Tolerance of the difference from the target while the loop holds, relative to the target.
 const HELD_TOLERANCE: f64 = 0.05;
 
-/// Setting of a loop.
+/// Setting of a closed force loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopSetting {
     /// Standard deviation of a coordinate's noise, mm.
@@ -37,7 +37,7 @@ pub struct LoopSetting {
     pub realisations: u64,
 }
 
-/// Results of a loop with one setting.
+/// Results of a closed force loop with one setting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopRun {
     /// Setting of the loop.
@@ -70,7 +70,7 @@ impl LoopRun {
     }
 }
 
-/// Results of loops with all settings.
+/// Results of closed force loops with all settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopStudy {
     /// Target force of a finger, N.

@@ -14,7 +14,7 @@ use finray_model::sensor::Refusal;
 use nalgebra::Rotation2;
 use std::borrow::Cow;
 
-/// Method by which the fingers are observed.
+/// Method by which the fingers of a gripper are observed.
 #[derive(Debug, Clone)]
 pub enum Eyes {
     /// Marker positions with noise of this standard deviation (mm) on each coordinate.
@@ -181,7 +181,7 @@ fn position(seen: &SeenFinger) -> Vector {
 /// Why no force was sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotSensed {
-    /// The sensor refuses to answer.
+    /// The sensor refuses to estimate a force.
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// The image does not show the finger.

@@ -35,7 +35,7 @@ pub struct Summary {
     pub closed_loop: Option<LoopFigures>,
 }
 
-/// Sensed forces compared with the true ones.
+/// Sensed forces of a grasp compared with the true forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct SensedSummary {
     /// Name of the estimator, or `errors in all variables`.

@@ -56,7 +56,7 @@ pub struct Question {
 /// Unexpected error that ends a case before its checks.
 pub type Unexpected = Box<dyn std::error::Error>;
 
-/// Collector of the results of a case.
+/// Collects the results of a hard case.
 pub struct Findings {
     case: &'static str,
     notes: Vec<String>,

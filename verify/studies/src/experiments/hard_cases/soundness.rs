@@ -28,7 +28,7 @@ const GAUSS: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
-/// Largest violations of each law over some equilibria.
+/// Largest violations of each mechanical law over some equilibria.
 #[derive(Debug, Default)]
 pub struct Soundness {
     against_sparse: Vec<f64>,

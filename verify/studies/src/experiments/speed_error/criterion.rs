@@ -1,4 +1,4 @@
-//! Criterion's time measurements, which replace the report's own.
+//! Criterion's time measurements, which replace the report's measurements.
 //!
 //! The bench `speed_error` times the report's points under the same names: groups are `speed_error/TASK`, functions are models, parameters are
 //! settings. Criterion keeps a folder `new` for each bench: `benchmark.json` has the names, `estimates.json` the times in ns.

@@ -23,7 +23,7 @@ pub struct Peer {
     pub version: String,
 }
 
-/// Points of other programs.
+/// Times and errors of other programs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Peers {
     /// The rows.

@@ -1,4 +1,4 @@
-//! Computation of the report's points of time and error.
+//! Computes time and error of models and estimators for the report.
 
 use super::sensing::{TimedEstimator, sensing};
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, solving};

@@ -37,7 +37,7 @@ pub struct TwinFit {
     pub factors: Vec<f64>,
     /// Standard deviation of each factor, dimensionless, with the tolerances of [`TARGETS`] as independent standard deviations.
     pub sigmas: Vec<f64>,
-    /// Ratio of the modulus outside the zones to the published one.
+    /// Ratio of the modulus outside the zones to the published modulus.
     pub modulus_factor: f64,
     /// Mean of sensed / true - 1 at each node of Table I.
     pub errors: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Blocks of a sweep, computed in parallel and written in order.
+//! Blocks (groups of cells) of a sweep, computed in parallel and written in order.
 
 use super::samples::NoiseSamples;
 use super::tally::Tally;

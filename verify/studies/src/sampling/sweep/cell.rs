@@ -1,4 +1,4 @@
-//! Cells of a sweep.
+//! Cells of a sweep, each with the results for one force at one position and direction.
 
 use crate::truths::TruthId;
 use finray_model::estimators::{EstimatorError, EstimatorId};

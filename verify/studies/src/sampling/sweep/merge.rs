@@ -1,4 +1,4 @@
-//! Merging the shards of a sweep.
+//! Merges the shards of a sweep, which independent machines have computed.
 
 use super::request::lines_of_head;
 use super::{Head, Request, Shard};
@@ -22,7 +22,7 @@ pub enum MergeError {
     /// A file is unreadable, incomplete, given twice, or belongs to another request.
     #[error(transparent)]
     File(#[from] FileError),
-    /// Shards are missing.
+    /// At least one shard is missing.
     #[error("incomplete: of {of} shards, {found} were given; missing: {missing}")]
     Missing {
         /// Numbers of the first few missing shards, from 1.

@@ -1,4 +1,4 @@
-//! An unfinished table, written row by row beside its final path.
+//! An unfinished table of a sweep, written row by row beside its final path.
 
 use super::Head;
 use super::request::lines_of_head;

@@ -19,7 +19,7 @@ const ON_CAP_MM: f64 = 1e-9;
 /// Largest number of Newton steps to find the touched caps and their forces.
 const MOST_NEWTON_STEPS: usize = 60;
 
-/// A step at rest, before sensing.
+/// Equilibrium of the finger after one step of the motor, before sensing.
 #[derive(Debug, Clone)]
 pub struct ClosedStep {
     /// Motor angle by which the gripper has closed, degrees.
