@@ -75,7 +75,7 @@ pub fn of_the_papers_network(
     words.claim("papers-network", over_assumptions(&verdicts), numbers)
 }
 
-/// Claims of the paper's conclusion, for networks whose inputs are scaled by the largest displacement or by their spread. Noise `noise_mm` in mm.
+/// Claims of the paper's conclusion, for two scalings of network inputs: by the largest displacement, and by the spread. Noise `noise_mm` in mm.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.

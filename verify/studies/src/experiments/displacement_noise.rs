@@ -121,7 +121,7 @@ pub fn bound_with_base_as_unknown_n2(
     }
 }
 
-/// Deformed positions of the marked nodes, mm, finger frame.
+/// Deformed positions of the marked nodes in the finger frame, mm.
 fn positions_mm(finger: &Finger, displacements_mm: &DVector<f64>) -> Vec<Vector> {
     let displaced = |(i, node): (usize, NodeId)| {
         finger.position(node) + Vector::new(displacements_mm[2 * i], displacements_mm[2 * i + 1])

@@ -98,7 +98,7 @@ impl ExplanationMap {
         })
     }
 
-    /// One quantity by direction, then position.
+    /// A quantity of all cells, by direction, then position.
     pub fn values(&self, of: impl Fn(&Explanation) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let directions = self.angles_deg.len();
         let row = |angle: usize| self.cells.iter().skip(angle).step_by(directions).map(&of).collect();

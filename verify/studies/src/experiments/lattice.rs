@@ -259,7 +259,7 @@ impl LatticeSensing {
         Ok(LatticeSensing { least_squares, nonlinear: exact, others: linear, difference })
     }
 
-    /// The two maps without noise that are compared with the co-rotational finger's.
+    /// The two maps without noise that are compared with the co-rotational finger's maps.
     pub fn maps(&self) -> [&AccuracyMap; 2] {
         [&self.least_squares, &self.nonlinear]
     }

@@ -219,8 +219,8 @@ impl NoiseStudy {
         let chance = over_all(|found| found.standard_error);
         let rows: Vec<&ScatterRow> = self.pairs.iter().collect();
         let at = format!("{} pairs of nodes", self.pairs.len());
-        let farthest = "root mean square error / bound less one, forces and sums, farthest".to_owned();
-        let standard_error = "standard error of these figures, largest".to_owned();
+        let farthest = "largest difference of (root mean square error / bound) from 1, forces and sums".to_owned();
+        let standard_error = "largest standard error of these ratios".to_owned();
         vec![
             self.check(&at, BOUND, farthest, [0.0, off, BOUND_TOLERANCE], &rows),
             self.check(&at, BOUND, standard_error, [0.0, chance, BOUND_STANDARD_ERROR], &rows),

@@ -147,7 +147,7 @@ impl SpeedErrorPoint {
 /// Forces are requested at up to this number of nodes along the front plate: all nodes that the paper loads on its finger.
 pub const ASKED_NODES: usize = 11;
 
-/// Load cases of a task on a finger.
+/// Load cases of a task on a finger: nodes and forces.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Asked {
     /// Loaded nodes, as a range `14-24`, or separated by spaces.
@@ -156,7 +156,7 @@ pub struct Asked {
     pub forces_n: String,
 }
 
-/// Load cases of a task's points.
+/// Load cases (nodes and forces) for which the points of a task are computed.
 pub fn asked(finger: &Finger, forces: ReportForces, task: Task) -> Asked {
     let sets = match task {
         Task::SenseNeighbours => neighbours(finger),

@@ -124,7 +124,7 @@ fn key_nodes(finger: &Finger) -> impl Iterator<Item = Vector> + '_ {
     (1..=finger.key_node_count()).map(|node| finger.position(finray_model::NodeId(node)))
 }
 
-/// Position of the joint of rocker and link, mm, mechanism frame, for each motor angle (degrees). The search starts at the angle nearest to 0
+/// Position of the joint of rocker and link in the mechanism frame, mm, for each motor angle (degrees). The search starts at the angle nearest to 0
 /// with the rocker outwards, and continues to both ends.
 fn joints(gripper: &Gripper, angles: &[f64]) -> Vec<Vector> {
     let begin = angles.iter().position(|motor_deg| *motor_deg >= 0.0).unwrap_or(angles.len() - 1);

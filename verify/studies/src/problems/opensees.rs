@@ -53,7 +53,7 @@ pub struct CaseDeviation {
     pub mesh_nodes: usize,
     /// Loaded node.
     pub load_node: NodeId,
-    /// Force, N, finger frame.
+    /// Force in the finger frame, N.
     pub force: Vector,
     /// Largest difference of the displacement of a key node or joint, relative to the largest displacement.
     pub displacement: f64,

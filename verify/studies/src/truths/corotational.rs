@@ -6,7 +6,7 @@ use finray_model::Kinematics;
 pub(super) const ROW: TruthRow = TruthRow {
     name: "corotational",
     label: "uniform finger",
-    help: "The scene's finger with co-rotational statics, on 684 nodes or four elements per member if that is more",
+    help: "The finger with co-rotational statics, on 684 nodes or four elements per member if that is more",
     kinematics: Some(Kinematics::Corotational),
     is_far_from_corotational: false,
     has_study: false,

@@ -6,8 +6,8 @@ use crate::prelude::*;
 pub(super) const ROW: TruthRow = TruthRow {
     name: "lattice",
     label: "lattice",
-    help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy: the engine \
-           settles in the same within 0.05 %, in seconds instead of milliseconds",
+    help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy: the engine needs \
+           seconds to settle within 0.05 % of this shape, instead of milliseconds",
     kinematics: None,
     is_far_from_corotational: false,
     has_study: true,

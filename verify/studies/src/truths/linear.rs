@@ -6,7 +6,7 @@ use finray_model::{Kinematics, Mesh};
 pub(super) const ROW: TruthRow = TruthRow {
     name: "linear",
     label: "linear finger",
-    help: "The scene's finger with linear statics",
+    help: "The finger with linear statics",
     kinematics: Some(Kinematics::Linear),
     is_far_from_corotational: true,
     has_study: false,

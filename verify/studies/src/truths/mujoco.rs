@@ -7,7 +7,7 @@ use crate::prelude::*;
 pub(super) const ROW: TruthRow = TruthRow {
     name: "mujoco",
     label: "MuJoCo",
-    help: "The finger as MuJoCo solved it: exported shapes of three fingers, at their contact nodes, in the exported directions, under the \
+    help: "The finger as solved by MuJoCo: exported shapes of three fingers, at their contact nodes, in the exported directions, under the \
            exported forces; other positions and directions (--places, --step-deg) are not available",
     kinematics: None,
     is_far_from_corotational: false,

@@ -88,7 +88,7 @@ pub enum ContactKnowledge {
 }
 
 impl Practice {
-    /// Estimator of the practice.
+    /// Identifier of the estimator.
     pub fn estimator(self) -> EstimatorId {
         match self {
             Practice::LeastSquares => EstimatorId::LeastSquares,

@@ -177,7 +177,7 @@ impl SceneStudy {
             let independent = sampled.iter().map(|samples| samples.taken).sum();
             let tolerance = coverage_tolerance(independent, STANDARD_ERRORS);
             let problem = format!("{what}, {noise}: within 1.96 stated sigma");
-            let quantity = format!("share over {taken} noise samples of contacts and steps, refused ones not within");
+            let quantity = format!("share over {taken} noise samples of contacts and steps (refused: outside)");
             checks.push(if self.friction > 0.0 {
                 let quantity = format!("0.95 less the {quantity}, if positive");
                 self.sensed(&problem).vanishes(quantity, (MEANT - share).max(0.0), tolerance)
@@ -187,7 +187,7 @@ impl SceneStudy {
             let fewest = sampled.iter().map(|samples| samples.taken).min().unwrap_or(1);
             let quantity = format!("0.95 less the share of {fewest} noise samples, if positive");
             let tolerance = coverage_tolerance(fewest, WORST_STANDARD_ERRORS);
-            let check = self.sensed(&format!("{problem}, where fewest are"));
+            let check = self.sensed(&format!("{problem}, contact and step with the fewest"));
             checks.push(check.vanishes(quantity, (MEANT - least).max(0.0), tolerance));
         }
         if self.friction > 0.0 {

@@ -23,7 +23,7 @@ pub enum OutlineError {
     #[error("expected the corners in order around the object: the outline crosses itself or encloses nothing")]
     Crossed,
     /// The object is free: the scene prescribes no motion of a hand that moves it.
-    #[error("the object is free (mass_g), for `finray grasp`: expected at_mm and travel_mm or force_n, or path_mm")]
+    #[error("the object is free (mass_g): use `finray grasp`, or give at_mm and travel_mm or force_n, or path_mm")]
     Free,
     /// A corner is too far from the object's reference point.
     #[error("corner {corner} is not within {FARTHEST_MM} mm of the origin")]
@@ -70,7 +70,7 @@ impl TurnedOutline {
         })
     }
 
-    /// Shape for the computation of contacts, mm.
+    /// Shape with which contacts are computed, mm.
     pub fn shape(&self) -> Shape {
         match self {
             TurnedOutline::Disc(radius_mm) => Shape::disc(*radius_mm),

@@ -1,4 +1,4 @@
-//! Obstacles that fingers may touch besides the object.
+//! Obstacles: bodies other than the object that fingers may touch.
 
 use super::{GraspScene, finger_name};
 use finray_lattice::grasp::World;

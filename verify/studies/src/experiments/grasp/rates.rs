@@ -174,7 +174,7 @@ impl LoopStudy {
         let largest = worst(held.map(|run| run.over(|of| of.largest_error).map_or(f64::NAN, |errors| errors.most)));
         Check::new(
             Kind::Internal,
-            format!("{} N held by the closed loop at {CHECKED_PER_S} frames a second", self.target_n),
+            format!("{} N held by the closed loop at {CHECKED_PER_S} frames per second", self.target_n),
             "target",
             "largest difference once held / target, over levels of noise, delays and realisations",
             0.0,

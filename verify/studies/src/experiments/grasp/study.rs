@@ -38,7 +38,7 @@ pub struct GraspStudy {
     pub clean: Option<Summary>,
 }
 
-/// A scene of the report.
+/// A grasp that the report shows.
 struct ReportedScene {
     toml: &'static str,
     /// Number of lattice segments per plate member.

@@ -84,7 +84,7 @@ impl Soundness {
         if let Some(error) = stopped {
             return Err(error.into());
         }
-        let Some(full) = path.last() else { return Err("no equilibrium on the way".into()) };
+        let Some(full) = path.last() else { return Err("no equilibrium along the load path".into()) };
         // Work of the growing load: F u at its end minus the complementary energy.
         let complementary: f64 =
             path.iter().zip(&points).map(|(found, (_, weight))| weight * work(&load, &found.motion)).sum();
