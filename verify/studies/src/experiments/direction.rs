@@ -186,7 +186,7 @@ impl DirectionStudy {
         contacts(finger, request).len() + frictionless::nodes(finger).len()
     }
 
-    /// Numbers of identified cells and of all cells with equilibrium, for one force (N).
+    /// Number of identified cells, and number of all cells with equilibrium, for one force (N).
     pub fn identified(&self, force_n: f64) -> [usize; 2] {
         let carried = self.cells.iter().filter(|cell| cell.force_n == force_n && cell.answers.samples > 0);
         carried

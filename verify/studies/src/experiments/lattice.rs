@@ -184,7 +184,7 @@ impl LatticeStudy {
         let settled = LoadGrid { nodes: few.nodes[..1].to_vec(), forces_n: vec![largest], ..few };
         let finenesses: Vec<usize> = extent.finenesses.clone().collect();
 
-        // Timed rows run on one core in parallel with the other computations.
+        // These computations are timed on one core, in parallel with the other computations of the study.
         let settles = |fineness| (full && fineness <= SETTLED_FINENESS).then(|| one.clone());
         let rows = || study(finger, &finenesses, &all, settles).inspect(|_| step());
         let problem = || if full { problems::lattice::checks(finger).inspect(|_| step()) } else { Ok(Vec::new()) };

@@ -71,7 +71,7 @@ pub struct TableOne {
 
 impl Evidence for TableOne {}
 
-/// Table I for each assumed direction, on the co-rotational finger; empty unless the finger is the paper's.
+/// Results for Table I by assumed direction, on the co-rotational finger; empty unless the finger is the paper's.
 pub(crate) fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
     if !context.is_paper {
         return Ok(Vec::new());

@@ -14,9 +14,10 @@ use crate::prelude::*;
 const SAFETY: f64 = 1.25;
 /// The grid convergence index uses at most this order, which both strain measures reach on any mesh.
 const FORMAL_ORDER: f64 = 2.0;
-/// Tolerance of the observed order for an inextensible cantilever: the next term of the error on 4 to 16 elements.
+/// Tolerance of the observed order (dimensionless) for an inextensible cantilever: the next term of the error on 4 to 16 elements.
 pub const CANTILEVER_TOLERANCE: f64 = 0.1;
-/// Tolerance of the observed order for the finger at 3 N. Its elements differ in length, and the term of second order begins to matter.
+/// Tolerance of the observed order (dimensionless) for the finger at 3 N. Its elements differ in length, and the term of second order begins to
+/// matter.
 pub const FINGER_TOLERANCE: f64 = 0.25;
 /// Load of the cantilever, P L^2 / EI, perpendicular to its axis.
 const CANTILEVER_LOAD: f64 = 2.0;
@@ -42,7 +43,7 @@ pub struct GridConvergence {
     pub sizes: [f64; 3],
     /// Figure under study on each mesh, in its own unit.
     pub values: [f64; 3],
-    /// Observed order of convergence; NaN if the values do not differ.
+    /// Observed order of convergence, dimensionless; NaN if the values do not differ.
     pub order: f64,
     /// Mesh-independent value by Richardson extrapolation, in the unit of the values.
     pub extrapolated: f64,

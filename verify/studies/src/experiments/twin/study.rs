@@ -33,7 +33,7 @@ pub struct TwinStudy {
     pub before: TableOne,
     /// Table I on the twin.
     pub after: TableOne,
-    /// Modulus by eq. (11) on the twin, from all weights of Table I and the calibration, relative to that from the paper's three nodes.
+    /// Modulus by eq. (11) on the twin, from all weights of Table I and the calibration, relative to the modulus from the paper's three nodes.
     pub recalibrated: f64,
     /// Fits of the twin's zones, then of alternative sets.
     pub fits: Vec<TwinFit>,
@@ -130,7 +130,7 @@ impl TwinStudy {
         rms(factors.map(|(factor, sigma)| factor.ln() / sigma)).unwrap_or(f64::NAN)
     }
 
-    /// Checks of results on the twin. Its agreement with Table I is not checked: three factors were fitted to these six numbers.
+    /// Checks of results on the twin. The twin's agreement with Table I is not checked, because three factors were fitted to these six numbers.
     /// [`comparisons`](TwinStudy::comparisons) show the residuals of the fit.
     pub fn checks(&self) -> Vec<Check> {
         let problem = "digital twin of Table I";

@@ -31,7 +31,7 @@ pub struct Outcome {
     pub answered: usize,
     /// Errors of the answered samples; `None` if fewer than half of the samples were answered, because few answers are biased.
     pub errors: Option<Errors>,
-    /// Numbers of stated intervals that contain the true force; `None` if the estimator states none, or answered no sample.
+    /// Numbers of stated intervals that contain the true force; `None` if the estimator states no intervals, or answered no sample.
     pub covered: Option<Covered>,
     /// Reason why the finger has no equilibrium, or why the first refused sample was refused; `None` if all were answered.
     pub refusal: Option<String>,
