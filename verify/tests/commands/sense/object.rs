@@ -95,7 +95,7 @@ fn objects_that_cannot_be_are_refused() {
         (
             "\"disc\"\nradius_mm = 20.0",
             "\"polygon\"\ncorners_mm = [[0, 0], [4, 0], [1, 1], [0, 4]]",
-            "line 30: contact.object.corners_mm: expected the corners of a convex polygon in order, three or more",
+            "line 30: contact.object.corners_mm: expected three or more corners of a convex polygon, in order round it",
         ),
         ("\"disc\"\nradius_mm = 20.0", "\"ellipse\"\nsemi_axes_mm = [3, 0]", "line 30: contact.object.semi_axes_mm"),
     ] {
