@@ -117,6 +117,6 @@ impl TrainingRecipe {
         require(self.epochs > 0 && self.batch > 0, "epochs, batch", "at least one", &(self.epochs, self.batch))?;
         require(positive(self.learning_rate), "learning_rate", "a positive number", &self.learning_rate)?;
         let seen = self.samples.markers(finger).len();
-        require(2 * seen >= self.samples.contacts.len() && seen > 0, "hidden", "visible markers with at least one coordinate per contact", &seen)
+        require(2 * seen >= self.samples.contacts.len() && seen > 0, "hidden", "enough visible markers", &seen)
     }
 }

@@ -144,7 +144,7 @@ impl NetworkCard {
         let origin = &self.origin;
         let [least_n, largest_n] = origin.force_range_n;
         let range = least_n.is_finite() && largest_n.is_finite() && least_n <= largest_n;
-        require(range, "origin.force_range_n", "the least force, then the largest force", format!("{:?}", origin.force_range_n))?;
+        require(range, "origin.force_range_n", "least, then largest force", format!("{:?}", origin.force_range_n))?;
         not_negative("origin.largest_total_n", origin.largest_total_n)?;
         not_negative("origin.direction_spread_deg", origin.direction_spread_deg)?;
         not_negative("origin.modulus_spread", origin.modulus_spread)

@@ -64,7 +64,9 @@ pub enum NetworkError {
         reason: String,
     },
     /// The file has another version of the format.
-    #[error("the network has format {found}, expected format {expected}: train the network again with this version of finray")]
+    #[error(
+        "the network has format {found}, expected format {expected}: train the network again with this version of finray"
+    )]
     Format {
         /// Known version.
         expected: u32,
@@ -93,7 +95,9 @@ pub enum NetworkError {
         asked: String,
     },
     /// A measured node is not a marker of the network.
-    #[error("node {node} is not among the {known} markers that the network was trained on: remove this node from the measurement")]
+    #[error(
+        "node {node} is not among the {known} markers that the network was trained on: remove this node from the measurement"
+    )]
     UnknownMarker {
         /// The measured node.
         node: NodeId,

@@ -1,9 +1,8 @@
 //! Nuisance parameters beside forces and positions: poses of the base and of an object, leans of forces, and errors that
 //! all markers share.
 //!
-//! Each has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected value, in
-//! standard deviations, times the noise of a coordinate. A compliant base is expected to turn with the forces, and the uncertainty of its turn grows with
-//! them.
+//! Each has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected value, in standard
+//! deviations, times the noise of a coordinate. A compliant base is expected to turn with the forces, and the uncertainty of this turn grows with the forces.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;
@@ -68,9 +67,9 @@ struct Prior {
     /// Index among the unknowns.
     index: usize,
     unknown: Unknown,
-    /// Standard deviation of [`Nuisances::value`] without forces.
+    /// Standard deviation of [`Nuisances::value`] without forces, in the unit of the value.
     sd: f64,
-    /// Expected value per newton of the sum of all forces, and its standard deviation.
+    /// Expected value per newton of the sum of all forces. `sd_per_n` is the standard deviation of this rate.
     per_n: f64,
     sd_per_n: f64,
 }
@@ -168,7 +167,7 @@ impl Priors {
         self.priors.iter().map(|prior| off(prior).powi(2)).sum()
     }
 
-    /// Rows of the priors, below those of the markers.
+    /// Rows of the priors in the least-squares problem, below the rows of the markers.
     pub fn rows<'p>(&'p self, nuisances: &'p Nuisances, forces_n: &'p [f64]) -> impl Iterator<Item = PriorRow> + 'p {
         let sum_n = forces_n.iter().sum();
         self.priors.iter().map(move |prior| {

@@ -6,19 +6,21 @@ use crate::mesh::LoadError;
 use crate::sensing::{ContactPosition, ContactQuestion, Direction, Normal, TouchedObject};
 use nalgebra::{Translation2, UnitComplex};
 
-/// Largest change of a position in one step, as a share of the plate.
+/// A position changes by at most this share of the plate's length in one step.
 const LONGEST_MOVE: f64 = 0.2;
-/// Smallest distance of a position from the base, as a share of the plate. Closer positions are indistinguishable from the clamp.
+/// A position stays at least this share of the plate's length away from the base. Closer positions are indistinguishable from the clamp.
 const NEAREST_TO_BASE: f64 = 0.01;
-/// Scale of a turn of the base, rad: it moves the tip about as far as a unit of force does.
+/// Scale of a rotation of the base, rad. It moves the tip about as far as a force of 1 N does.
 const TURN_UNIT: f64 = 0.01;
 
-/// One unknown, with the index of its contact or error.
+/// One unknown. The number is the index of its contact or of its shared error, from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unknown {
+    /// Force along its direction, N.
     Force(usize),
+    /// Position along the front plate, mm.
     Position(usize),
-    /// Component of a force across its current direction, N. It turns the direction.
+    /// Component of a force across its current direction, N. It changes the direction.
     Across(usize),
     /// Motion of the base from its measured pose.
     Base(BaseMotion),
@@ -68,7 +70,7 @@ impl Unknown {
             .collect()
     }
 
-    /// Index of the contact to which it belongs, if any.
+    /// Index of the contact to which the unknown belongs, if any.
     pub(super) fn contact(self) -> Option<usize> {
         match self {
             Unknown::Force(i) | Unknown::Position(i) | Unknown::Across(i) => Some(i),
