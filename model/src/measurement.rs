@@ -19,7 +19,7 @@ pub struct Marker {
     pub weight: f64,
 }
 
-/// Uncertainty of the base from which displacements count: an error that all markers share, and the turn of the base under force.
+/// Uncertainty of the base to which displacements refer: an error of its pose, which all markers share, and its turn under force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BaseUncertainty {
     /// Standard deviation of each coordinate of the base's origin, mm.
@@ -33,7 +33,7 @@ pub struct BaseUncertainty {
 }
 
 impl BaseUncertainty {
-    /// Uncertainty of the difference between two images.
+    /// Uncertainty of the difference between the poses of the base in two images.
     pub(crate) fn of_two_images(self) -> BaseUncertainty {
         let both = std::f64::consts::SQRT_2;
         BaseUncertainty { sd_mm: both * self.sd_mm, sd_rad: both * self.sd_rad, ..self }
@@ -53,7 +53,7 @@ pub struct Measurement {
     shared_errors: Vec<SharedError>,
 }
 
-/// An error that all markers share: displacement of each key node's marker, mm, for one standard deviation of it.
+/// An error that all markers share: displacement of each key node's marker, mm, for one standard deviation of the error.
 pub type SharedError = Vec<Vector>;
 
 /// Reason for which a measurement does not fit the finger.
@@ -74,7 +74,7 @@ pub enum MeasurementError {
         node: NodeId,
     },
     /// A coordinate or weight is not finite, or a weight is not positive.
-    #[error("node {node}: expected finite numbers")]
+    #[error("node {node}: expected finite displacements and a weight above zero")]
     NotFinite {
         /// The node of the marker.
         node: NodeId,
@@ -183,12 +183,12 @@ impl Measurement {
         Measurement { markers: finger.marked_nodes().map(marker).collect(), ..Measurement::empty() }
     }
 
-    /// This measurement with an uncertain base. The nonlinear estimator estimates its error with the forces; other estimators ignore it.
+    /// This measurement with an uncertain base. The nonlinear estimator estimates the error of the base with the forces; other estimators ignore this error.
     pub fn with_uncertain_base(self, base: BaseUncertainty) -> Measurement {
         self.with_base(Some(base))
     }
 
-    /// This measurement with another base. `None`: known exactly.
+    /// This measurement with another uncertainty of the base. `None` if the base is known exactly.
     pub(crate) fn with_base(mut self, base: Option<BaseUncertainty>) -> Measurement {
         self.base = base;
         self
@@ -199,8 +199,8 @@ impl Measurement {
         self.base
     }
 
-    /// This measurement with further errors that all markers share, independent of each other. The nonlinear estimator estimates them with the
-    /// forces; other estimators ignore them.
+    /// This measurement with further errors that all markers share, independent of each other. The nonlinear estimator estimates these errors with the forces;
+    /// other estimators ignore them.
     pub fn with_shared_errors(mut self, errors: Vec<SharedError>) -> Measurement {
         self.shared_errors = errors;
         self
@@ -211,7 +211,7 @@ impl Measurement {
         &self.shared_errors
     }
 
-    /// This measurement with other displacements, mm.
+    /// This measurement with the displacement of each marker, mm, replaced by `displacement` of the marker.
     pub(crate) fn displaced(mut self, displacement: impl Fn(&Marker) -> Vector) -> Measurement {
         for marker in &mut self.markers {
             marker.displacement = displacement(marker);
@@ -219,7 +219,7 @@ impl Measurement {
         self
     }
 
-    /// This measurement with each weight multiplied by a share.
+    /// This measurement with the weight of each marker multiplied by `share` of the marker.
     pub(crate) fn reweighted(&self, mut share: impl FnMut(&Marker) -> f64) -> Measurement {
         let mut measurement = self.clone();
         for marker in &mut measurement.markers {
@@ -242,7 +242,7 @@ impl Measurement {
         self
     }
 
-    /// Adds noise, mm, to every coordinate. `noise_mm` / weight scales the number that `standard_normal` returns for each.
+    /// Adds noise to every coordinate, in mm: `noise_mm` / weight times a random number from `standard_normal`.
     pub fn add_noise(&mut self, noise_mm: f64, mut standard_normal: impl FnMut() -> f64) {
         for marker in &mut self.markers {
             marker.displacement += Vector::new(standard_normal(), standard_normal()) * (noise_mm / marker.weight);

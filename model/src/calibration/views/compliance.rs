@@ -2,7 +2,7 @@
 
 use crate::calibration::CalibrationError;
 
-/// Turn of the clamped base per unit of force.
+/// Turn of the clamped base per newton of measured force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseCompliance {
     /// Turn from x to y, degrees per newton.

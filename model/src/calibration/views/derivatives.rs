@@ -7,14 +7,14 @@ use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Steps for derivatives: of lengths, mm; of factors and forces (relative) and angles in rad; of angles in degrees. Equilibria have ten correct
-/// digits.
+/// Steps of the difference quotients. The first is for lengths, mm. The second is for factors, forces (both relative) and angles in rad. The third is for
+/// angles in degrees. Equilibria have ten correct digits.
 const LENGTH_STEP: f64 = 1e-3;
 const SHARE_STEP: f64 = 1e-4;
 const ANGLE_STEP_DEG: f64 = 1e-2;
-/// Step for an error of the unloaded finger, in standard deviations.
+/// Step of the difference quotients for an error of the unloaded finger, in standard deviations.
 const SIGMA_STEP: f64 = 1e-2;
-/// The finger is impossible or has no equilibrium.
+/// Refusal of a point at which the finger is impossible or has no equilibrium.
 const NOWHERE: Refusal<CalibrationError> = Refusal::Here(CalibrationError::NoMinimum);
 
 impl LeastSquaresProblem for Problem<'_> {

@@ -8,18 +8,19 @@ use statrs::function::erf::erfc;
 /// Question about the friction between finger and objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrictionQuestion {
-    /// Whether friction builds up over a force, which is then estimated, too.
+    /// Whether friction builds up over a force. This force is then estimated as well.
     pub builds_up: bool,
-    /// Standard deviation of the coefficient between objects, dimensionless. Assumed for a single object, scale of the prior for several. Zero: not stated.
+    /// Standard deviation of the coefficient of friction between objects, dimensionless. It is assumed for a single object, and sets the scale of the prior for
+    /// several objects. Zero if it is not stated.
     pub between_objects: f64,
 }
 
-/// Number of steps of the build-up force that are tried, over three powers of ten: 0.7 % each.
+/// The search tries this number of build-up forces over three powers of ten, in steps of 0.7 %.
 const BUILD_UPS: usize = 1000;
-/// Smallest and largest standard deviation between objects that are tried, degrees, in steps of 2 %.
+/// The search tries standard deviations between objects from the first to the second value, degrees, in steps of 2 %.
 const SDS_DEG: [f64; 2] = [0.01, 60.0];
 const SDS: usize = 400;
-/// Number of bisections for half of an interval, and the probability outside the interval.
+/// Number of bisections in the search for half a 95 % interval. `OUTSIDE` is the probability outside the interval.
 const HALVINGS: usize = 50;
 const OUTSIDE: f64 = 0.05;
 /// Standard deviation of the coefficient of friction between objects, dimensionless, if none is stated.
@@ -31,15 +32,15 @@ pub type MeasuredLean<'o> = (&'o str, f64, f64);
 /// Friction estimated from measured forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionEstimate {
-    /// Mean lean, and the standard deviation for a single force of a new object.
+    /// Mean lean (angle between force and normal), and the standard deviation of the lean of a single force of a new object.
     pub lean: Lean,
-    /// Standard deviation of the coefficient between objects, dimensionless. `None` for a single object.
+    /// Standard deviation of the coefficient of friction between objects, dimensionless. `None` for a single object.
     pub between_objects: Option<f64>,
-    /// Cross-validation: each object predicted from the others. Empty if there are too few.
+    /// Cross-validation, in which each object is predicted from the others. Empty if there are too few objects.
     pub left_out: Vec<LeftOutObject>,
 }
 
-/// Measured leans under one object, and their prediction from forces under the others.
+/// Measured leans for one object, and their prediction from the forces of the other objects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOutObject {
     /// Name of the object.
@@ -52,7 +53,7 @@ pub struct LeftOutObject {
     pub measured_deg: f64,
 }
 
-/// Leans of each object under one friction law. Objects share the force over which friction builds up.
+/// Fitted leans of each object. All objects share the force over which friction builds up.
 struct Fit {
     build_up_n: f64,
     /// Lean of a sliding force, degrees, and its variance, degrees^2, for each object.
@@ -87,8 +88,8 @@ impl Fit {
         [mean, variance, 0.5 * (variance.ln() - off.sum::<f64>())]
     }
 
-    /// Mean lean of a sliding force, most likely standard deviation between objects, and standard deviation of a new object about the mean, all in degrees.
-    /// The last includes the uncertainty that few objects leave; 1.96 times it is half of a 95 % interval.
+    /// Mean lean of a sliding force, most likely standard deviation between objects, and standard deviation of a new object about the mean, all in degrees. The
+    /// last value includes the uncertainty due to few objects. Half of a 95 % interval is 1.96 times this value.
     ///
     /// # Reference
     /// Restricted maximum likelihood; posterior predictive distribution of a new group (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 5.4) with the
@@ -114,9 +115,9 @@ impl Fit {
     }
 }
 
-/// Fits friction to the leans of measured forces: the coefficient and, if sought, the force over which friction builds up. The standard deviation is that
-/// of a single force of a new object. It combines the residual within objects with the difference between objects, which is assumed for a single
-/// object. Leans refer to the normal `from`.
+/// Fits the coefficient of friction to the leans of measured forces (angles between force and the normal `from`). If asked, also fits the force over which
+/// friction builds up. The stated standard deviation is that of a single force of a new object. It combines the residual within objects with the difference
+/// between objects, which is assumed for a single object.
 ///
 /// # Errors
 /// [`CalibrationError::TooFewViews`] if there are no more views than unknowns. [`CalibrationError::FrictionLimit`] if a sliding force leans by 90 degrees or
@@ -153,7 +154,7 @@ fn of_objects(
         return Err(CalibrationError::TooFewViews { views, unknowns });
     }
     let largest_n = objects.concat().iter().fold(0.0_f64, |m, (_, force_n, _)| m.max(force_n.abs()));
-    // The build-up ranges from immediate to hardly any. The sum of squares is smooth between the tried values.
+    // The tried build-up forces range from immediate friction to hardly any friction. The sum of squares is smooth between the tried values.
     let tried = (0..=BUILD_UPS).map(|i| largest_n * 10f64.powf(-2.0 + 3.0 * i as f64 / BUILD_UPS as f64));
     let fits = tried.filter(|_| builds_up).chain([0.0]).map(|n| Fit::new(objects, n, views - unknowns));
     let fit = fits.min_by(|a, b| a.within_deg.total_cmp(&b.within_deg)).ok_or(CalibrationError::NoMinimum)?;
