@@ -24,9 +24,9 @@ pub struct Marker {
 pub struct BaseUncertainty {
     /// Standard deviation of each coordinate of the base's origin, mm.
     pub sd_mm: f64,
-    /// Standard deviation of the turn of the base about its origin, rad.
+    /// Standard deviation of the rotation of the base about its origin, rad.
     pub sd_rad: f64,
-    /// Expected turn from x to y, rad per newton of the sum of all forces. Zero if the base is measured under load.
+    /// Expected rotation, positive from x to y, rad per newton of the sum of all forces. Zero if the base is measured under load.
     pub turn_rad_per_n: f64,
     /// Standard deviation of `turn_rad_per_n`, rad per newton.
     pub turn_sd_rad_per_n: f64,
@@ -39,7 +39,7 @@ impl BaseUncertainty {
         BaseUncertainty { sd_mm: both * self.sd_mm, sd_rad: both * self.sd_rad, ..self }
     }
 
-    /// Standard deviation of the turn, rad, under forces whose sum is `force_n`, N.
+    /// Standard deviation of the rotation of the base, rad, under forces whose sum is `force_n`, N.
     pub fn sd_rad_under(&self, force_n: f64) -> f64 {
         self.sd_rad.hypot(self.turn_sd_rad_per_n * force_n)
     }
@@ -98,7 +98,7 @@ pub enum MeasurementError {
 /// Errors of a finger's markers relative to their stated standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MarkerErrors {
-    /// Ratio of actual to stated marker noise, dimensionless. Below 1 where part of the stated noise is common to all images and absorbed by calibration.
+    /// Ratio of actual to stated marker noise, dimensionless. Below 1 if part of the stated noise is common to all images and absorbed by calibration.
     pub noise_factor: f64,
     /// Error of the finger model, mm: standard deviation of one coordinate.
     pub model_mm: f64,
@@ -112,7 +112,7 @@ impl Default for MarkerErrors {
 }
 
 impl MarkerErrors {
-    /// Total standard deviation of a coordinate, mm, for the stated one, mm.
+    /// Total standard deviation of a coordinate, mm, for the stated standard deviation `stated_mm`.
     pub fn sd_mm(&self, stated_mm: f64) -> f64 {
         (self.noise_factor * stated_mm).hypot(self.model_mm)
     }
@@ -194,7 +194,7 @@ impl Measurement {
         self
     }
 
-    /// Uncertainty of the base. `None` if it is known exactly.
+    /// Uncertainty of the base. `None` if the base is known exactly.
     pub fn base(&self) -> Option<BaseUncertainty> {
         self.base
     }

@@ -26,7 +26,7 @@ pub struct Observation {
     pub base: Option<ObservedBase>,
 }
 
-/// One observed marker, in the finger frame of its image, which moves with the base.
+/// One observed marker. Its vectors are in the finger frame of the image, which moves with the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservedMarker {
     /// Node of the marker.
@@ -50,7 +50,7 @@ pub struct ObservedBase {
     pub pose: Isometry2<f64>,
     /// Standard deviations of the pose at the origin of the finger frame. `None` if unknown.
     pub uncertainty: Option<BaseUncertainty>,
-    /// Whether references or the camera's pose determine the pose. Otherwise the pose is approximate and follows from the markers.
+    /// Whether base references or the camera's pose determine the pose of the base. Otherwise the pose is approximate and follows from the markers.
     pub is_known: bool,
 }
 
@@ -61,7 +61,7 @@ pub struct ObservedMeasurement {
     pub measurement: Measurement,
     /// Standard deviation of a coordinate of weight 1, mm, if the observation states it.
     pub noise_mm: Option<f64>,
-    /// Transformation from the frame of the displacements to that of the camera's pose, mm and rad.
+    /// Transformation from the frame of the displacements to the frame of the camera's pose, mm and rad.
     pub frame: Isometry2<f64>,
 }
 
@@ -166,7 +166,7 @@ impl Observation {
     }
 
     /// Converts the observation to a measurement for calibrating the scene. Uses the markers' positions, which do not depend on the scene with which they were
-    /// located, and the standard deviations as stated. Also returns the uncertainty of the base about its pose in the image.
+    /// located, and the standard deviations as stated. Also returns the uncertainty of the base relative to its pose in the image.
     ///
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or if no standard deviation is known.
@@ -189,7 +189,7 @@ impl Observation {
         self.markers.iter().any(is_elsewhere)
     }
 
-    /// Transformation from the frame in which forces are sensed to that of the camera's pose, mm and rad: the observed pose of the base. It is the
+    /// Transformation from the frame in which forces are sensed to the frame of the camera's pose, mm and rad. It is the observed pose of the base, or the
     /// identity for a base without references, which is approximately at the camera's pose.
     pub fn frame(&self, scene: &Scene) -> Isometry2<f64> {
         match scene.base.as_ref().is_some_and(Base::is_of_pose) {
@@ -198,7 +198,7 @@ impl Observation {
         }
     }
 
-    /// Transformation from the finger frame to that of the camera's pose.
+    /// Transformation from the finger frame to the frame of the camera's pose, mm and rad.
     fn base_pose(&self) -> Isometry2<f64> {
         self.base.map_or_else(Isometry2::identity, |base| base.pose)
     }
@@ -206,9 +206,9 @@ impl Observation {
 
 /// Options for the conversion of an observation.
 struct Reading {
-    /// Errors of markers relative to the stated ones.
+    /// Errors of the markers relative to their stated standard deviations.
     errors: MarkerErrors,
-    /// Whether the base is estimated. Its error, which all markers share, is then not part of theirs.
+    /// Whether the base is estimated. The error of the base, which all markers share, is then not part of the errors of the markers.
     base_is_sought: bool,
     /// Whether positions have priority over displacements.
     by_position: bool,
@@ -252,7 +252,7 @@ impl Reading {
 
     /// Displacement of a marker, mm.
     fn displacement(&self, finger: &Finger, marker: &ObservedMarker) -> Result<Vector, MarkerError> {
-        // The measurement refuses a node that does not exist.
+        // The value for a node that does not exist is arbitrary, because the measurement refuses such a node.
         let from_scene = |position: Vector| match exists(finger, marker.node) {
             true => position - finger.marker_position(marker.node),
             false => position,
@@ -316,7 +316,7 @@ fn exists(finger: &Finger, node: NodeId) -> bool {
     (1..=finger.key_node_count()).contains(&node.0)
 }
 
-/// Converts a displacement relative to the observed base to one relative to the frame of the camera's pose, mm.
+/// Converts a displacement relative to the observed base to a displacement relative to the frame of the camera's pose, mm.
 fn placed(finger: &Finger, base: &Isometry2<f64>, node: NodeId, displacement: Vector) -> Vector {
     if !exists(finger, node) {
         return displacement;

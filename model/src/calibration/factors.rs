@@ -82,7 +82,8 @@ impl FactorEstimate {
     }
 }
 
-/// A pair of unknowns is reported from this absolute correlation. If one factor were known, the standard deviation of the other would fall to a third.
+/// A pair of unknowns is reported if its absolute correlation is at least this. If one factor were known, the standard deviation of the other would fall to a
+/// third.
 const ENTANGLED: f64 = 0.95;
 /// Factors are refused if the singular values of the scaled Jacobian span this ratio or more. Sensitivities have nine correct digits, so smaller singular
 /// values are rounding errors. Independent zones of the paper's finger span less than 1e4.

@@ -32,7 +32,7 @@ pub struct CorotationalModulus {
     pub sigma: f64,
     /// Mean distance between measured and computed nodes, mm.
     pub mean_distance_mm: f64,
-    /// Test of the stated noise, if the measurement contradicts it. `sigma` then follows from the residual.
+    /// Test of the residual against the stated noise, if the measurement contradicts this noise. `sigma` then follows from the residual.
     pub contradiction: Option<ResidualTest>,
     /// Down-weighted markers that are far from their computed positions.
     pub outliers: Vec<OutlyingMarker>,
@@ -52,8 +52,8 @@ pub struct OutlyingMarker {
 /// Young's modulus of the co-rotational finger. Finds the factor on all moduli that minimises the sum of squared distances between measured and
 /// computed nodes, with distant markers down-weighted.
 ///
-/// `elements` is the number of beam elements per member. `noise_mm` is the standard deviation of one measured coordinate, mm. If the noise is unknown or the
-/// residual contradicts it, it is estimated from the residual.
+/// `elements` is the number of beam elements per member. `noise_mm` is the standard deviation of one measured coordinate, mm. A noise that is unknown, or that
+/// contradicts the residual, is estimated from the residual.
 ///
 /// # Reference
 /// Eq. (11) of Xu et al. (2021) as in [`youngs_modulus`], with co-rotational equilibria and weighted squares of distances. [`factors`] starts from the linear

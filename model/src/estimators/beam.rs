@@ -31,7 +31,7 @@ impl<'m> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::LeastSquares, Prior::None, mesh)
     }
 
-    /// Linear least squares with the paper's range of forces as a prior. Its standard deviations include the error of linearisation.
+    /// Linear least squares with the range of forces of Xu et al. (2021) as a prior. Its standard deviations include the error of linearisation.
     pub fn ridge(mesh: &'m Mesh) -> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::Ridge, Prior::PAPER, mesh)
     }
@@ -187,7 +187,7 @@ struct Nonlinear<'m> {
 
 impl PreparedEstimator for Nonlinear<'_> {
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
-        // A start from the last measurement would make the answer depend on the order of measurements.
+        // If the search started from the last estimate, the result would depend on the order of measurements.
         self.estimator.reset();
         let mut estimate = self.estimator.estimate(measurement, noise_mm)?;
         if let Some(discretisation) = &mut self.discretisation {

@@ -1,6 +1,6 @@
 //! All force estimators. Each estimator is one row of [`EstimatorId`], so all studies and tables treat estimators equally.
 //!
-//! Threads share an [`Estimator`]; each thread prepares a [`PreparedEstimator`] for the contacts and markers of a question. An estimate does not depend on
+//! Threads share an [`Estimator`]; each thread prepares a [`PreparedEstimator`] for the contacts and markers of a measurement. An estimate does not depend on
 //! earlier measurements.
 
 mod beam;
@@ -28,7 +28,7 @@ registry! {
     EstimatorId: EstimatorRow {
         /// Linear least squares.
         LeastSquares => linear::LEAST_SQUARES,
-        /// Linear least squares with the paper's range of forces as a prior.
+        /// Linear least squares with the range of forces of Xu et al. (2021) as a prior.
         Ridge => linear::RIDGE,
         /// Gauss-Newton on the co-rotational finger.
         Nonlinear => nonlinear::ROW,
@@ -66,7 +66,7 @@ impl EstimatorId {
         self.row().searches
     }
 
-    /// Whether the estimator answers only at contact nodes and along the normal, as the shipped networks do.
+    /// Whether the estimator supports only forces at contact nodes along the normal, like the shipped networks.
     pub fn at_nodes(self) -> bool {
         self.row().at_nodes
     }
@@ -76,7 +76,7 @@ impl EstimatorId {
         self.row().needs
     }
 
-    /// Phrase for help texts: the questions and measurements that the estimator refuses.
+    /// Phrase for help texts: the contacts and measurements that the estimator refuses.
     pub fn refuses(self) -> &'static str {
         self.row().refuses
     }
@@ -109,7 +109,7 @@ impl EstimatorId {
         (self.row().admits)(finger, contacts, networks)
     }
 
-    /// Estimates the forces of one question, with all errors that the estimator states, as `finray sense` does.
+    /// Answers one [`Question`]: estimates the forces, with all errors that the estimator states, as `finray sense` does.
     ///
     /// # Errors
     /// [`EstimatorError`] if a contact is wrong, or the estimator refuses to answer.
@@ -141,7 +141,7 @@ pub struct Question<'q> {
     pub mesh_nodes: Option<usize>,
     /// Candidate networks for [`EstimatorId::Network`].
     pub networks: &'q Networks,
-    /// Possible differences of the unloaded finger from the scene's. Estimators that do not search refuse them.
+    /// Possible differences of the unloaded finger from the scene's. Estimators that do not search refuse such differences.
     pub unloaded: Option<&'q UnloadedFinger>,
 }
 

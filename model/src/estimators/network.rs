@@ -78,7 +78,8 @@ impl Networks {
         Networks(networks)
     }
 
-    /// Selects the network for contacts of a finger, in any order. A network for exactly these contacts has priority over a network for any of its contacts.
+    /// Selects the network for contacts of a finger, in any order. A network for exactly these contacts has priority over a network for any subset of its
+    /// contacts.
     ///
     /// # Errors
     /// [`NoNetwork`] if no network is trained for the finger and the contacts.

@@ -24,7 +24,7 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 };
 
 /// Estimates are repeated until a round changes every force by at most this share of its standard deviation. Repetition is needed because the effect of
-/// assembly errors on the markers depends on the forces. It fails after `ROUNDS` rounds.
+/// assembly errors on the markers depends on the forces. The estimate fails after `ROUNDS` rounds.
 const SETTLED_SIGMAS: f64 = 0.05;
 const ROUNDS: usize = 8;
 

@@ -1,7 +1,7 @@
 //! Noise of measured displacements, by the source of the undeformed positions.
 //!
-//! A displacement is a position in an image minus the undeformed position. The undeformed position is measured in an image of the unloaded finger, or
-//! computed from the motor angle. Its error is part of the displacement and shared by all frames that use it.
+//! A displacement is a position in an image minus the undeformed position. The undeformed position is measured in an image of the unloaded finger, or computed
+//! from the motor angle. The error of the undeformed position is part of the displacement, and all frames that use this position share the error.
 
 use super::Measurement;
 use crate::Vector;
@@ -104,7 +104,7 @@ impl DisplacementNoise {
         }
     }
 
-    /// Factors the covariance of the mean of several frames, to transform errors into independent ones of standard deviation 1.
+    /// Factors the covariance of the mean of several frames, to transform errors into independent errors of standard deviation 1.
     ///
     /// # Errors
     /// [`NoNoise`] if the covariance is not positive definite.

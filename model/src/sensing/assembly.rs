@@ -18,8 +18,8 @@ use nalgebra::UnitComplex;
 pub struct AssemblyErrors {
     /// Standard deviation of the position of each joint of a rib with a plate, in mm: along the plate and perpendicular to it.
     pub joint_sd_mm: f64,
-    /// Moment that the plates exert on each other at the tip without load, in N mm. It is positive in the sense from x to y. Uniformly curved plates leave only
-    /// this moment when they are joined, because the end moments of neighbouring elements cancel.
+    /// Moment that the plates exert on each other at the tip without load, in N mm. A positive moment turns x towards y. If uniformly curved plates are joined,
+    /// only this moment remains, because the end moments of neighbouring elements cancel.
     pub preload_nmm: f64,
     /// Standard deviation of the preload, N mm.
     pub preload_sd_nmm: f64,
@@ -54,8 +54,8 @@ pub struct UnloadedFinger {
     pub assembly: AssemblyErrors,
     /// The camera above the markers. `None` neglects the effect of the markers' height.
     pub camera: Option<CameraAbove>,
-    /// Standard deviation, in rad, of the rotation of the frame in which displacements are measured. `None` if displacements refer to the finger of the scene.
-    /// A value means that they refer to an image of the unloaded finger; the position of the base then has no effect.
+    /// Standard deviation, in rad, of the rotation of the frame in which displacements are measured, if they refer to an image of the unloaded finger. The
+    /// position of the base then has no effect. `None` if displacements refer to the finger of the scene.
     pub measured_in_frame_sd_rad: Option<f64>,
 }
 
@@ -72,7 +72,7 @@ pub struct CameraAbove {
 
 /// Beam elements per member in the meshes of the fingers with and without errors.
 const ELEMENTS: usize = 8;
-/// Length of a row that describes an [`UnloadedError`]: numbers per rib, and numbers for all other fields together.
+/// Count of numbers per rib in a row that describes an [`UnloadedError`]. `OF_REST` is the count of the numbers that follow.
 const OF_RIB: usize = 4;
 const OF_REST: usize = 7;
 
@@ -285,8 +285,8 @@ impl UnloadedFinger {
         bent.iter().map(seen).collect()
     }
 
-    /// Marker positions of all key nodes under forces and a moment at the tip, in mm. If displacements refer to an image of the unloaded finger: displacements
-    /// of the markers from that finger, in mm.
+    /// Marker positions of all key nodes under forces and a moment at the tip, in mm. If displacements refer to an image of the unloaded finger, the result is
+    /// the displacements of the markers from that finger, in mm.
     fn markers(&self, finger: &Finger, moment_nmm: f64, pushed: Pushed) -> Result<Vec<Vector>, SensingError> {
         let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
         let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);

@@ -12,7 +12,7 @@ pub enum ContactPosition {
     /// At a node of the front plate, from the tip to the last node before the front base.
     #[serde(rename = "node")]
     Node(NodeId),
-    /// At a distance from the front base along the plate, mm.
+    /// At this distance from the front base along the plate, mm.
     #[serde(rename = "s_mm")]
     At(f64),
 }
@@ -78,7 +78,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Along the inward normal of the deformed plate.
+    /// Direction along the inward normal of the deformed plate.
     pub const NORMAL: Direction = Direction::Leaning(Lean::NONE);
 }
 

@@ -19,7 +19,7 @@ pub enum SensingError {
         /// The last node before the front base.
         last: NodeId,
     },
-    /// The direction is not a finite number.
+    /// The direction of a contact is not a finite number.
     #[error("the direction of contact {contact} is not a finite angle")]
     AngleNotFinite {
         /// Position of the contact in the list, from 1.

@@ -76,8 +76,8 @@ impl Estimate {
         }
     }
 
-    /// Widens the standard deviations, so far due to noise, by a model error of each force, in N. Sets a warning if a model error exceeds its standard
-    /// deviation and is not negligible.
+    /// Widens the standard deviations due to noise by the model error of each force, in N. Sets a warning if a model error exceeds the standard deviation due
+    /// to noise and is not negligible.
     pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
         let largest_n = self.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let over = |i: usize| error_n[i].abs() / self.sigmas_n[i];

@@ -13,11 +13,11 @@ use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
 /// A measurement counts as one of a linear finger if the linear finger's sum of squared residuals is smaller than the co-rotational finger's by more than this.
-/// In squared standard deviations of the noise: 9 corresponds to three standard deviations.
+/// The unit is the squared standard deviation of the noise, so 9 corresponds to three standard deviations.
 const FAVOURED: f64 = 9.0;
 
 /// Without a stated noise, the linear finger explains a measurement whose residual is at most this share of the displacements. Camera noise is below this share
-/// at deflections that a co-rotational finger cannot reach. Shapes of a co-rotational finger leave ten times as much.
+/// at deflections that a co-rotational finger cannot reach. Displacements of a co-rotational finger leave a residual ten times as large.
 const EXPLAINED_SHARE: f64 = 0.01;
 
 /// Prior distribution of the forces.
@@ -103,16 +103,16 @@ impl LinearEstimator {
         &self.singular_values
     }
 
-    /// Least-squares inverse, which maps displacements to forces and noise to their errors.
+    /// Least-squares inverse. It maps displacements to forces, and the noise to standard deviations of the forces.
     pub fn inverse(&self) -> &Inverse {
         &self.least_squares
     }
 
     /// Estimates the forces from the displacements of the markers for which the estimator is prepared.
     ///
-    /// `noise_mm` is the standard deviation of one coordinate, mm. If it is `None` or zero, it is estimated from the residual. If the residual contradicts the
-    /// stated noise, the estimate has a warning, and its standard deviations follow from the residual. Only [`estimate_on`](LinearEstimator::estimate_on)
-    /// includes the error of linearisation.
+    /// `noise_mm` is the standard deviation of one coordinate, mm. If `noise_mm` is `None` or zero, the noise is estimated from the residual. If the residual
+    /// contradicts the stated noise, the estimate has a warning, and its standard deviations follow from the residual. Only
+    /// [`estimate_on`](LinearEstimator::estimate_on) includes the error of linearisation.
     pub fn estimate(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> Estimate {
         self.solve(measurement, noise_mm, prior).0
     }
@@ -215,7 +215,7 @@ impl Inverse {
     pub(super) fn of(compliance: &DMatrix<f64>, ridge: f64) -> Inverse {
         let (rows, columns) = compliance.shape();
         if columns == 1 {
-            // For a single column, Q is its unit vector and R its length.
+            // For a single column, Q of the QR factors is the column's unit vector, and R is its length.
             let norm = compliance.norm();
             let length = norm.hypot(ridge);
             return Inverse {

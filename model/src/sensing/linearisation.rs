@@ -22,7 +22,7 @@ const MOST_ASTRAY: usize = 4;
 /// Newton's method has converged if a step changes no force by more than this share of the largest force.
 const STEP_TOLERANCE: f64 = 1e-6;
 /// Newton's method fails after this number of refused steps, which lead to forces without equilibrium: for a single force, and for several forces. The limits
-/// of a single force are stored, so its refused steps are cheap. A refused step is shortened to between half and all of the share that has an equilibrium.
+/// of a single force are stored, so its refused steps are cheap. A refused step is shortened to between half and all of the share up to which equilibria exist.
 const MOST_REFUSED: [usize; 2] = [30, 8];
 
 /// Error that a linear estimator makes on the co-rotational finger.
@@ -39,7 +39,7 @@ pub struct Linearisation<'m> {
     mesh: &'m Mesh,
     contacts: Vec<Contact>,
     statics: Statics<Ladder<'m>>,
-    /// Smallest and largest single force with an equilibrium, N. Infinite as long as unknown.
+    /// Smallest and largest single force with an equilibrium, N. A limit is infinite until it is known.
     ends_n: [f64; 2],
     /// Gain for which `points` are valid.
     gain: DMatrix<f64>,
@@ -69,7 +69,7 @@ pub(super) struct LinearisationError {
 struct Point {
     key: Vec<i64>,
     step_n: f64,
-    /// `None` if the linear estimator returns the forces of this grid point for no forces on the co-rotational finger.
+    /// `None` if no forces on the co-rotational finger make the linear estimator return the forces of this grid point.
     solution: Option<Solution>,
 }
 
@@ -78,7 +78,7 @@ struct Point {
 struct Solution {
     forces_n: DVector<f64>,
     motion: FrameMotion,
-    /// Derivative of the forces with respect to the estimated forces, dimensionless.
+    /// Derivative of the forces with respect to those that the linear estimator returns, dimensionless.
     slope: DMatrix<f64>,
     /// Weighted displacements of the markers, mm. `rates` has the derivatives of these displacements with respect to the forces, mm/N.
     displacements: DVector<f64>,
@@ -103,7 +103,7 @@ impl<'m> Linearisation<'m> {
     /// Error of linearisation of the estimated forces `sensed_n`, N.
     ///
     /// # Errors
-    /// [`SensingError::NotLinearised`] if the linear estimator returns `sensed_n` for no forces on the co-rotational finger.
+    /// [`SensingError::NotLinearised`] if no forces on the co-rotational finger make the linear estimator return `sensed_n`.
     pub(super) fn error(
         &mut self,
         model: LinearModel,
@@ -228,7 +228,7 @@ impl<'m> Linearisation<'m> {
     /// Follows the equilibrium from the shape `motion` under `forces_n` to the shape under `next_n`, both N. Returns this shape, or the share of the change (0
     /// to 1) up to which equilibria exist.
     ///
-    /// Equilibria under all values of a single force form one path, so its ends are searched only once.
+    /// Equilibria under all values of a single force form one path, so the ends of this path are searched only once.
     fn followed(
         &mut self,
         motion: &FrameMotion,

@@ -158,7 +158,7 @@ impl LeastSquaresProblem for Problem<'_> {
         own.map(|(unknown, &sd)| Prior::on(unknown, point[unknown], 0.0, if sd > 0.0 { sd } else { 1.0 })).collect()
     }
 
-    /// Keeps positions on the plate.
+    /// Bounds of a step that keep the positions of contacts on the plate.
     fn step_bounds(&self, point: &DVector<f64>) -> StepBounds {
         let shifts = (2 * self.contacts.len()..).zip(self.contacts);
         shifts.fold(StepBounds::default(), |bounds, (unknown, seen)| match seen.contact.position {
@@ -190,8 +190,8 @@ impl Problem<'_> {
         columns / self.knowledge.noise_mm
     }
 
-    /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. This force is its root
-    /// mean square (estimate squared plus variance), which matters for small forces.
+    /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. The force enters as
+    /// its root mean square (square root of estimate squared plus variance), which matters for small forces.
     fn solution(&mut self, fit: &Fit<DVector<f64>>) -> Result<MeasuredContactForces, SensingError> {
         let count = self.contacts.len();
         let (forces_n, tangents) = (&fit.point.as_slice()[..count], &fit.point.as_slice()[count..2 * count]);
@@ -217,8 +217,8 @@ impl Problem<'_> {
         let widened = if chi_squared > chance { chi_squared / degrees_of_freedom } else { 1.0 };
         let covariance_n2 = &turned * covariance * turned.transpose() * widened;
         let across_n: Vec<f64> = (0..count).map(|i| forces_n[i] * tangents[i]).collect();
-        // A wrong normal adds a share of the friction force to the force along it. The friction force counts with at least its upper bound: noise may make its
-        // estimate, and so sigma, too small.
+        // A wrong normal adds a share of the friction force to the force along it. The friction force counts with at least its upper bound. Otherwise noise
+        // could make the estimated friction force, and so the standard deviation, too small.
         let variance_n2 = |i: usize| {
             let across_n2 = across_n[i].powi(2) + covariance_n2[(count + i, count + i)];
             let most_n = self.knowledge.friction * forces_n[i];

@@ -51,7 +51,7 @@ impl ObjectShape {
         Ok(ObjectShape::Polygon { corners })
     }
 
-    /// Whether a turn leaves the outline unchanged.
+    /// Whether every rotation about the origin leaves the outline unchanged.
     pub fn is_round(&self) -> bool {
         matches!(self, ObjectShape::Disc { .. })
     }
@@ -99,8 +99,8 @@ impl TouchedObject {
         self.sd_rad > 0.0 && !self.shape.is_round()
     }
 
-    /// Point of the outline whose outward normal is `normal`, both in the finger frame, in mm. The object is shifted by `x_mm` and `y_mm` and rotated about its
-    /// origin by `turn_rad`.
+    /// Point of the outline, in mm, finger frame, whose outward normal is `normal`. The object is shifted by `x_mm` and `y_mm` and rotated about its origin by
+    /// `turn_rad`.
     pub(super) fn point_facing(&self, normal: Vector, [x_mm, y_mm, turn_rad]: [f64; 3]) -> Vector {
         let turn = UnitComplex::new(self.pose.rotation.angle() + turn_rad);
         let origin = self.pose.translation.vector + Vector::new(x_mm, y_mm);

@@ -22,7 +22,7 @@ pub struct ContactForce {
     pub lever_mm: f64,
 }
 
-/// A couple between nodes consists of two forces, each at this distance from the contact, in mm.
+/// On the plate between nodes, two forces represent a moment. Each acts at this distance from the contact, in mm.
 const COUPLE_REACH_MM: f64 = 0.5;
 
 impl ContactForce {
@@ -31,7 +31,7 @@ impl ContactForce {
         ContactForce { contact, along_n, across_n: 0.0, lever_mm: 0.0 }
     }
 
-    /// Load of a force, N, along the contact's direction.
+    /// Load of a force `force_n`, N, along the contact's direction.
     fn along(&self, finger: &Finger, force_n: f64) -> Load {
         self.contact.load(finger, force_n)
     }

@@ -66,7 +66,7 @@ pub(super) fn numbers<const D: usize>(tensor: Tensor<D>) -> Result<Vec<f32>, Tra
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
     rate: f32,
-    /// Bias correction of the first moment, 1 - decay^number. `second_correction` is the square root of that of the second moment.
+    /// Bias correction of the first moment, 1 - decay^number. `second_correction` is the square root of the bias correction of the second moment.
     first_correction: f32,
     second_correction: f32,
 }

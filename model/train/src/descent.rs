@@ -19,7 +19,7 @@ pub(super) struct Table {
     pub(super) widths: [usize; 2],
     pub(super) inputs: Vec<f32>,
     pub(super) targets: Vec<f32>,
-    /// Mask of the targets: 1 for a target that counts in the loss, 0 for one that is ignored. Empty if all targets count.
+    /// Mask of the targets: 1 for a target that counts in the loss, 0 for a target that is ignored. Empty if all targets count.
     pub(super) counts: Vec<f32>,
 }
 

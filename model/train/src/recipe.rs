@@ -24,7 +24,7 @@ pub struct TrainingRecipe {
     pub scaling: Scaling,
     /// Widths of the hidden layers.
     pub hidden_layers: Vec<usize>,
-    /// Whether a linear branch is added to the layers. It starts from least squares.
+    /// Whether a linear branch is added to the layers. The branch starts from least squares.
     pub linear_branch: bool,
     /// Largest number of passes through the training cases.
     pub epochs: usize,
@@ -39,8 +39,8 @@ pub struct TrainingRecipe {
 }
 
 impl TrainingRecipe {
-    /// The paper's network: 150-200-150 on 20 000 noise-free cases of the linear finger (Xu et al. 2021, sec. IV-A). The paper states
-    /// neither scaling nor schedule. Here the largest displacement is scaled to 1, and the schedule is this project's.
+    /// The network of Xu et al. (2021, sec. IV-A): hidden layers of 150, 200 and 150 neurons, trained on 20 000 noise-free cases of the linear finger. The
+    /// paper states neither scaling nor schedule. Here the largest displacement is scaled to 1, and the schedule is an assumption of this project.
     pub fn paper(contacts: Vec<Contact>) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe::paper(contacts, Kinematics::Linear),
@@ -57,13 +57,13 @@ impl TrainingRecipe {
         }
     }
 
-    /// The paper's network with camera noise on its inputs, standard deviation in mm.
+    /// The network of [`TrainingRecipe::paper`] with camera noise on its inputs. `noise_mm` is the standard deviation of a coordinate, mm.
     pub fn paper_with_noise(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe { noise_mm, ..TrainingRecipe::paper(contacts) }
     }
 
-    /// Network for the nonlinear finger: co-rotational cases with noise, principal directions as inputs, a linear branch. Two layers of 32
-    /// reach the error of the paper's three (see the report's curve of error against size).
+    /// Network for the nonlinear finger: co-rotational cases with noise, principal directions as inputs, a linear branch. Two layers of 32 neurons reach the
+    /// error of the paper's three layers (see the report's curve of error against size).
     pub fn nonlinear(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe::paper(contacts, Kinematics::Corotational),

@@ -36,7 +36,7 @@ pub struct SampleRecipe {
     pub elements: usize,
     /// Largest force of a contact, N. Forces are drawn uniformly between zero and this force.
     pub largest_force_n: f64,
-    /// Largest sum of the forces, N. A case with a larger sum is scaled to a sum drawn uniformly between zero and this sum.
+    /// Largest sum of the forces, N. A case with a larger sum is scaled to a sum that is drawn uniformly from zero to `largest_sum_n`.
     pub largest_sum_n: f64,
     /// Standard deviation of each force's direction about the contact's direction, degrees.
     pub direction_spread_deg: f64,
@@ -47,7 +47,7 @@ pub struct SampleRecipe {
 }
 
 impl SampleRecipe {
-    /// The paper's ranges of force, for given contacts.
+    /// The ranges of force of Xu et al. (2021, sec. IV-A), for the given contacts.
     pub fn paper(contacts: Vec<Contact>, kinematics: Kinematics) -> SampleRecipe {
         SampleRecipe {
             contacts,
@@ -173,7 +173,7 @@ pub enum Stream {
 }
 
 impl Stream {
-    /// Random number generator for part `index` (below 2^60) of a purpose.
+    /// Random number generator for item `index` (below 2^60) of a purpose.
     pub fn rng(self, seed: u64, index: u64) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(((self as u64) << 60) + index);

@@ -31,7 +31,7 @@ pub(super) struct MarkerForce {
     pub sigma_n: f64,
 }
 
-/// A measured force compared with another estimate of it.
+/// A measured force compared with another estimate of the same force.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Compared<'v> {
     pub view: &'v View,
@@ -101,10 +101,10 @@ impl Problem<'_> {
         }
     }
 
-    /// Finds a marker of a view at the computed position of another node, for the best rigid motion of the finger.
+    /// Finds a marker of a view at the computed position of another node, after the best rigid motion of the finger. `None` if every marker has the right node.
     pub(super) fn wrong_name(&self, stated: &Candidate, view: &View, own: &ViewUnknowns) -> Option<ViewError> {
         let pressed = self.pressed(stated, view, own)?;
-        // Node, seen position and computed position of each marker.
+        // Node, observed position and computed position of each marker.
         let places: Vec<(NodeId, Vector, Vector)> = self
             .residuals(stated, view, own, &pressed)
             .map(|(marker, left)| {

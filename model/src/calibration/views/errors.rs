@@ -58,9 +58,8 @@ impl Problem<'_> {
 /// Errors that maximise the likelihood of the residuals.
 ///
 /// # Reference
-/// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows, with fixed residuals
-/// and free parts. Squared residuals are enlarged by the ratio of a variance's mean to its mode, which accounts for few degrees of
-/// freedom.
+/// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows. Squared residuals and the
+/// shares `free` stay fixed. Squared residuals are enlarged by the ratio of a variance's mean to its mode, which accounts for few degrees of freedom.
 fn likeliest(mut left: Vec<CoordinateResidual>) -> MarkerErrors {
     let free: f64 = left.iter().map(|it| it.free).sum();
     if free <= 2.0 {

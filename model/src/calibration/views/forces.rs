@@ -8,8 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 impl Problem<'_> {
-    /// Relative force of a view estimated from markers and base alone, without its measured value. `by` is the Jacobian of a fit. The rows of the view start at
-    /// `row`, its unknowns at `column`. `None` if the force is not identifiable.
+    /// Relative force of a view estimated from markers and base alone, ignoring its measured value. `by` is the Jacobian of a fit. The rows of the view start
+    /// at `row`, its unknowns at `column`. `None` if the force is not identifiable.
     pub(super) fn new_image(
         &self,
         by: &DMatrix<f64>,

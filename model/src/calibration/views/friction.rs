@@ -5,7 +5,7 @@ use crate::calibration::CalibrationError;
 use crate::sensing::{Lean, Normal};
 use statrs::function::erf::erfc;
 
-/// Question about the friction between finger and objects.
+/// Options for the estimate of friction between finger and objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrictionQuestion {
     /// Whether friction builds up over a force. This force is then estimated as well.
@@ -26,7 +26,8 @@ const OUTSIDE: f64 = 0.05;
 /// Standard deviation of the coefficient of friction between objects, dimensionless, if none is stated.
 const USUAL_BETWEEN_OBJECTS: f64 = 0.05;
 
-/// Name of the object that pressed the finger (empty if unknown), the measured force, N, and its lean from the normal towards the tip, degrees.
+/// Name of the object that pressed the finger (empty if unknown), measured force, N, and lean of the force (angle from the normal, positive towards the tip),
+/// degrees.
 pub type MeasuredLean<'o> = (&'o str, f64, f64);
 
 /// Friction estimated from measured forces.
@@ -47,7 +48,7 @@ pub struct LeftOutObject {
     pub object: String,
     /// Mean lean of the object's forces as predicted, degrees.
     pub predicted_deg: f64,
-    /// Standard deviation of a single force about the prediction, degrees.
+    /// Standard deviation of the lean of a single force about the prediction, degrees.
     pub sigma_deg: f64,
     /// Mean lean of the object's forces as measured, degrees.
     pub measured_deg: f64,
@@ -58,7 +59,7 @@ struct Fit {
     build_up_n: f64,
     /// Lean of a sliding force, degrees, and its variance, degrees^2, for each object.
     sliding: Vec<(f64, f64)>,
-    /// Standard deviation of a single force within an object, degrees.
+    /// Standard deviation of the lean of a single force within an object, degrees.
     within_deg: f64,
 }
 
@@ -78,7 +79,7 @@ impl Fit {
         Fit { build_up_n, sliding, within_deg: variance.sqrt() }
     }
 
-    /// Mean over objects, degrees, its variance, degrees^2, and the logarithm of the restricted likelihood, if objects differ by the standard deviation
+    /// Mean lean over objects, degrees, its variance, degrees^2, and the logarithm of the restricted likelihood, if objects differ by the standard deviation
     /// `between_deg`.
     fn mean(&self, between_deg: f64) -> [f64; 3] {
         let variances = || self.sliding.iter().map(|(_, variance)| variance + between_deg * between_deg);
@@ -88,12 +89,12 @@ impl Fit {
         [mean, variance, 0.5 * (variance.ln() - off.sum::<f64>())]
     }
 
-    /// Mean lean of a sliding force, most likely standard deviation between objects, and standard deviation of a new object about the mean, all in degrees. The
-    /// last value includes the uncertainty due to few objects. Half of a 95 % interval is 1.96 times this value.
+    /// Mean lean of a sliding force, most likely standard deviation between objects, and standard deviation of a new object's lean about the mean, all in
+    /// degrees. The last value includes the uncertainty due to few objects. Half of a 95 % interval is 1.96 times this value.
     ///
     /// # Reference
     /// Restricted maximum likelihood; posterior predictive distribution of a new group (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 5.4) with the
-    /// half-Cauchy prior for few groups (Gelman, Bayesian Analysis 1, 2006). Its scale is the assumed standard deviation between objects.
+    /// half-Cauchy prior for few groups (Gelman, Bayesian Analysis 1, 2006). The scale of this prior is the assumed standard deviation between objects.
     fn over_objects(&self, assumed_deg: f64) -> [f64; 3] {
         let [least, most] = SDS_DEG;
         let tried: Vec<f64> = (0..=SDS).map(|i| least * (most / least).powf(i as f64 / SDS as f64)).collect();
@@ -115,9 +116,9 @@ impl Fit {
     }
 }
 
-/// Fits the coefficient of friction to the leans of measured forces (angles between force and the normal `from`). If asked, also fits the force over which
-/// friction builds up. The stated standard deviation is that of a single force of a new object. It combines the residual within objects with the difference
-/// between objects, which is assumed for a single object.
+/// Fits the coefficient of friction to the leans of measured forces (angles between force and the normal `from`). If `question` states that friction builds up,
+/// also fits the force over which it builds up. The stated standard deviation is that of a single force of a new object. It combines the residual within
+/// objects with the difference between objects, which is assumed for a single object.
 ///
 /// # Errors
 /// [`CalibrationError::TooFewViews`] if there are no more views than unknowns. [`CalibrationError::FrictionLimit`] if a sliding force leans by 90 degrees or

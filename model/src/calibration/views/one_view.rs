@@ -20,7 +20,7 @@ const FIRST_FORCE_N: f64 = 1.0;
 /// Standard deviation that stands for an unknown direction, degrees.
 const UNKNOWN_DEG: f64 = 1e3;
 
-/// A view with the question about its contact.
+/// A view with the known and unknown parts of its contact.
 #[derive(Debug, Clone, Copy)]
 pub struct OneView<'v> {
     /// The view. Its measured force is ignored.

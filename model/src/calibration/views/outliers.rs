@@ -34,7 +34,7 @@ pub struct Outlier {
 pub enum OutlierKind {
     /// The measured force.
     Force {
-        /// Ratio of measured force to marker force, divided by the usual ratio of all views, dimensionless.
+        /// Ratio of measured force to marker force, divided by the median ratio of all views, dimensionless.
         times: f64,
     },
     /// A marker.
@@ -148,7 +148,7 @@ impl Problem<'_> {
     ///
     /// # Errors
     /// [`ViewError::MarkerErrors`] if markers deviate by at least half of their displacements (root mean squares). [`ViewError::ForceErrors`] if the relative
-    /// standard deviation of a new force is one half or more. Both name the view that deviates most.
+    /// standard deviation of a new force is one half or more. Both errors name the view that deviates most.
     pub(super) fn check_use(
         &self,
         fitted: &Fit<Point>,

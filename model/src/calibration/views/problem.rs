@@ -18,7 +18,7 @@ pub(super) const OWN: usize = 4;
 pub(super) const BASE_ROWS: usize = 3;
 /// Contacts are not sought on this share of the plate at either end.
 const MARGIN: f64 = 0.02;
-/// Smallest standard deviation of a lean, degrees, which stands for an exact lean.
+/// Standard deviations of a lean are at least this, degrees. The value stands for an exact lean.
 const SETTLED_DEG: f64 = 1e-3;
 /// If all views share a part of the lean, this is the standard deviation of a view's own part, as a share of the lean's standard deviation. The shared part has
 /// the whole standard deviation, because friction of one object may be the same in all views. Friction may also build up, and objects may differ.
@@ -187,7 +187,7 @@ impl Problem<'_> {
             .force
             .map(|force| (candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
         let lean_deg = self.model.lean.mean_deg(own.force_n) + candidate.lean_deg + own.further_lean_deg;
-        // A lean or a pad may depend on the normal, which turns with the force. A few iterations settle this rotation.
+        // The direction of a force and the load of a pad may depend on the normal, which rotates with the force. A few iterations settle this rotation.
         let preload = AssemblyErrors::load(finger, candidate.preload_nmm);
         let preload = candidate.mesh.frame_load(&preload).ok().filter(|_| candidate.preload_nmm != 0.0);
         let at_rest = match self.is_from_rest {
@@ -210,7 +210,7 @@ impl Problem<'_> {
             let loads = pad.loads(&candidate.mesh, &contact, force.norm(), plate_rad).collect::<Result<Vec<_>, _>>();
             let mut loads = loads.ok()?;
             loads.extend(preload);
-            // The normal turns little per step, so the last equilibrium is a good start.
+            // The normal turns little per step, so the search starts from the last equilibrium.
             let near = last.take().and_then(|(motion, from)| statics.shifted(&motion, &from, &loads).ok());
             let motion = near.map_or_else(|| statics.equilibrium(&loads), Ok).ok()?.motion;
             let load = contact.unit_load(finger);

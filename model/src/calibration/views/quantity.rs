@@ -30,8 +30,8 @@ pub enum Quantity {
     BaseTurn,
     /// Moment at the tip that the plates exert on each other without load, N mm.
     Preload,
-    /// Common deviation from the scene's mean lean (angle between force and normal) of all forces that were not measured, degrees. It is common because one
-    /// object has one friction.
+    /// Common deviation from the scene's mean lean (angle between force and normal) of all forces that were not measured, degrees. All these forces share it
+    /// because one object has one friction.
     Lean,
     /// Multiple of an error that the scene states for its unloaded finger, in standard deviations. Errors count from 0.
     Unloaded(usize),

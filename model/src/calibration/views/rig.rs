@@ -21,8 +21,8 @@ const NO_CAMERA_MM: f64 = 1e12;
 pub const UNSTATED_BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: std::f64::consts::PI / 180.0, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 
-/// Above this relative scatter of measured forces, the calibration also tries forces mirrored about the normal. If these scatter less by at least the factor
-/// `FAR_LESS`, the sign of a component is wrong.
+/// Above this relative scatter of measured forces, the calibration also tries forces mirrored about the normal. If the mirrored forces scatter less by more
+/// than the factor `FAR_LESS`, the sign of a component is wrong.
 const LARGE_SCATTER: f64 = 0.03;
 const FAR_LESS: f64 = 3.0;
 
@@ -33,9 +33,9 @@ pub struct RigQuestion {
     pub sought: Vec<Sought>,
     /// Friction between finger and objects, estimated from the directions of measured forces. `None` if it is not estimated.
     pub friction: Option<FrictionQuestion>,
-    /// Whether the turn of the base under force is estimated.
+    /// Whether the rotation of the base under force is estimated.
     pub base_compliance: bool,
-    /// Relative standard deviation of forces between objects, dimensionless. Images of one object do not show it.
+    /// Relative standard deviation of forces between objects, dimensionless. Images of one object do not show this deviation.
     pub force_error_between_objects: f64,
 }
 
@@ -46,7 +46,7 @@ pub struct RigEstimate {
     pub views: ViewEstimate,
     /// Friction between finger and objects. `None` if it was not sought.
     pub friction: Option<FrictionEstimate>,
-    /// Turn of the base under force. `None` if it was not sought.
+    /// Rotation of the base under force. `None` if it was not sought.
     pub compliance: Option<BaseCompliance>,
     /// Relative standard deviation of a force in a new image, including other objects, dimensionless. `None` if it is unknown.
     pub force_error: Option<f64>,

@@ -7,7 +7,7 @@ use statrs::function::erf::erfc;
 const LEAST: f64 = 1e-5;
 const LARGEST: f64 = 1.0;
 const STEPS: usize = 400;
-/// Number of bisections of an interval.
+/// Number of bisections of each search.
 const HALVINGS: usize = 50;
 /// Half the width of a 95 % interval, in standard deviations.
 pub(super) const TWO_SIDED_95: f64 = 1.959_964;
@@ -21,7 +21,7 @@ const ROUNDS: usize = 1000;
 /// An independent combination of the relative differences between the forces of images and measured forces.
 #[derive(Debug, Clone, PartialEq)]
 struct Combination {
-    /// 1 / variance without scatter. Zero for a common factor on all forces if a modulus is sought.
+    /// Inverse of the variance without scatter, dimensionless. Zero for a common factor on all forces if a modulus is sought.
     precision: f64,
     /// Observed value of the combination times the precision.
     seen: f64,
@@ -36,7 +36,7 @@ pub(super) struct NewImage {
     pub by_shared: DVector<f64>,
     /// Variance due to the image's own noise and base, dimensionless.
     pub variance: f64,
-    /// Part of this variance due to the noise of the markers.
+    /// Part of `variance` due to the noise of the markers, dimensionless.
     pub of_markers: f64,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct AddedForceError {
     pub of_markers: f64,
 }
 
-/// Forces of images compared with measured forces.
+/// Comparison of the forces that images show with measured forces.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scatter {
     combinations: Vec<Combination>,
@@ -104,7 +104,7 @@ impl Scatter {
         -0.5 * self.combinations.iter().map(of).sum::<f64>()
     }
 
-    /// Derivative of `log_likelihood`.
+    /// Derivative of `log_likelihood` with respect to the variance.
     fn score(&self, variance: f64) -> f64 {
         let of = |it: &Combination| {
             let wider = 1.0 + variance * it.precision;

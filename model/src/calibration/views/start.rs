@@ -81,8 +81,8 @@ impl Problem<'_> {
         tried.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, own)| own)
     }
 
-    /// Force and position that the scene's finger explains best. If the scene's finger explains none, a finger that differs within the priors of the sought
-    /// quantities replaces it.
+    /// Force and position that the scene's finger explains best. If the scene's finger does not explain the view, the search also varies the sought quantities
+    /// within their priors.
     fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<ViewUnknowns, ViewError> {
         let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..self.model.lean });
         let question = ContactQuestion { position: None, direction };

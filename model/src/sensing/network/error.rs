@@ -135,7 +135,7 @@ pub enum NetworkError {
         /// Found number.
         found: usize,
     },
-    /// The shape is unlike those of the training.
+    /// The measured shape is unlike the shapes of the training.
     #[error(
         "the shape is unlike those that the network was trained on: its input {input} is {value:.2}, expected at most {largest:.2} (the sum of the \
          training forces is at most {largest_total_n} N)"

@@ -149,7 +149,7 @@ impl NetworkEstimator {
     /// derivatives of the forces with respect to the displacements.
     ///
     /// # Errors
-    /// [`NetworkError`] for other markers, for weights other than 1, and for shapes or forces outside the training.
+    /// [`NetworkError`] for markers other than the prepared ones, for weights other than 1, and for shapes or forces outside the training.
     pub fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Estimate, NetworkError> {
         if !measurement.markers().iter().map(|marker| marker.node).eq(self.markers.iter().copied()) {
             return Err(NetworkError::OtherMarkers);

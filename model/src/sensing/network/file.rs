@@ -8,7 +8,7 @@
 //! | `layers.K.weight` | F32 | outputs, inputs |
 //! | `layers.K.bias` | F32 | outputs |
 //! | `skip` | F32 | contacts, p; missing without a skip branch |
-//! | `compliance` | F64 | n, contacts; only for networks for any of their contacts |
+//! | `compliance` | F64 | n, contacts; only with the contact set `AnyOf` |
 //! | `sha256` | U8 | 32: of the card and of names, shapes and contents of the other tensors in order of their names |
 
 use super::card::{FORMAT, NetworkCard};

@@ -4,9 +4,9 @@ use super::{ContactSet, Dense, Network};
 use crate::sensing::linear::Inverse;
 use nalgebra::DMatrix;
 
-/// Gain G (contacts x n, N/mm) of the ridge forces r = G x at the contacts with `touching`, at which forces act: (C^T C + ridge^2)^-1 C^T. C has the columns of
-/// these contacts from the compliance (n x contacts, mm/N). Rows of other contacts are zero. `ridge` is the noise of a coordinate over the forces' standard
-/// deviation, mm/N.
+/// Gain G of ridge regression, contacts x n, N/mm. It maps displacements x to the forces r = G x at the contacts marked in `touching`: G = (C^T C + ridge^2)^-1
+/// C^T. C has the columns of these contacts from the compliance (n x contacts, mm/N). Rows of other contacts are zero. `ridge` is the noise of a coordinate
+/// over the forces' standard deviation, mm/N.
 pub fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> DMatrix<f64> {
     let those: Vec<usize> = (0..touching.len()).filter(|&i| touching[i]).collect();
     let inverse = Inverse::of(&compliance.select_columns(&those), ridge);
@@ -31,7 +31,8 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Prepares a network for the contacts `selected`, which are indices in its list. For [`ContactSet::AnyOf`] these are the contacts at which forces act.
+    /// Prepares a network for the contacts `selected`, which are indices in the network's list. For [`ContactSet::AnyOf`] these are the contacts at which
+    /// forces act.
     ///
     /// The mask of these contacts is constant and becomes part of the bias of the first layer. Their ridge forces
     /// G_S x / prior, G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T, become further inputs with a skip to the outputs.

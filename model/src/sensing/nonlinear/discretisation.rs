@@ -12,14 +12,14 @@ use crate::statics::{Ladder, Statics};
 const DIVISIONS: usize = 2;
 const DIVISIONS_OF_SINGLE: usize = 4;
 /// A stored error is reused up to these differences: of forces (share of the largest force), of positions (share of the plate's length), and of directions
-/// (degrees). The stored error is accurate to about a third.
+/// (degrees). An error of the mesh is only accurate to about a third.
 const SAME_FORCE: f64 = 0.12;
 const SAME_POSITION: f64 = 0.02;
 const SAME_ANGLE_DEG: f64 = 3.0;
 /// The stored errors are cleared when they reach this number.
 const MOST_KEPT: usize = 256;
 
-/// Error of a mesh, by comparison with a finer one.
+/// Computes the error of estimated forces due to the mesh, by comparison with a finer mesh.
 ///
 /// # Requirements
 /// An estimator on a mesh of the same finger, and its last estimate.

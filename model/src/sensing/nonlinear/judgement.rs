@@ -57,11 +57,11 @@ impl NonlinearEstimate {
         Ok(())
     }
 
-    /// Refuses several forces that have no redundant coordinates, if they differ from the forces of the linear finger. Many equilibria may then explain the
-    /// measurement exactly. The first of `starts` has the forces of the linear finger, if the search started from them.
+    /// Refuses an estimate of several forces without redundant coordinates, if the forces differ from those of the linear finger. Many equilibria may then
+    /// explain the measurement exactly. The first of `starts` has the forces of the linear finger, if the search started from them.
     ///
     /// # Errors
-    /// [`SensingError::Unconfirmed`] for such forces.
+    /// [`SensingError::Unconfirmed`] if the estimate is refused.
     pub(super) fn check_unconfirmed(
         &self,
         coordinates: usize,
@@ -128,8 +128,8 @@ fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Estimated lean (angle between force and normal) of a contact. `None` if its direction is not a leaning one. `covariance_n2` returns the covariance of
-    /// each force with the force across the contact's direction, N^2. `variance_n2` is the variance of the latter.
+    /// Estimated lean (angle between force and normal) of a contact. `None` unless the direction is [`Direction::Leaning`]. `covariance_n2` returns the
+    /// covariance of each force with the force across the contact's direction, N^2. `variance_n2` is the variance of the latter.
     fn found_lean(
         &self,
         state: &State,

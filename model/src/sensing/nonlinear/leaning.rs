@@ -1,17 +1,17 @@
 //! Uncertainty of a force due to an uncertain lean (angle between force and normal), beyond the linearisation at the estimate.
 //!
 //! Markers that barely constrain the direction let it trade off against contact position and magnitude. This effect grows with the lean. The linearisation at
-//! the estimate may show only half of it.
+//! the estimate may show only half of this effect.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::measurement::Measurement;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
 
-/// The search evaluates a lean at this distance from its estimate, in standard deviations, on either side. These are the outer points of three-point
+/// Forces are evaluated for leans at this distance from the estimated lean on either side, in standard deviations. These are the outer points of three-point
 /// Gauss-Hermite quadrature, and the ends of a uniform distribution.
 pub(crate) const REACH: f64 = 1.732_050_807_568_877_2;
-/// A lean is evaluated further only if it contributes more than this share of a force's standard deviation.
+/// An uncertain lean needs evaluation only if it contributes more than this share of a force's standard deviation.
 pub(crate) const COUNTS: f64 = 0.3;
 
 /// An estimated lean.
@@ -24,7 +24,7 @@ pub(super) struct FoundLean {
     pub sd_deg: f64,
     /// Derivative of each force with respect to the lean, with all other unknowns at their optimum, N per degree.
     pub by_lean_n: Vec<f64>,
-    /// Contribution of second order, N^2, already in the variance of the force that leans.
+    /// Second-order part of the variance of the force that leans, N^2. The variance already includes this part.
     pub second_order_n2: f64,
 }
 

@@ -20,7 +20,8 @@ const LARGEST_DEPARTURE: f64 = 0.5;
 const STRAIGHT: f64 = 1e-6;
 /// The ends of the confidence region are checked at this distance from the estimate, in standard deviations.
 const REACH: f64 = 3.0;
-/// A force is not identifiable if the misfit grows by less than this towards an end, in squared standard deviations. For a linear finger it grows by 9.
+/// A force is not identifiable if the misfit grows by less than this towards an end of the confidence region, in squared standard deviations. For a linear
+/// finger it grows by 9.
 const LEAST_GROWTH: f64 = 1.0;
 
 impl NonlinearEstimator<'_> {

@@ -20,7 +20,7 @@ const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;
 
 const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 };
 
-/// Derivatives of the shape and weights of the markers, stored by key node so that they suit any set of markers.
+/// Derivatives of the shape, and weights of the markers. Both are stored by key node, so they suit any set of markers.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
     /// Point of the mesh to which each marker belongs.
@@ -166,7 +166,7 @@ impl Linearised {
         markers + self.priors.misfit(shape.nuisances, shape.forces_n)
     }
 
-    /// Misfit of the finger at rest to the markers, mm^2.
+    /// Misfit of the unloaded finger to the markers, mm^2.
     pub(super) fn misfit_at_rest(&self, measurement: &Measurement) -> f64 {
         let weighted = |m: &Marker| m.displacement * (m.weight * self.weights[m.node.0 - 1]);
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
@@ -337,7 +337,7 @@ impl NonlinearEstimator<'_> {
                             BaseMotion::Turn => Vector::new(-position.y, position.x),
                         };
                     }
-                    // In the frame of the turned finger, a force of known direction turns the opposite way.
+                    // In the frame of the rotated base, a force of known direction rotates in the opposite sense.
                     let held =
                         self.questions.iter().enumerate().filter(|(_, q)| matches!(q.direction, Direction::Angle(_)));
                     for (i, _) in held.filter(|_| way == BaseMotion::Turn) {

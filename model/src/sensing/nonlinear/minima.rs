@@ -112,7 +112,7 @@ impl NonlinearEstimator<'_> {
                 // The measurement is refused if the unknowns of a minimum that fits well are not identifiable.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
-            // Multiples of the linear forces lead to no other minimum. Other directions or another base may.
+            // Multiples of the linear forces then lead to no other minimum. Other directions or another base may.
             let are_settled = search.history.agree_on_none() || search.has_very_many && search.history.agree();
             if matches!(start, Start::Times(_)) && are_settled {
                 continue;

@@ -81,7 +81,7 @@ impl NonlinearEstimate {
     }
 }
 
-/// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the last one, as suits a stream of camera
+/// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the estimate before it, which suits a stream of camera
 /// frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each, and give every thread a clone.
 ///
 /// # Requirements
@@ -112,13 +112,13 @@ pub struct NonlinearEstimator<'m> {
     scan: Option<Option<Scan>>,
 }
 
-/// Unknowns with their equilibrium and the problem linearised there.
+/// Values of the unknowns, the equilibrium for these values, and the problem linearised there.
 #[derive(Debug, Clone)]
 struct State {
     forces_n: Vec<f64>,
     contacts: Vec<Contact>,
     nuisances: Nuisances,
-    /// Turn of the plate under the pad at each contact, rad.
+    /// Rotation of the plate under the pad at each contact, rad.
     plate_turns_rad: Vec<f64>,
     /// Loads of the first contact, then of the second and so on. Each contact has `Pad::load_count` loads.
     loads: Vec<FrameLoad>,

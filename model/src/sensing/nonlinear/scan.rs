@@ -17,14 +17,14 @@ use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
 /// A step is repeated with half its length if its change exceeds the largest change by more than this factor.
 const TOO_LONG: f64 = 1.5;
-/// A curve ends at these displacements, as a share of the front plate, and rotations, rad, which exceed those of a grasping finger.
+/// A curve ends beyond these displacements (share of the front plate) and rotations (rad), which exceed those of a grasping finger.
 const ENDS: [f64; 2] = [0.5, 1.5];
 /// A step without equilibrium is repeated with this share of its length. [`Statics::tried`](crate::statics::Statics) has already tried larger shares.
 const SHORTER: f64 = 0.125;
-/// A curve ends after this number of such failed steps in a row.
+/// A curve ends after this number of steps without equilibrium in a row.
 const MOST_FAILED: usize = 2;
-/// A curve ends at the unloaded finger after this number of failed steps. The first step may be far too long: a plate pushed along its axis moves little until
-/// it buckles.
+/// A curve that starts at the unloaded finger ends after this number of first steps without equilibrium. The first step may be far too long: a plate pushed
+/// along its axis moves little until it buckles.
 const MOST_FAILED_AT_REST: usize = 5;
 /// A curve ends after this number of points on either side of its start.
 const MOST_POINTS: usize = 200;
@@ -69,8 +69,8 @@ fn change(from: &FrameMotion, to: &FrameMotion, length_mm: f64, step: [f64; 2]) 
 }
 
 impl NonlinearEstimator<'_> {
-    /// Scans the equilibria of all forces at the contacts. `None` for more than two forces, for two forces of unknown position or direction, and for contacts
-    /// with an object.
+    /// Scans the equilibria under all forces at the contacts. `None` for more than two forces, for two forces of unknown position or direction, and for
+    /// contacts with an object.
     pub(super) fn scanned(&mut self) -> Option<Scan> {
         if self.object.is_some() {
             return None;

@@ -147,7 +147,7 @@ impl Search<'_, '_> {
         is_there.then_some(End::Minimum(0))
     }
 
-    /// Corrects forces and shape together, if the minimum is near enough.
+    /// Corrects forces and shape together. `None` if the minimum is not near enough.
     fn corrected(&mut self) -> Option<End> {
         let mut corrected = self.state.clone();
         let steps = self.estimator.correct(&mut corrected, self.measurement, self.noise_mm)?;

@@ -15,7 +15,7 @@ const MET: f64 = 0.01;
 
 /// A minimum is far from explaining a measurement if its residual exceeds the largest explained residual by more than this factor.
 const FAR: f64 = 1.25;
-/// The search for such a minimum ends if the next step is predicted to decrease the misfit by at most this share.
+/// A search far from explaining the measurement ends if the next step is predicted to decrease the misfit by at most this share.
 const NEARLY: f64 = 0.01;
 /// Two searches agree up to this relative difference of their misfits, and of their forces as a share of the largest force.
 const AGREE: f64 = 0.05;
@@ -42,7 +42,7 @@ pub(super) struct SearchHistory {
 }
 
 impl SearchHistory {
-    /// An empty history for the unknowns of some questions.
+    /// An empty history for a search of the unknowns at the contacts in `questions`.
     pub(super) fn of(unknowns: &[Unknown], questions: &[ContactQuestion]) -> SearchHistory {
         let forces_alone = unknowns.iter().all(|unknown| matches!(unknown, Unknown::Force(_)));
         let follows = |question: &ContactQuestion| matches!(question.direction, Direction::Leaning(_));
@@ -101,7 +101,7 @@ impl SearchHistory {
         }
     }
 
-    /// Index of an ended path that passes some forces and ends at a minimum.
+    /// Index of an ended path that passes the forces `forces_n`, N, and ends at a minimum.
     fn passing(&self, forces_n: &[f64]) -> Option<usize> {
         let passes = |way: &SearchPath| way.points.windows(2).any(|ends| is_between(forces_n, [&ends[0], &ends[1]]));
         self.ended.iter().position(|way| way.end.is_some() && passes(way))
@@ -122,7 +122,7 @@ fn agree(one: &(f64, Vec<f64>), other: &(f64, Vec<f64>)) -> bool {
     (one.0 - other.0).abs() <= AGREE * other.0 && forces.all(|(a, b)| (a - b).abs() <= AGREE * largest)
 }
 
-/// Whether forces lie on the straight line between two others.
+/// Whether the forces `forces_n`, N, lie on the straight line from `from` to `to`, within [`MET`].
 fn is_between(forces_n: &[f64], [from, to]: [&[f64]; 2]) -> bool {
     let along = |n: &[f64]| n.iter().zip(from).zip(to).map(|((x, a), b)| (x - a) * (b - a)).sum::<f64>();
     let whole = along(to);

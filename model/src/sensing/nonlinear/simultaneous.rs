@@ -14,7 +14,7 @@ const LARGEST_TURN: f64 = 0.3;
 /// The minimum is not near if the nodes turn in all later corrections together by more than this share of the first turn. A load step of the statics has the
 /// same limit. The tangent predicts a smooth path, but not a snap to another branch.
 const LATER_TURNS: f64 = 0.5;
-/// Turn that is negligible in this comparison, rad.
+/// Later corrections may always turn nodes by this negligible angle, rad.
 const TURN_NOISE: f64 = 1e-4;
 /// The unknowns have converged if the last step changes each by at most this share of its scale. The derivatives lag, so the step is wrong by about a
 /// hundredth.

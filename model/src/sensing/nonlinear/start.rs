@@ -155,7 +155,7 @@ impl NonlinearEstimator<'_> {
         self.resumed(found.ok_or(SensingError::NoContact)?.state, measurement, noise_mm)
     }
 
-    /// A state of an estimator with other unknowns, linearised for the unknowns of this one.
+    /// A state of an estimator with other unknowns, linearised for the unknowns of this estimator.
     ///
     /// # Errors
     /// [`SensingError`] if loads that follow an object have no equilibrium.

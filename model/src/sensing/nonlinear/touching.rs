@@ -54,7 +54,7 @@ impl Touching {
         2 * self.contacts.len()
     }
 
-    /// Violations of the contact conditions by a shape, in their standard deviations, times the noise, mm.
+    /// Violations of the contact conditions by a shape. Each is divided by its standard deviation and multiplied by the noise, mm.
     fn misses_mm<'t>(
         &'t self,
         mesh: &'t Mesh,
@@ -103,7 +103,7 @@ impl<'m> NonlinearEstimator<'m> {
         self
     }
 
-    /// An estimator with the same mesh, pad and object for other questions.
+    /// An estimator for the contacts in `questions`, with the same mesh, pad and object.
     pub(super) fn asking(&self, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
         let object = self.object.as_ref().map(|touching| &touching.object);
         Ok(NonlinearEstimator::new(self.mesh, questions)?.with_pad(self.pad).with_object(object))
@@ -159,7 +159,8 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// State after a step of one unknown (index and change), with the shape by the tangent and loads that follow it. If `step` is `None`, no unknown changes.
+    /// State after a step of one unknown (index and change). The shape follows from the tangent, and the loads follow the shape. If `step` is `None`, no
+    /// unknown changes.
     fn followed(&mut self, state: &State, step: Option<(usize, f64)>) -> Result<State, SensingError> {
         let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
         let mut state = state.clone();
@@ -194,7 +195,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// An estimator for the same questions without the object. Normals are those of the plate.
+    /// An estimator for the same contacts without the object. Directions refer to the normal of the plate.
     fn without_object(&self) -> Result<NonlinearEstimator<'m>, SensingError> {
         let plain = |question: &ContactQuestion| match question.direction {
             Direction::Leaning(lean) if lean.from == Normal::Object => {

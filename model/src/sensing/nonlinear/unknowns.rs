@@ -24,7 +24,7 @@ pub(super) enum Unknown {
     Across(usize),
     /// Motion of the base from its measured pose.
     Base(BaseMotion),
-    /// Motion of the object from its stated pose. It turns about its own origin.
+    /// Motion of the object from its stated pose. The object turns about its own origin.
     Object(BaseMotion),
     /// Error that all markers share, in its standard deviations.
     Shared(usize),
@@ -42,7 +42,7 @@ pub(super) enum BaseMotion {
 }
 
 impl Unknown {
-    /// All unknowns of some questions, of an uncertain base, of an object, and of `shared_errors` errors that all markers share.
+    /// All unknowns: of the contacts in `questions`, of an uncertain base, of an object, and of `shared_errors` errors that all markers share.
     pub(super) fn of(
         questions: &[ContactQuestion],
         is_base_sought: bool,
@@ -80,7 +80,8 @@ impl Unknown {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Sets the scale of each unknown: 1 N, or for a position a length that moves the finger about as far.
+    /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm or one standard deviation for other errors. The scale of a position
+    /// moves the finger about as far as 1 N does.
     pub(super) fn rescale(&self, state: &mut State) {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
@@ -97,7 +98,8 @@ impl NonlinearEstimator<'_> {
         }
     }
 
-    /// Largest relative change of an unknown by the state's step: of forces to the largest force, of positions to the plate.
+    /// Largest relative change of an unknown by the state's step. Forces count relative to the largest force, positions relative to the plate's length,
+    /// rotations in rad.
     pub(super) fn relative_change(&self, state: &State) -> f64 {
         let largest = state.forces_n.iter().fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
         let length = self.finger().plate_length_mm(Plate::Front);
