@@ -64,10 +64,10 @@ pub enum CalibrationError {
     },
     /// There are too few measured coordinates for the unknowns.
     #[error(
-        "not identifiable: {coordinates} measured coordinates are too few for {unknowns} unknown factors; measure more nodes"
+        "not identifiable: {coordinates} measured coordinates are too few for {unknowns} unknowns; measure more nodes"
     )]
     TooFewMarkers {
-        /// Number of unknown factors.
+        /// Number of unknowns.
         unknowns: usize,
         /// Number of measured coordinates.
         coordinates: usize,

@@ -134,7 +134,7 @@ impl std::fmt::Display for SensorWarning {
             );
         };
         let advice = match warning {
-            Warning::UnknownLinearisation => "sigma_n does not include it",
+            Warning::UnknownLinearisation => "sigma_n does not include this error",
             _ if *is_linear => "sigma_n includes the error of linearisation, which --estimator nonlinear avoids",
             Warning::Residual(_) => {
                 "sigma_n follows from the residual and does not include errors of a wrong model; check the contacts, their directions, the finger's \

@@ -165,9 +165,13 @@ impl AssemblyErrors {
 /// Forces at contacts, with the pad between object and plate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pushed<'f> {
+    /// Known and unknown parts of each contact.
     pub questions: &'f [ContactQuestion],
+    /// Position and direction of each contact.
     pub contacts: &'f [Contact],
+    /// Force of each contact along its direction, N.
     pub forces_n: &'f [f64],
+    /// Pad between objects and the plate.
     pub pad: Pad,
 }
 

@@ -43,10 +43,10 @@ pub enum SensingError {
     },
     /// There are more unknowns than measured coordinates.
     #[error(
-        "not identifiable: {unknowns} unknown forces, but only {coordinates} measured coordinates; measure more nodes, or state fewer contacts"
+        "not identifiable: too few measured coordinates ({coordinates}) for the unknowns ({unknowns}); measure more nodes, or state fewer contacts"
     )]
     TooFewMarkers {
-        /// Number of unknown forces.
+        /// Number of unknowns: forces, and unknown positions and directions.
         unknowns: usize,
         /// Number of measured coordinates.
         coordinates: usize,

@@ -17,7 +17,9 @@ const LEAST_RATE_SHARE: f64 = 1e-4;
 pub(super) struct Table {
     /// Numbers of inputs and of targets per case.
     pub(super) widths: [usize; 2],
+    /// Inputs, dimensionless.
     pub(super) inputs: Vec<f32>,
+    /// Forces in units of `Cases::units_n`.
     pub(super) targets: Vec<f32>,
     /// Mask of the targets: 1 for a target that counts in the loss, 0 for a target that is ignored. Empty if all targets count.
     pub(super) counts: Vec<f32>,

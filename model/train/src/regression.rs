@@ -77,6 +77,7 @@ fn principal_directions(covariance: DMatrix<f64>, noise_mm: f64) -> (DMatrix<f64
 /// Least squares from noisy inputs to forces: forces = mean + gain^T inputs.
 #[derive(Debug, Clone)]
 pub(super) struct Regression {
+    /// Mean force of each contact, N.
     pub(super) mean_n: Vec<f64>,
     /// Gain, p x contacts, N per unit input.
     pub(super) gain: DMatrix<f64>,

@@ -32,6 +32,7 @@ const NORMAL_STEPS: usize = 60;
 pub(super) struct Point {
     /// Changes of the quantities that all views share: logarithms of factors, or values in mm, degrees, N mm or standard deviations.
     pub shared: Vec<f64>,
+    /// Unknowns of each view.
     pub own: Vec<ViewUnknowns>,
 }
 
@@ -73,6 +74,7 @@ pub(super) struct Problem<'p> {
     /// Whether displacements refer to an image of the unloaded finger, not to the scene's finger.
     pub is_from_rest: bool,
     pub model: &'p ViewModel,
+    /// Errors of the markers relative to their stated noise.
     pub errors: MarkerErrors,
     /// Relative standard deviation of measured forces, dimensionless. `None` if they are exact.
     pub scatter: Option<f64>,
@@ -82,6 +84,7 @@ pub(super) struct Problem<'p> {
 pub(super) struct Pressed {
     /// The force in the finger frame, N.
     pub force: Vector,
+    /// Displacements and rotations of the mesh.
     pub motion: FrameMotion,
     /// Rotation of the plate's normal at the contact, rad.
     pub normal_turn_rad: f64,

@@ -27,7 +27,9 @@ pub(super) struct OnTheWay {
 
 /// A share of a step, and the state after this share.
 pub(super) struct PartOfStep {
+    /// Share of the step, 0 to 1.
     pub share: f64,
+    /// State after this share.
     pub state: State,
 }
 

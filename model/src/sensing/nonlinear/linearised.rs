@@ -62,8 +62,11 @@ struct MarkerPoint {
 /// A shape of the finger: its deformation, its forces, and the pose of its base.
 #[derive(Clone, Copy)]
 pub(super) struct Posed<'s> {
+    /// Displacements and rotations of the mesh.
     pub motion: &'s FrameMotion,
+    /// Force of each contact, N.
     pub forces_n: &'s [f64],
+    /// Base pose, leans, object pose and shared errors.
     pub nuisances: &'s Nuisances,
 }
 
