@@ -144,8 +144,8 @@ impl PreparedEstimator for Linear<'_> {
     }
 }
 
-/// Standard deviation of the sum of linearly estimated forces, sqrt(1^T P 1), with their covariance
-/// P = s^2 (C^T W^2 C + (s / p)^2)^-1. s is the noise, p the prior's standard deviation (infinite for least squares).
+/// Standard deviation of the sum of linearly estimated forces: sqrt(1^T P 1) for their covariance P = s^2 (C^T W^2 C + (s / p)^2)^-1. The noise is s, and p is
+/// the prior's standard deviation (infinite for least squares).
 struct SumSigma {
     /// C^T W^2 C, mm^2/N^2, for an estimator with a prior. `None` without a prior, or if the matrix is singular to rounding.
     information: Option<DMatrix<f64>>,

@@ -28,8 +28,8 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 const SETTLED_SIGMAS: f64 = 0.05;
 const ROUNDS: usize = 8;
 
-/// Repeats the estimate if the unloaded finger may differ from the scene's. Each round linearises the assembly errors at the forces and errors of the round
-/// before.
+/// Repeats the estimate if the unloaded finger may differ from the scene's finger. Each round linearises the assembly errors at the forces and errors of the
+/// round before.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let Some(unloaded) = question.unloaded else {
         let sensed = sensed(finger, question)?;

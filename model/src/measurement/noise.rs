@@ -132,8 +132,8 @@ impl Whitening {
     }
 }
 
-/// Derivatives of every coordinate with respect to the pose of the base, in three columns: translation along x and along y (dimensionless), and rotation about
-/// the origin (mm/rad).
+/// Derivatives of every coordinate with respect to the pose of the base. The three columns are translation along x and along y (dimensionless), and rotation
+/// about the origin (mm/rad).
 pub fn base_motions(positions_mm: &[Vector]) -> DMatrix<f64> {
     DMatrix::from_fn(2 * positions_mm.len(), 3, |row, column| match column {
         2 => across(&positions_mm[row / 2])[row % 2],

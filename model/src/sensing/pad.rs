@@ -9,7 +9,7 @@ use crate::mesh::{Load, LoadError, Mesh};
 /// plate turns the plate about the contact. The default is no pad.
 ///
 /// # Reference
-/// Forces at two Gauss points replace the pressure of the pad. They have the resultant, moment and second moment of a uniform pressure with shear.
+/// Forces at two Gauss points replace the pressure of the pad. These forces have the resultant, moment and second moment of a uniform pressure with shear.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pad {
     /// Length of plate that carries a force, mm.

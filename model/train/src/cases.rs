@@ -98,7 +98,7 @@ impl Cases {
         forces_n.zip(&self.units_n).map(|(force_n, unit_n)| (force_n / unit_n) as f32)
     }
 
-    /// Inputs and targets of every case. With camera noise if `rng` is given, otherwise without.
+    /// Inputs and targets of every case. The inputs contain camera noise if `rng` is given.
     pub(super) fn table(&self, samples: &Samples, mut rng: Option<ChaCha8Rng>) -> Table {
         let widths = [self.input_count(), self.units_n.len()];
         let mut table = Table::with_room(samples.count(), widths, self.ridge.is_some());

@@ -30,7 +30,7 @@ pub struct TrainingRecipe {
     pub epochs: usize,
     /// Number of training cases per step of Adam.
     pub batch: usize,
-    /// Initial learning rate of Adam, dimensionless. It falls along half a cosine.
+    /// Initial learning rate of Adam, dimensionless. The rate falls along half a cosine.
     pub learning_rate: f64,
     /// Number of consecutive epochs without a lower validation loss after which training stops.
     pub patience: usize,

@@ -26,8 +26,8 @@ const OUTSIDE: f64 = 0.05;
 /// Standard deviation of the coefficient of friction between objects, dimensionless, if none is stated.
 const USUAL_BETWEEN_OBJECTS: f64 = 0.05;
 
-/// Name of the object that pressed the finger (empty if unknown), measured force, N, and lean of the force (angle from the normal, positive towards the tip),
-/// degrees.
+/// Name of the object that pressed the finger (empty if unknown), measured force, N, and lean of the force, degrees. The lean is the angle from the normal,
+/// positive towards the tip.
 pub type MeasuredLean<'o> = (&'o str, f64, f64);
 
 /// Friction estimated from measured forces.

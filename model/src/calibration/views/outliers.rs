@@ -15,7 +15,7 @@ const EXPECTED_TIMES: f64 = 1.1;
 const MOST_SIGMAS: f64 = 6.0;
 /// Ratio of the standard deviation of normal errors to their median absolute deviation.
 const SD_OF_MEDIAN: f64 = 1.4826;
-/// A marker is an outlier if, for normal errors, the largest residual of all markers reaches its residual with less than this probability.
+/// A marker is an outlier if normal errors would cause a largest residual of its size with less than this probability.
 const CHANCE: f64 = 1e-4;
 /// A fit is too inaccurate for use from this relative standard deviation on: a 95 % interval of a force then includes zero.
 const OF_NO_USE: f64 = 0.5;

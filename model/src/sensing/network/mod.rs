@@ -71,9 +71,9 @@ pub struct Network {
     pub card: NetworkCard,
     /// Conversion of displacements to inputs.
     pub inputs: Inputs,
-    /// Layers of the MLP, at least one, all but the last with tanh. The first layer takes the p inputs. For [`ContactSet::AnyOf`], two numbers per contact
-    /// follow: a mask (1 if a force acts there, else 0) for all contacts, then the ridge force over the prior for all contacts. The last layer returns forces,
-    /// N.
+    /// Layers of the MLP, at least one, all but the last with tanh. The first layer takes the p inputs. For [`ContactSet::AnyOf`], two further inputs per
+    /// contact follow. First come masks of all contacts (1 if a force acts there, else 0), then ridge forces of all contacts over the prior. The last layer
+    /// returns forces, N.
     pub layers: Vec<Dense>,
     /// Skip branch by rows, contacts x p, N. Empty without a skip branch, as for [`ContactSet::AnyOf`].
     pub skip: Vec<f32>,

@@ -28,7 +28,7 @@ const CONFIRMING_COORDINATES: usize = 4;
 
 impl NonlinearEstimate {
     /// Refuses an estimate with a significant force if zero forces explain the data equally well. Near buckling a small force causes large displacements, so
-    /// noise looks like a force. Both misfits are in mm^2.
+    /// noise may look like a force. Both misfits are in mm^2.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`] for the first force that differs from zero.

@@ -1,8 +1,8 @@
 //! Finds the minima of the misfit (sum of squared weighted residuals) from several starting points, and the smallest of them.
 //!
 //! Most measurements have one minimum, to which the first starting point leads. Few markers, few ribs and buckling plates cause several minima. The search then
-//! also starts from multiples of the linear forces. For forces at known contacts it starts from every minimum among all equilibria of the finger under such
-//! forces ([`scan`](super::scan)). The scan may miss minima between the curves of a surface.
+//! also starts from multiples of the forces that fit the linear finger. For forces at known contacts it starts from every minimum among all equilibria of the
+//! finger under such forces ([`scan`](super::scan)). The scan may miss minima between the curves of a surface.
 
 use super::scan::{ScannedPoint, least};
 use super::search_history::SearchHistory;
@@ -13,7 +13,7 @@ use crate::measurement::Measurement;
 use crate::sensing::SensingError;
 
 /// A minimum may be wrong if its residual exceeds this share of the displacements and this many standard deviations of the noise. The search then also starts
-/// from multiples of the linear forces, and the best minimum counts.
+/// from multiples of the forces that fit the linear finger, and the best minimum counts.
 const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
 
@@ -93,7 +93,8 @@ impl NonlinearEstimator<'_> {
         Ok(Minima { best, all, starts, scanned })
     }
 
-    /// Searches from multiples of the linear forces until a good minimum is found. Returns the forces, N, and shapes of the starting points.
+    /// Searches from multiples of the forces that fit the linear finger until a good minimum is found. Returns the forces, N, and shapes of the starting
+    /// points.
     fn search_from_starts(
         &mut self,
         search: &mut Search,
@@ -112,7 +113,7 @@ impl NonlinearEstimator<'_> {
                 // The measurement is refused if the unknowns of a minimum that fits well are not identifiable.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
-            // Multiples of the linear forces then lead to no other minimum. Other directions or another base may.
+            // Multiples of the forces of the linear finger then lead to no other minimum. Other directions or another base may.
             let are_settled = search.history.agree_on_none() || search.has_very_many && search.history.agree();
             if matches!(start, Start::Times(_)) && are_settled {
                 continue;

@@ -3,8 +3,8 @@
 //! With known contacts and directions, forces alone describe the state of a search. With unknown contacts or directions, two searches may pass the same forces
 //! and end elsewhere, so their paths are not recorded.
 //!
-//! A minimum far from explaining the measurement does not need full accuracy. If two searches agree on such a minimum, the search does not start from the other
-//! multiples of the linear forces.
+//! A minimum far from explaining the measurement does not need full accuracy. If two searches agree on such a minimum, the search does not start from further
+//! multiples of the forces of the linear finger.
 
 use super::State;
 use super::unknowns::Unknown;

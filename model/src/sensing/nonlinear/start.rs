@@ -28,8 +28,8 @@ pub(super) enum Start {
 }
 
 const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(0.3), Start::Times(-0.3)];
-/// Further starting points for unknown directions, degrees, if no multiple of the linear forces explains the measurement. They lead to forces nearly along a
-/// buckled plate.
+/// Further starting points for unknown directions, degrees, if no multiple of the linear finger's forces explains the measurement. They lead to forces nearly
+/// along a buckled plate.
 const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
 
 impl NonlinearEstimator<'_> {
@@ -116,7 +116,7 @@ impl NonlinearEstimator<'_> {
             })
             .collect();
         let mut forces_n: Vec<f64> = estimate.forces_n.iter().map(|f| f * factor).collect();
-        // The finger may have no equilibrium under the linear forces. They are halved until it has one.
+        // The co-rotational finger may have no equilibrium under the forces of the linear finger. They are halved until it has one.
         let rest = self.statics.equations().at_rest();
         for _ in 0..30 {
             let loads = contacts.iter().zip(&forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));

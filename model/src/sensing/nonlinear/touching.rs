@@ -20,7 +20,7 @@ const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
 const STEP: f64 = 1e-5;
 /// Number of times that loads are updated for the bent shape, which determines their directions and levers.
 const FOLLOWED: usize = 3;
-/// Settling of a state ends after this number of updates. Each update removes most of the remaining change.
+/// Settling (iteration to loads that fit the shape) ends after this number of updates. Each update removes most of the remaining change.
 const SETTLINGS: usize = 12;
 /// A gap of more than this many standard deviations is no contact.
 const LARGEST_GAP_SIGMAS: f64 = 6.0;
@@ -132,8 +132,8 @@ impl<'m> NonlinearEstimator<'m> {
         state.misfit(measurement) + touched
     }
 
-    /// Computes the derivatives of [`differentiate`](NonlinearEstimator::differentiate) by first-order differences of states. Directions follow the object, and
-    /// the differences include the effect of this on the shape.
+    /// Computes the same derivatives as [`differentiate`](NonlinearEstimator::differentiate), but by first-order differences of states. Directions follow the
+    /// object, and the differences include the effect of this on the shape.
     ///
     /// # Errors
     /// [`SensingError::Statics`] if the tangent is not that of an equilibrium.
