@@ -3,6 +3,7 @@
 
 mod chance;
 mod comparison;
+mod figures;
 mod fingers;
 mod loads;
 mod measurements;
@@ -14,6 +15,7 @@ pub use chance::{
     share_error,
 };
 pub use comparison::{KINEMATICS, largest, motions_apart, shapes_apart};
+pub use figures::{Figure, record_figures, recorded_figures, state_of_code};
 pub use fingers::{ELEMENTS, finger_of, paper, paper_scene_with};
 pub use loads::{at_node, at_nodes, at_position, contact_node, force_for_deflection, under_pad};
 pub use measurements::{noisy, seen};

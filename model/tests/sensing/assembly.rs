@@ -7,7 +7,7 @@ use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
 use finray_model::sensing::{AssemblyErrors, ContactQuestion, Direction, Lean, Normal};
 use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
 use finray_model::{Finger, Kinematics, Mesh, Scene, Vector, statics};
-use finray_tests::{TWO_SIDED_95, case_count, random_stream, share_error};
+use finray_tests::{Figure, TWO_SIDED_95, case_count, random_stream, record_figures, share_error};
 use nalgebra::{Isometry2, Point2};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -20,6 +20,10 @@ const ASSEMBLY: AssemblyErrors =
 const BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: 0.017, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 const FRICTION: [f64; 2] = [0.0, 0.6];
+/// Measures the figures of the guide, and the number of cases from which on they are recorded.
+const COMMAND: &str =
+    "FINRAY_TEST_CASES=60 cargo test --release --workspace --test model -- assembled_anew --nocapture";
+const RECORDED: usize = 60;
 
 fn normal(chance: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(chance)
@@ -137,6 +141,7 @@ fn errors(noise_mm: f64, with_rest: bool, knows_direction: bool, cases: usize) -
 fn intervals_hold_on_fingers_that_were_assembled_anew() {
     let cases = case_count(6, 1000);
     let questions = [(false, true), (false, false), (true, true), (true, false)];
+    let mut figures = Vec::new();
     for (noise_mm, (with_rest, knows_direction)) in NOISES_MM.into_iter().flat_map(|it| questions.map(|q| (it, q))) {
         let errors = errors(noise_mm, with_rest, knows_direction, cases);
         let within = errors.iter().filter(|[sigmas, _]| sigmas.abs() < TWO_SIDED_95).count();
@@ -149,7 +154,21 @@ fn intervals_hold_on_fingers_that_were_assembled_anew() {
             100.0 * mean,
             square.sqrt()
         );
+        figures.push(Figure {
+            row: if with_rest { "with an image of the unloaded finger" } else { "`[assembly]` alone, no image" }
+                .to_owned(),
+            question: format!("direction {}, noise {noise_mm} mm", if knows_direction { "known" } else { "unknown" }),
+            cases: errors.len(),
+            mean_error: mean,
+            largest_error: errors.iter().map(|[_, share]| share.abs()).fold(0.0, f64::max),
+            within: share,
+            standard_error: share_error(0.95, errors.len()),
+            ..Figure::default()
+        });
         assert!(errors.len() as f64 > 0.95 * cases as f64, "{} of {cases} answered", errors.len());
         assert!((share - 0.95).abs() < 0.02 + 2.5 * share_error(0.95, errors.len()), "{share}");
+    }
+    if cases >= RECORDED {
+        record_figures("assembled_anew", COMMAND, figures);
     }
 }

@@ -65,7 +65,7 @@ fn impossible_recipes_are_refused() {
     };
     names(&one_seen, "hidden");
     let message = refused(&|recipe| recipe.noise_mm = f64::NAN).to_string();
-    assert_eq!(message, "noise_mm: expected mm, zero or more, found NaN");
+    assert_eq!(message, "noise_mm: expected a length in mm, zero or more, found NaN");
     let elsewhere = refused(&|recipe| recipe.samples.contacts = at_nodes(&[7]));
     assert!(matches!(elsewhere, TrainError::Samples(SamplesError::Contacts(SensingError::NotAContactNode { .. }))));
 }

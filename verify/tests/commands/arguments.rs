@@ -86,7 +86,6 @@ fn unknown_words_are_refused() {
         vec!["sense", PAPER, "--contact", "19"],
         vec!["calibrate", PAPER],
         vec!["report", PAPER, PAPER],
-        vec!["map"],
     ] {
         finray(&arguments).refused();
     }

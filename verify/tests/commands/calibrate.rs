@@ -284,5 +284,5 @@ fn zones_that_are_not_identifiable_or_named_are_refused() {
     let twice = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 0.0\nto_mm = 30.0\nmodulus_factor = 1.0\n";
     let scene = folder.put("twice.toml", format!("{}\n{twice}\n{twice}", paper_with(&[])));
     let message = refused(&scene, &["--zones", "--kinematics", "linear"]);
-    assert_says(&message, &["do not separate zone_1_modulus_factor, zone_2_modulus_factor:"]);
+    assert_says(&message, &["do not separate zone_1_modulus_factor, zone_2_modulus_factor;"]);
 }

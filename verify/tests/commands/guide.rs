@@ -7,6 +7,7 @@
 use crate::kit::*;
 use crate::report::shared::PAPERS;
 use finray_model::keys::TABLES;
+use finray_tests::{Figure, recorded_figures, state_of_code};
 use finray_verify::guide::GUIDES;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -115,6 +116,48 @@ macro_rules! pages_run {
             assert_eq!(GUIDES.iter().map(|guide| guide.name).collect::<Vec<_>>(), [$($name),*]);
         }
     };
+}
+
+/// A share in percent with two digits: 0.35 %, 5.5 %, 12 %.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    let decimals = if percent < 0.995 {
+        2
+    } else if percent < 9.95 {
+        1
+    } else {
+        0
+    };
+    format!("{percent:.decimals$} %")
+}
+
+/// A figure as the guide has it: mean and largest error, and the share of intervals that hold with its standard error.
+fn cells(figure: &Figure) -> String {
+    let Figure { mean_error, largest_error, within, standard_error, .. } = figure;
+    let within = format!("{:.0} +- {:.0} %", 100.0 * within, 100.0 * standard_error);
+    format!(" {} | {} | {within} |", percent(*mean_error), percent(*largest_error))
+}
+
+/// Each recorded figure stands in its row of the guide. Figures of an earlier state of the code are named, with the command that measures
+/// them again.
+#[test]
+fn figures_of_the_guide_are_those_recorded() {
+    let guide = GUIDES.iter().find(|guide| guide.name == "accuracy").expect("a guide");
+    let state = state_of_code();
+    let mut older = BTreeSet::new();
+    for figure in recorded_figures() {
+        let rows = guide.text.lines().filter(|line| line.starts_with(&format!("| {} |", figure.row)));
+        let cells = cells(&figure);
+        assert!(
+            rows.clone().any(|row| row.contains(&cells)),
+            "{figure:?}: expected{cells} in {:?}",
+            rows.collect::<Vec<_>>()
+        );
+        if figure.state != state {
+            older.insert(format!("{} ({}): {}", figure.study, figure.date, figure.command));
+        }
+    }
+    older.iter().for_each(|study| println!("figures are older than the code: {study}"));
 }
 
 mod guides {

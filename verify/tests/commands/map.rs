@@ -20,8 +20,21 @@ const ROUNDING: f64 = 1e-9;
 /// Four segments a plate member are within 1e-4 of beams; sensing enlarges that near the base.
 const LATTICE_TOLERANCE: f64 = 2e-3;
 
-fn quick_noisy_map(out: &str) -> [&str; 10] {
-    ["map", PAPER, "--truth", "linear", "--noise-mm", "0.067", "--seeds", "10", "--out", out]
+fn quick_noisy_map(out: &str) -> [&str; 12] {
+    [
+        "map",
+        PAPER,
+        "--estimator",
+        "least-squares",
+        "--truth",
+        "linear",
+        "--noise-mm",
+        "0.067",
+        "--seeds",
+        "10",
+        "--out",
+        out,
+    ]
 }
 
 #[test]
@@ -61,7 +74,8 @@ fn the_name_of_the_figure_gives_the_table_beside_it() {
 fn the_bits_do_not_depend_on_the_number_of_threads() {
     let folder = Folder::new();
     let ribless = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
-    let rotating = ["map", &ribless, "--force-n", "0.01", "--noise-mm", "0.067", "--seeds", "5"];
+    let rotating =
+        ["map", &ribless, "--estimator", "least-squares", "--force-n", "0.01", "--noise-mm", "0.067", "--seeds", "5"];
     let linear = quick_noisy_map("-");
     for arguments in [&linear[..], &rotating[..]] {
         let with_threads = |threads| {
@@ -78,7 +92,20 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn the_seed_decides_the_noise_and_more_samples_average_it_out() {
     let map = |seed, seeds| {
-        let arguments = ["map", PAPER, "--truth", "linear", "--noise-mm", "0.067", "--seed", seed, "--seeds", seeds];
+        let arguments = [
+            "map",
+            PAPER,
+            "--estimator",
+            "least-squares",
+            "--truth",
+            "linear",
+            "--noise-mm",
+            "0.067",
+            "--seed",
+            seed,
+            "--seeds",
+            seeds,
+        ];
         Csv::of(&finray(&arguments).done())
     };
     let first = map("1", "40");
@@ -93,7 +120,20 @@ fn the_seed_decides_the_noise_and_more_samples_average_it_out() {
 /// Spread of the sensed force, for one cell as `sense` says it.
 #[test]
 fn the_spread_is_the_uncertainty_that_sense_gives() {
-    let arguments = ["map", PAPER, "--truth", "linear", "--noise-mm", "0.067", "--seeds", "400", "--force-n", "2"];
+    let arguments = [
+        "map",
+        PAPER,
+        "--estimator",
+        "least-squares",
+        "--truth",
+        "linear",
+        "--noise-mm",
+        "0.067",
+        "--seeds",
+        "400",
+        "--force-n",
+        "2",
+    ];
     let map = Csv::of(&finray(&arguments).done());
     let (s, angle, spread) = (map.numbers("s_mm"), map.numbers("angle_deg"), map.numbers("spread"));
     let cell = (0..s.len()).find(|&i| s[i] == 76.5 && angle[i] == -20.0).expect("node 19 at -20 degrees");
@@ -107,14 +147,26 @@ fn the_spread_is_the_uncertainty_that_sense_gives() {
 
 #[test]
 fn without_noise_the_linear_finger_is_sensed_exactly() {
-    let map = Csv::of(&finray(&["map", PAPER, "--truth", "linear"]).done());
+    let map = Csv::of(&finray(&["map", PAPER, "--estimator", "least-squares", "--truth", "linear"]).done());
     assert!(map.numbers("mean_error").iter().all(|error| *error < ROUNDING));
     assert!(map.numbers("spread").iter().all(|spread| *spread == 0.0));
     // The camera of a scene brings its noise.
     let folder = Folder::new();
     let scene = folder.put("scene.toml", paper_with(&[]) + "\n[camera]\nnoise_mm = 0.1\n");
-    let camera = finray(&["map", &scene, "--truth", "linear", "--seeds", "10"]).done();
-    let stated = finray(&["map", PAPER, "--truth", "linear", "--seeds", "10", "--noise-mm", "0.1"]).done();
+    let camera = finray(&["map", &scene, "--estimator", "least-squares", "--truth", "linear", "--seeds", "10"]).done();
+    let stated = finray(&[
+        "map",
+        PAPER,
+        "--estimator",
+        "least-squares",
+        "--truth",
+        "linear",
+        "--seeds",
+        "10",
+        "--noise-mm",
+        "0.1",
+    ])
+    .done();
     assert_eq!(camera, stated);
 }
 
@@ -123,7 +175,7 @@ fn without_noise_the_linear_finger_is_sensed_exactly() {
 fn a_cell_of_the_corotational_map_is_solve_and_sense() {
     let folder = Folder::new();
     let scene = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
-    let map = Csv::of(&finray(&["map", &scene, "--force-n", "0.01"]).done());
+    let map = Csv::of(&finray(&["map", &scene, "--estimator", "least-squares", "--force-n", "0.01"]).done());
     let (s, angle, bias) = (map.numbers("s_mm"), map.numbers("angle_deg"), map.numbers("bias"));
     for (position, direction) in [(114.75, 30.0), (76.5, 0.0), (153.0, -45.0)] {
         let load = format!("{position}:0.01,{direction}");
@@ -141,7 +193,7 @@ fn a_cell_of_the_corotational_map_is_solve_and_sense() {
 fn cells_without_equilibrium_are_empty() {
     let folder = Folder::new();
     let scene = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
-    let map = Csv::of(&finray(&["map", &scene, "--force-n", "0.15"]).done());
+    let map = Csv::of(&finray(&["map", &scene, "--estimator", "least-squares", "--force-n", "0.15"]).done());
     assert!(map.rows.iter().flatten().all(|cell| !cell.contains("NaN") && !cell.contains("inf")));
     let solve = |row: &Vec<String>| {
         let load = format!("{}:0.15,{}", row[0], row[1]);
@@ -175,7 +227,9 @@ fn maps_that_make_no_sense_are_refused() {
 #[test]
 fn the_lattice_gives_the_map_of_beams() {
     let hinged = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/opensees/hinged.toml");
-    let map = |truth| Csv::of(&finray(&["map", hinged, "--truth", truth, "--force-n", "0.5"]).done());
+    let map = |truth| {
+        Csv::of(&finray(&["map", hinged, "--estimator", "least-squares", "--truth", truth, "--force-n", "0.5"]).done())
+    };
     let (lattice, beams) = (map("lattice"), map("corotational"));
     assert_eq!(lattice.numbers("s_mm"), beams.numbers("s_mm"));
     let biases: Vec<(f64, f64)> = lattice.numbers("bias").into_iter().zip(beams.numbers("bias")).collect();
@@ -185,7 +239,9 @@ fn the_lattice_gives_the_map_of_beams() {
 
 #[test]
 fn mujoco_answers_for_what_was_exported_and_nothing_else() {
-    let map = |more: &[&str]| finray(&[&["map", PAPER, "--truth", "mujoco"][..], more].concat());
+    let map = |more: &[&str]| {
+        finray(&[&["map", PAPER, "--estimator", "least-squares", "--truth", "mujoco"][..], more].concat())
+    };
     let exported = Csv::of(&map(&[]).done());
     assert_eq!(exported.header, HEADER);
     assert_eq!(exported.rows.len(), 12 * 5, "contact nodes and directions");
@@ -208,7 +264,8 @@ fn the_twin_is_of_the_papers_finger_alone() {
 /// The map of the twin shows Table I along the normal: positions of nodes 14, 19 and 24.
 #[test]
 fn the_map_of_the_twin_fails_at_tip_and_base() {
-    let map = Csv::of(&finray(&["map", PAPER, "--truth", "twin", "--force-n", "1"]).done());
+    let map =
+        Csv::of(&finray(&["map", PAPER, "--estimator", "least-squares", "--truth", "twin", "--force-n", "1"]).done());
     // Far from the normal the soft tip folds: no error there.
     let errors = map.texts("mean_error").into_iter().map(|cell| cell.parse::<f64>().unwrap_or(f64::NAN));
     let cells: Vec<_> = map.numbers("s_mm").into_iter().zip(map.numbers("angle_deg")).zip(errors).collect();

@@ -16,7 +16,7 @@ fn commands() -> (Folder, Vec<Vec<String>>) {
         vec!["solve", PAPER, "--load", "19:0,-1"],
         vec!["sense", PAPER, "--displacements", &measured, "--contact", "19"],
         vec!["calibrate", PAPER, "--measurements", &weights],
-        vec!["map", PAPER, "--truth", "linear"],
+        vec!["map", PAPER, "--estimator", "least-squares", "--truth", "linear"],
     ];
     let commands = commands.map(|command| command.into_iter().map(str::to_owned).collect()).to_vec();
     (folder, commands)
@@ -116,7 +116,7 @@ fn a_map_is_written_with_its_figure_or_not_at_all() {
     let folder = Folder::new();
     let out = folder.put("map.csv", "kept");
     std::fs::create_dir(folder.path("map.svg")).expect("a folder");
-    let message = finray(&["map", PAPER, "--truth", "linear", "--out", &out]).failed();
+    let message = finray(&["map", PAPER, "--estimator", "least-squares", "--truth", "linear", "--out", &out]).failed();
     assert_says(&message, &["map.svg", "cannot be written"]);
     assert_eq!(folder.names(), ["map.csv", "map.svg"]);
     assert_eq!(folder.read("map.csv"), "kept");
@@ -243,7 +243,7 @@ mod modes {
                 assert_eq!(mode(&old), kept, "umask {umask}");
             }
         }
-        under_umask("027", &["map", PAPER, "--truth", "linear", "--out", &map]);
+        under_umask("027", &["map", PAPER, "--estimator", "least-squares", "--truth", "linear", "--out", &map]);
         assert_eq!([mode(&map), mode(&figure)], [0o640; 2]);
     }
 

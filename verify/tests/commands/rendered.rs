@@ -10,7 +10,7 @@ use crate::photographs::force;
 use finray_fixtures::BRACKETED_SCENE;
 use finray_model::Mesh;
 use finray_model::sensing::Pad;
-use finray_tests::{TWO_SIDED_95, at_position, case_count, finger_of, share_error, under_pad};
+use finray_tests::{Figure, TWO_SIDED_95, at_position, case_count, finger_of, record_figures, share_error, under_pad};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -73,11 +73,11 @@ impl Known {
 
     fn in_words(self) -> &'static str {
         match self {
-            Known::PlaceAndDirection => "place and direction",
+            Known::PlaceAndDirection => "position and direction",
             Known::Direction => "direction",
-            Known::DirectionOfExactBase => "direction, the base taken for exact",
-            Known::RangeOfFriction => "range of friction",
-            Known::NoFriction => "nothing, friction taken for none",
+            Known::DirectionOfExactBase => "direction, the base taken as exact",
+            Known::RangeOfFriction => "friction between 0 and 0.5",
+            Known::NoFriction => "nothing, friction taken as none",
         }
     }
 
@@ -268,6 +268,30 @@ fn photographed(pad: Pad) -> Vec<Photographed> {
     (0..fingers).into_par_iter().map(of_finger).collect()
 }
 
+/// Measures the figures of the guide.
+const COMMAND: &str =
+    "FINRAY_TEST_CASES=200 cargo test --release -p finray-verify --test commands -- rendered --nocapture";
+/// Images from which on the figures are recorded.
+const RECORDED: usize = 200;
+
+/// Records what was found for each of [`Known::ALL`].
+fn record(study: &str, question: &str, tallies: &[Tally; 5]) {
+    if tallies[0].asked() < RECORDED {
+        return;
+    }
+    let figure = |(known, tally): (&Known, &Tally)| Figure {
+        row: known.in_words().to_owned(),
+        question: question.to_owned(),
+        cases: tally.asked(),
+        mean_error: tally.mean(),
+        largest_error: tally.errors.iter().copied().fold(0.0, f64::max),
+        within: tally.coverage(),
+        standard_error: tally.standard_error(),
+        ..Figure::default()
+    };
+    record_figures(study, COMMAND, Known::ALL.iter().zip(tallies).map(figure).collect());
+}
+
 /// Calibrates and senses with a scene that states a pad; prints a table and returns what was found for each of [`Known::ALL`].
 fn sensed(fingers: &[Photographed], stated: Pad) -> [Tally; 5] {
     let answers: Vec<Vec<[Answer; 5]>> = fingers.par_iter().map(|finger| sensed_with(finger, stated)).collect();
@@ -325,14 +349,18 @@ fn assert_intervals_hold([place, direction, exact_base, friction, none]: &[Tally
 
 #[test]
 fn intervals_hold_on_rendered_images() {
-    assert_intervals_hold(&sensed(&photographed(TOUCHING), Pad::default()));
+    let tallies = sensed(&photographed(TOUCHING), Pad::default());
+    record("rendered", "no pad", &tallies);
+    assert_intervals_hold(&tallies);
 }
 
 /// A pad that no scene states is in no interval: forces whose place is given are off by about a percent, and the README says so.
 #[test]
 fn intervals_hold_with_a_pad_that_the_scene_has_and_miss_without() {
     let fingers = photographed(PAD);
-    assert_intervals_hold(&sensed(&fingers, PAD));
+    let tallies = sensed(&fingers, PAD);
+    record("rendered, with the pad", "pad", &tallies);
+    assert_intervals_hold(&tallies);
     let [place, direction, _, _, _] = &sensed(&fingers, Pad::default());
     assert!(place.misses(), "{}", place.coverage());
     assert!(place.mean() < 0.03 && direction.mean() < place.mean(), "{} {}", place.mean(), direction.mean());

@@ -43,7 +43,9 @@ impl Problem<'_> {
                 });
             }
         }
-        likeliest(left)
+        // Errors that a marker has in every image count as geometry, and no residual shows them. Without the scale of measured forces, forces rest on the
+        // geometry alone: its weight is then that of the stated noise.
+        likeliest(left, self.scatter.is_some())
     }
 
     /// Errors of the markers in a new view. The uncertainty of the geometry adds `share` (dimensionless) of the mean variance to the variance of each marker.
@@ -55,12 +57,12 @@ impl Problem<'_> {
     }
 }
 
-/// Errors that maximise the likelihood of the residuals.
+/// Errors that maximise the likelihood of the residuals, with the stated noise or, if `may_reduce_noise`, a smaller one.
 ///
 /// # Reference
 /// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows. Squared residuals and the
 /// shares `free` stay fixed. Squared residuals are enlarged by the ratio of a variance's mean to its mode, which accounts for few degrees of freedom.
-fn likeliest(mut left: Vec<CoordinateResidual>) -> MarkerErrors {
+fn likeliest(mut left: Vec<CoordinateResidual>, may_reduce_noise: bool) -> MarkerErrors {
     let free: f64 = left.iter().map(|it| it.free).sum();
     if free <= 2.0 {
         return MarkerErrors::default();
@@ -80,13 +82,16 @@ fn likeliest(mut left: Vec<CoordinateResidual>) -> MarkerErrors {
         let best = of(least(0.0, most_mm, |model_mm| unlikely(&of(model_mm))));
         if unlikely(&of(0.0)) <= unlikely(&best) + ALIKE { of(0.0) } else { best }
     };
+    let as_stated = with(0.0);
+    if !may_reduce_noise {
+        return as_stated;
+    }
     let lowest = LEAST_NOISE_FACTOR.ln();
     let tried = (0..=STEPS).map(|i| lowest * i as f64 / STEPS as f64);
     let unlikely_with = |logarithm: &f64| unlikely(&with(*logarithm));
     let best = tried.min_by(|a, b| unlikely_with(a).total_cmp(&unlikely_with(b))).unwrap_or_default();
     let step = -lowest / STEPS as f64;
     let found = with(least((best - step).max(lowest), (best + step).min(0.0), |logarithm| unlikely_with(&logarithm)));
-    let as_stated = with(0.0);
     if unlikely(&as_stated) <= unlikely(&found) + ALIKE { as_stated } else { found }
 }
 

@@ -35,8 +35,22 @@ static SWEPT: LazyLock<String> = LazyLock::new(|| finray(&SWEEP).done());
 const BLOCKS: usize = 2 * 12 * 5;
 const ROWS_IN_BLOCK: usize = 2 * 2 * 2;
 /// A map of a moment.
-const MAP: [&str; 12] =
-    ["map", PAPER, "--truth", "linear", "--noise-mm", "0.067", "--force-n", "1,2", "--seeds", "5", "--step-deg", "40"];
+const MAP: [&str; 14] = [
+    "map",
+    PAPER,
+    "--estimator",
+    "least-squares",
+    "--truth",
+    "linear",
+    "--noise-mm",
+    "0.067",
+    "--force-n",
+    "1,2",
+    "--seeds",
+    "5",
+    "--step-deg",
+    "40",
+];
 
 fn with<'a>(command: &[&'a str], further: &[&'a str]) -> Vec<&'a str> {
     [command, further].concat()

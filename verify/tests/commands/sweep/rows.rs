@@ -103,7 +103,9 @@ fn every_estimator_can_be_mapped() {
 fn a_force_without_equilibrium_is_named() {
     let folder = Folder::new();
     let scene = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
-    let table = Csv::of(&finray(&["sweep", &scene, "--force-n", "0.15", "--step-deg", "40"]).done());
+    let table = Csv::of(
+        &finray(&["sweep", &scene, "--estimator", "least-squares", "--force-n", "0.15", "--step-deg", "40"]).done(),
+    );
     let empty = table.rows.iter().filter(|row| row[8].is_empty());
     let mut count = 0;
     for row in empty {
