@@ -138,7 +138,7 @@ fn named_image(path: &Path, located: &[&str]) -> Result<NamedImage, FileError> {
     let image = load_image(path)?;
     let none = |_| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        FileError::content(path, format!("image {name:?} is not among those that were located"))
+        FileError::content(path, format!("image {name:?} is not among the located images"))
     };
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let name = image_named(&whole.to_string_lossy(), located).map_err(none)?;

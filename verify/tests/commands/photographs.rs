@@ -203,7 +203,7 @@ fn compared_in_a_report(
     let out = folder.path("report");
     let report = ["report", calibrated, "--quick", "--out", &out, "--measurements", located, "--forces", forces];
     let other = finray(&[&report[..], &["--image", &images[3]]].concat()).refused();
-    assert_says(&other, &["\"press3.png\" is not among those that were located"]);
+    assert_says(&other, &["\"press3.png\" is not among the located images"]);
     let answer = finray(&[&report[..], &["--image", &images[0], &images[2]]].concat());
     assert!(!answer.err.contains("another scene"), "{}", answer.err);
     let caveat = ["contact force in 3 images (objects disc, bar)", "which is simulation"];
