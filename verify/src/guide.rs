@@ -5,13 +5,13 @@
 pub struct Guide {
     /// Topic name, the argument of `finray guide`.
     pub name: &'static str,
-    /// Task of the page, one line.
+    /// Task that the page explains, in one line.
     pub task: &'static str,
     /// Text of the page, Markdown.
     pub text: &'static str,
 }
 
-/// Declares one documented module per page, and the list of all pages.
+/// Declares one documented module per page, and the list [`GUIDES`] of all pages.
 macro_rules! guides {
     ($($module:ident, $name:literal: $task:literal;)*) => {
         $(

@@ -72,7 +72,7 @@ pub fn load_shape(path: &Path, finger: &Finger) -> Result<FingerShape, FileError
     }
     if let Some(missing) = motions.iter().position(Option::is_none) {
         let message = format!(
-            "expected a row for each node of the finger, as solve and press write them; node {} is missing",
+            "expected one row for each node of the finger, as in a file of solve or press; node {} is missing",
             missing + 1
         );
         return Err(FileError::content(path, message));

@@ -37,7 +37,9 @@ pub fn load_turned_image(path: &Path) -> Result<(RgbImage, Orientation), FileErr
     limits.max_alloc = Some(MOST_MEMORY);
     reader.limits(limits);
     let mut image = reader.decode().map_err(|error| match error {
-        ImageError::Limits(_) => wrong(format!("expected an image of at most {LARGEST_SIDE_PX} px in width and height")),
+        ImageError::Limits(_) => {
+            wrong(format!("expected an image of at most {LARGEST_SIDE_PX} px in width and height"))
+        }
         _ => wrong("expected a whole image; this one is damaged or cut off".to_owned()),
     })?;
     let orientation = orientation(&bytes, format);
