@@ -32,13 +32,13 @@ pub struct Arguments {
     /// Estimator of the forces
     #[arg(long, help_heading = "Estimator", value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
-    /// Network file of `finray train` [default: the network shipped for these contacts]
+    /// Network file of `finray train` [default: the shipped network]
     #[arg(long, help_heading = "Estimator", value_name = "FILE")]
     network: Option<PathBuf>,
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else the file's, else from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Friction coefficient of contacts with +-SD; it limits the direction of their forces
+    /// Friction coefficient; limits the force direction of contacts with +-SD
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
     /// Image to evaluate, if the file has several
@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Measured forces, for the direction `measured` (CSV: image,fx_n,fy_n, in the frame of the camera's pose)
     #[arg(long, help_heading = "Question", value_name = "FILE")]
     forces: Option<PathBuf>,
-    /// Number of mesh nodes of the nonlinear estimator [default: refined until converged]
+    /// Mesh nodes (nonlinear only) [default: refined until converged]
     #[arg(long, help_heading = "Estimator", value_name = "N")]
     mesh_nodes: Option<usize>,
     /// Result file; - for standard output

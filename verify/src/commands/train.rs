@@ -44,7 +44,7 @@ pub struct Arguments {
     /// Largest sum of all contact forces, N
     #[arg(long, help_heading = "Cases", value_name = "F", default_value_t = 10.0, value_parser = positive)]
     largest_sum_n: f64,
-    /// Standard deviation of each force's direction, degrees
+    /// Standard deviation of each force's direction, deg
     #[arg(long, help_heading = "Cases", value_name = "DEG", default_value_t = 0.0, value_parser = not_negative)]
     direction_spread_deg: f64,
     /// Relative standard deviation of the finger's modulus
