@@ -5,7 +5,7 @@ use crate::prelude::*;
 use finray_studies::experiments::convergence::{Convergence, MeshSize};
 
 const CSV: &str = "convergence.csv";
-/// Reference errors drawn as lines.
+/// Reference errors that the figure shows as horizontal lines, with their labels.
 const REFERENCES: [(f64, &str); 2] = [(0.01, "1 %"), (1e-4, "0.01 %")];
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -27,7 +27,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("convergence", "How fine a mesh must be", blocks)))
 }
 
-/// Error over number of nodes, one series per force.
+/// Error over number of mesh nodes, one series per force.
 fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
     let series = |(n, force_n): (usize, f64)| {
         let points = convergence.meshes.iter().enumerate().filter_map(|(mesh, size)| {

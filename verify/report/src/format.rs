@@ -65,7 +65,7 @@ pub fn error(share: f64) -> Cell {
     Cell { shade, ..Cell::plain(percent(share)) }
 }
 
-/// An error with the given text, shaded as [`error`] is.
+/// An error as text, with the colour that [`error`] gives the share.
 pub fn error_as(words: impl Into<String>, share: f64) -> Cell {
     Cell { text: words.into(), ..error(share) }
 }
@@ -75,7 +75,7 @@ pub fn or_nothing(value: Option<impl ToString>) -> String {
     value.map_or_else(|| NOTHING.to_owned(), |value| value.to_string())
 }
 
-/// Whether a tolerance holds: the text `kept` in green or `broken` in red.
+/// Cell that says whether a tolerance holds: the text `kept` in green or `broken` in red.
 pub fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
     if holds { Cell::shaded(kept, Shade::Pass) } else { Cell::shaded(broken, Shade::Fail) }
 }

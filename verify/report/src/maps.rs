@@ -1,4 +1,4 @@
-//! Where sensing fails: an overview of all truths and estimators, single maps, and their explanation.
+//! Maps of where sensing fails: an overview of all true fingers and estimators, single maps, and their explanation.
 
 pub mod drawings;
 mod tables;
@@ -12,7 +12,7 @@ use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 
 pub(super) use tables::map_csv_name;
 
-/// A map of the overview. A map on the fine grid is reduced to the coarse one to keep the page small.
+/// A map of the overview. It has only the cells of the coarse grid, to keep the page small.
 pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy: bool) -> Option<AccuracyMap> {
     let map = study.map_by(truth, estimator, noisy)?;
     let coarse = study.map_by(truth, EstimatorId::Ridge, noisy).map(|map| &map.request);
@@ -22,7 +22,7 @@ pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy
     })
 }
 
-/// A quantity of the explanations.
+/// Reads one explaining quantity of a cell.
 type ExplainedQuantity = fn(&Explanation) -> Option<f64>;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -49,7 +49,7 @@ fn overview(study: &Study, shown: MapFilter) -> Result<Figure, ReportError> {
     Ok(Figure::wide(drawings::overview(study, shown)?, caption, OVERVIEW_CSV))
 }
 
-/// The finest maps of the co-rotational finger, with their bias and scatter.
+/// Maps of the co-rotational finger on the finest grid, with their bias and scatter.
 fn in_full(study: &Study) -> Result<Vec<Block>, ReportError> {
     let noisy = study.noise_mm > 0.0;
     let maps = [EstimatorId::LeastSquares, EstimatorId::Nonlinear].into_iter();

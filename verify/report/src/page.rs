@@ -180,7 +180,7 @@ pub fn text(paragraph: impl Into<String>) -> Block {
     Block::Text { paragraph: paragraph.into() }
 }
 
-/// Blocks below a line that opens them.
+/// Blocks that are hidden until the reader opens their summary line.
 pub fn details(summary: impl Into<String>, blocks: Vec<Block>) -> Block {
     Block::Details { summary: summary.into(), blocks }
 }
@@ -237,7 +237,7 @@ pub(super) fn about() -> BTreeMap<&'static str, &'static str> {
 pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    // Lines with only template instructions leave no empty line.
+    // With these settings, lines that have only template instructions leave no empty line.
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;

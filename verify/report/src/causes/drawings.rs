@@ -1,4 +1,4 @@
-//! Drawings of causes: the largest cause by position and direction, and the cost of each along the finger.
+//! Drawings of causes: maps of the largest cause, and the error at the nodes as remedies are added.
 
 use super::{CSV, OWN, at_nodes, own_first, practice_in_words};
 use crate::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, error_bars, rank_of, ranked, small_maps};
@@ -7,7 +7,7 @@ use crate::prelude::*;
 use finray_figures::Paint;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
 
-/// Errors below this need no explanation: root mean square of sensed / true - 1.
+/// Cells with a smaller error than this show no cause: root mean square of sensed / true - 1.
 const SMALL_ERROR: f64 = 0.02;
 
 /// Class of the n-th cause in a map.
@@ -31,7 +31,7 @@ fn class_of(n: usize, cause: Cause) -> Class {
     class(n, cause.name(), sign, colour)
 }
 
-/// Map of the largest cause by position and direction, under a force in N.
+/// Map of the largest cause by position and direction, for one force in N.
 pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportError> {
     let (angles, places) = (map.request.angles_deg.len(), map.request.positions_mm.len());
     let (small, hidden) = (map.causes.len(), map.causes.len() + 1);
@@ -57,7 +57,7 @@ pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportE
     Ok(Figure::narrow(svg, "The cause whose absence lessens the error most.", CSV))
 }
 
-/// Small maps of the error as remedies are applied one after the other, one row per finger; `None` without such results.
+/// Small maps of the error as remedies are added one after the other, one row per true finger; `None` without such results.
 pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     let force_n = study.forces.drawn_n();
     let rows: Vec<_> =
@@ -80,7 +80,7 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     )))
 }
 
-/// Bars of the error at the nodes as remedies are applied one after the other. Each bar is a remaining error, so bars do not add up.
+/// Bars of the error at the nodes as remedies are added one after the other. Each bar shows a remaining error, so the bars do not add up.
 pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     let force_n = study.forces.drawn_n();
     let Some(map) = study.causes.iter().find(|map| map.truth == OWN && is_drawn(map, force_n)) else { return Ok(None) };
@@ -104,7 +104,7 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     )))
 }
 
-/// Whether the map has least squares, an assumed contact and this force.
+/// Whether a map belongs to least squares and an assumed contact, and has this force, N.
 fn is_drawn(map: &CauseMap, force_n: f64) -> bool {
     map.practice == Practice::LeastSquares
         && map.contact == ContactKnowledge::Assumed

@@ -4,10 +4,10 @@ use crate::format::percent;
 use crate::prelude::*;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap};
 
-/// Share of the plate's length near base and near tip: two members of the paper's finger.
+/// Length of the regions near base and tip, as a share of the plate length: two members of the paper's finger.
 const NEAR_AN_END: f64 = 1.0 / 6.0;
 
-/// A region of cells. All estimators are evaluated along the normal.
+/// A region of cells (positions and directions). For every estimator, cells along the normal were computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Region {
     /// Along the normal, within a sixth of the plate's length from the base.
@@ -54,7 +54,7 @@ impl Region {
     }
 }
 
-/// Error of a region, and its reduction without each cause.
+/// Error in a region, and how much of it disappears without each cause.
 pub(super) struct Shares {
     /// Root mean square of sensed / true - 1 with all causes, over the answered cells.
     pub rms_error: f64,
@@ -62,11 +62,11 @@ pub(super) struct Shares {
     pub answered: usize,
     /// Number of all cells.
     pub cells: usize,
-    /// Causes by descending share.
+    /// Causes, the one with the largest share first.
     pub by_cause: Vec<CauseShare>,
 }
 
-/// Effect of one cause over a region.
+/// Effect of one cause on the error in a region.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CauseShare {
     /// The cause.
@@ -109,7 +109,7 @@ impl Shares {
         self.by_cause.first().copied().filter(|of| of.share > 0.0)
     }
 
-    /// The error without a cause, with the number of answered positions if fewer remain.
+    /// Text with the error without a cause. It adds the number of answered positions if that number is smaller without the cause.
     pub(super) fn without(&self, of: &CauseShare) -> String {
         let left = format!("{} without it", percent(of.rms_without));
         if of.cells < self.answered {

@@ -1,4 +1,4 @@
-//! The closed loop against the camera's frame rate: a chart, a table and a file.
+//! A closed loop that holds a sensed force, at several frame rates of the camera: a chart, a table and a file.
 
 use crate::prelude::*;
 use finray_studies::experiments::grasp::rates::{DELAYS, LoopRun, LoopSetting, LoopStudy, Spread};
@@ -27,7 +27,7 @@ fn overshoot(run: &LoopRun) -> Option<Spread> {
     run.over(|of| of.overshoot)
 }
 
-/// Mean rise time, s.
+/// Mean rise time over the realisations of the noise, s.
 fn rise_s(run: &LoopRun) -> Option<f64> {
     run.over(|of| of.rise_s.unwrap_or(f64::NAN)).map(|rise_s| rise_s.mean).filter(|rise_s| rise_s.is_finite())
 }
@@ -55,7 +55,7 @@ pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError>
     ])
 }
 
-/// Overshoot over frame rate, one line per noise level and delay.
+/// Chart of the overshoot over the frame rate, one line per noise level and delay.
 fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureError> {
     let mut series = Vec::new();
     let line = |run: &LoopRun| (run.setting.noise_mm, run.setting.delay_frames);
@@ -77,7 +77,7 @@ fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureE
         runs.iter().take_while(|run| delay(run) == delay(&runs[0])).map(|run| run.setting.frames_per_s).collect();
     for run in runs.chunk_by(|a, b| delay(a) == delay(b)).take(DELAYS.len()).filter_map(<[_]>::first) {
         let Some(rise_s) = rise_s(run) else { continue };
-        // The rise time covers 10 % to 90 %, so the force rises by 0.8 of the target in it.
+        // The rise time covers 10 % to 90 % of the target, so the force rises by 0.8 of the target in this time.
         let frames = 1.0 + delay(run) as f64;
         let share = |rate: f64| 0.8 * frames / (rise_s * rate);
         let points = rates.iter().map(|rate| [*rate, 100.0 * share(*rate)]).collect();

@@ -1,4 +1,4 @@
-//! Drawings of the overview and of the explaining maps.
+//! Drawings of the overview, and of maps that explain where sensing fails.
 
 use super::{EXPLANATIONS_CSV, ExplainedQuantity, small};
 use crate::drawings::{error_cells, percent_classes, plate_map, small_maps};
@@ -42,7 +42,7 @@ pub fn note(counts: TrustCounts) -> String {
     format!("{:.0} % trusted{refused}", 100.0 * share)
 }
 
-/// An explaining map: its titles, quantity and caption.
+/// An explaining map: its title, quantity and caption.
 struct Kind {
     title: &'static str,
     value_label: &'static str,
@@ -51,7 +51,7 @@ struct Kind {
     caption: &'static str,
 }
 
-/// Maps of the error bound, and of the sensitivity to wrong direction and position. Without noise there is no bound.
+/// Maps of the error bound and of the sensitivity to wrong direction and position. Without noise the bound is not drawn.
 pub(super) fn explanations(study: &Study) -> Result<Vec<Figure>, ReportError> {
     let noise = format!("{} mm noise a coordinate", study.explanations.noise_mm);
     let kinds = kinds().into_iter().filter(|kind| study.noise_mm > 0.0 || !kind.title.contains("bound"));
