@@ -36,7 +36,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let asked = [None, Some(100.0 * ASKED_ERROR)];
     for (((title, axis, of), papers), asked) in drawings.into_iter().zip(papers).zip(asked) {
         if let Some(svg) = drawing(camera, (title, axis), of, papers, asked)? {
-            let caption = format!("{title}, a row a condition of the camera.");
+            let caption = format!("{title}, one row per condition of the camera.");
             blocks.push(Block::Figure(Figure::narrow(svg, caption, CSV)));
         }
     }
@@ -116,7 +116,7 @@ fn drawing(
     }
     let [low, high] = [-0.5, lines.len() as f64 - 0.5];
     series.extend(asked.map(|asked| Series::guide(format!("{asked} %"), vec![[asked, low], [asked, high]])));
-    let alt = format!("{title} on a logarithmic axis, a row a condition of the camera");
+    let alt = format!("{title} on a logarithmic axis, one row per condition of the camera");
     let frame = Frame::half(title, alt).with_plot_height(LINE_PX * lines.len() as f64);
     lines.reverse();
     Chart::new(frame, [Axis::log(axis), Axis::categories("", lines)], series).svg().map(Some)

@@ -93,7 +93,7 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     ];
     let frame = Frame::full(
         "Disagreement with each independent reference",
-        "Relative disagreement of every external and analytical check, a row a reference, on a logarithmic axis.",
+        "Relative disagreement of every external and analytical check, one row per reference, on a logarithmic axis.",
     );
     let height = 30.0 * sources.len() as f64;
     let svg = Chart::new(frame.with_plot_height(height), axes, series.collect()).svg()?;

@@ -41,7 +41,7 @@ fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
 }
 
 fn drawing(series: Vec<Series>) -> Result<String, FigureError> {
-    let alt = "Worst error of the displacements by number of mesh nodes, a line a force, both axes logarithmic";
+    let alt = "Worst error of the displacements by number of mesh nodes, one line per force, both axes logarithmic";
     let frame = Frame::full("Error of the shape by mesh", alt).with_plot_height(300.0);
     let axes = [Axis::log("nodes of the mesh"), Axis::log("error / largest displacement").within(1e-9, 0.03)];
     Chart::new(frame, axes, series).compared(REFERENCES.map(|(value, label)| (value, label.to_owned()))).svg()

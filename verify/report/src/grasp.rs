@@ -89,7 +89,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// Animated drawing of the whole grasp.
 fn moving(grasp: &GraspStudy) -> Result<Block, ReportError> {
     let svg = grasp_animation_svg(&grasp.name, &grasp.scene, &grasp.steps)?;
-    let caption = "Every step of the grasp; in print, and where motion is not wanted, one of them.";
+    let caption = "Every step of the grasp. In print, or if the reader prefers no motion, one step.";
     Ok(Block::Figure(Figure::narrow(svg, caption, CSV)))
 }
 

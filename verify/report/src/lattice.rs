@@ -105,7 +105,7 @@ pub fn axial(lattice: &LatticeStudy) -> Table {
             columns.cells(Column::numbers(format!("{force_n} N")), move |row| cell(row, i))
         })
         .table(
-            format!("Difference from converged beams, {FINENESS} segments a plate member"),
+            format!("Difference from converged beams, {FINENESS} segments per plate member"),
             AXIAL_CSV,
             &lattice.axial,
         )
@@ -132,7 +132,7 @@ pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
         };
         Series::nth(n, map.estimator.label(), map.request.positions_mm.iter().filter_map(worst).collect())
     });
-    let alt = format!("{title}: error of the sensed force by position, one line an estimator.");
+    let alt = format!("{title}: error of the sensed force by position, one line per estimator.");
     let axes = [Axis::linear(drawings::ALONG_THE_PLATE), Axis::log("error |sensed / true - 1|, %")];
     let series = series.filter(|series| !series.points.is_empty()).collect();
     Ok(Figure::narrow(

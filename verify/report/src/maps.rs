@@ -56,7 +56,7 @@ fn in_full(study: &Study) -> Result<Vec<Block>, ReportError> {
     let maps = maps.filter_map(|estimator| study.map_by(TruthId::Corotational, estimator, noisy));
     let figure = |map: &AccuracyMap| -> Result<Figure, ReportError> {
         let samples =
-            if noisy { format!(", {} noise samples a cell", map.request.noise_samples) } else { String::new() };
+            if noisy { format!(", {} noise samples per cell", map.request.noise_samples) } else { String::new() };
         Ok(Figure::narrow(
             map_figure_svg(&study.finger, map, None)?,
             format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map)?),

@@ -31,7 +31,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let captions = [
         ("Sensed against measured force, with 95 % intervals.", CSV),
         (
-            "Residual of each marker under the measured force, all images: from where it is seen to where the finger has it.",
+            "Residual of each marker under the measured force, all images: from its located position to its position on the finger.",
             RESIDUALS_CSV,
         ),
     ];
@@ -44,7 +44,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         let magnified = picture::magnified(&measured.pictures);
         let figure = |shown: &Picture| {
             let caption = format!(
-                "{}: residual of each marker, {magnified} times as long, from where it is seen (circle) to where the finger has it.",
+                "{}: residual of each marker, {magnified} times as long, from its located position (circle) to its position on the finger.",
                 shown.image
             );
             Figure::narrow(picture::svg(shown, magnified), caption, RESIDUALS_CSV)

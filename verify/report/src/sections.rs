@@ -85,7 +85,7 @@ pub(super) fn page(results: Results) -> Result<Page, ReportError> {
         }
     }
     Ok(Page {
-        title: format!("Where the finger \"{}\" can feel", study.scene),
+        title: format!("Where the finger \"{}\" senses forces", study.scene),
         subtitle: "Contact forces sensed through the finger's own deformation, in simulation.".to_owned(),
         answers: answers::answers(study)?,
         caveat: answers::caveat(study)?,

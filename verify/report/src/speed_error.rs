@@ -26,7 +26,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.extend(study.timing_notes.iter().map(text));
     if !points.iter().any(is_peer) {
         blocks.push(text(
-            "Other programs were not timed: finray report --peers peers.csv adds what bench/peers/peers.py writes.",
+            "Other programs were not timed: finray report --peers peers.csv adds the times that bench/peers/peers.py writes.",
         ));
     }
     let floor = study.convergence.left(solved_n).filter(|left| *left > 0.0);

@@ -54,7 +54,7 @@ pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportE
     let missing_label = "no equilibrium or no answer".to_owned();
     let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], classes, cells);
     let svg = Map { missing_label, ..drawn }.svg()?;
-    Ok(Figure::narrow(svg, "The cause whose absence lessens the error most.", CSV))
+    Ok(Figure::narrow(svg, "The cause without which the error is smallest.", CSV))
 }
 
 /// Small maps of the error as remedies are added one after the other, one row per true finger; `None` without such results.
@@ -65,7 +65,7 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     if rows.is_empty() {
         return Ok(None);
     }
-    let title = format!("Error of {force_n} N as remedies are taken, from left to right");
+    let title = format!("Error of {force_n} N as remedies are added, from left to right");
     let alt =
         format!("{title}: small maps by position and direction, a row for each finger, a column for each remedy.");
     let columns = std::iter::once("as it is").chain(REMEDIES.map(|(name, _)| name)).map(str::to_owned).collect();
@@ -95,11 +95,11 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     let all = std::iter::once(bars(0, "as it is".to_owned(), &|cell| cell.rms_error)).chain(taken).collect();
     let nodes = Axis::categories("contact node", cells.iter().map(|(node, _)| node.to_string()).collect());
     let title = format!("Error left of {force_n} N along the normal, {}", OWN.label());
-    let alt = "Root mean square error by contact node: as it is, and as remedies are taken one after the other.";
+    let alt = "Root mean square error by contact node: with all causes, and as remedies are added one after the other.";
     let axes = [nodes, Axis::linear("root mean square error, %")];
     Ok(Some(Figure::wide(
         Chart::of_bars(Frame::full(title, alt), axes, all).svg()?,
-        "What is left of the error, not parts of it: causes may have cancelled, so that a remedy can make it larger.",
+        "Each bar is the remaining error. Causes may cancel each other, so a remedy can also make the error larger.",
         CSV,
     )))
 }

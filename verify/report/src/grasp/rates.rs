@@ -45,7 +45,7 @@ pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError>
         realisations => runs.last().map(|run| run.figures.len()),
         steady => steady.fold(0.0, f64::max),
     };
-    let caption = "True force of both fingers, their mean, above the target at most: mean, least and largest over the realisations of the noise. Where the frames fall decides how much of the dotted lines it is.";
+    let caption = "Largest true force above the target, mean of both fingers: mean, least and largest value over the realisations of the noise. The overshoot also depends on when the frames are taken, up to the dotted lines.";
     let figure = Figure::wide(chart(closed_loop)?, caption, CSV);
     let table = columns().table("Every loop", CSV, runs.clone());
     Ok(vec![
