@@ -1,4 +1,4 @@
-//! The legend: samples with text, in rows below the plots, where they hide no data.
+//! The legend: samples with text, in rows below the plots, so that it hides no data.
 
 use plotters::style::Color;
 
@@ -7,10 +7,10 @@ use super::geometry::Area;
 use super::sheet::{LEFT, Sheet, TICK_TEXT, font};
 use super::text::{widest, wrap};
 
-/// Draws a sample into an area.
+/// Function that draws a sample of a line, symbol or colour into an area.
 type Sample<'a> = Box<dyn Fn(&Sheet, Area) -> Result<(), FigureError> + 'a>;
 
-/// A sample with text after it.
+/// An entry of the legend: a sample, and text to its right.
 pub(super) struct Entry<'a> {
     text: String,
     sample: Sample<'a>,
@@ -22,7 +22,7 @@ impl<'a> Entry<'a> {
         Self { text: text.into(), sample: Box::new(sample) }
     }
 
-    /// A filled patch.
+    /// An entry whose sample is an area of one colour.
     pub(super) fn patch(text: impl Into<String>, ink: impl Color + Copy + 'a) -> Self {
         Self::new(text, move |sheet, area| sheet.cell(Area::about(area.centre(), 26.0, 15.0), ink))
     }
@@ -33,7 +33,7 @@ const GAP: f64 = 8.0;
 const BETWEEN: f64 = 24.0;
 const ROW: f64 = 24.0;
 
-/// Legend entries in rows: lines of text, left edge and row of each.
+/// Legend entries arranged in rows; each with its lines of text, left edge and row.
 pub(super) struct Legend<'a> {
     entries: Vec<(Sample<'a>, Vec<String>, f64, usize)>,
     rows: usize,
