@@ -17,9 +17,9 @@ use super::text::{widest, wrap};
 /// Series, bars and areas over a horizontal and a vertical axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// Heading, description and size.
+    /// Heading, description and size of the figure.
     pub frame: Frame,
-    /// Horizontal axis; categories for bars.
+    /// Horizontal axis; an axis of categories if there are bars.
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,

@@ -13,7 +13,7 @@ use plotters_backend::BackendStyle;
 /// An animated drawing to scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
-    /// Heading, description and size.
+    /// Heading, description and size of the figure.
     pub frame: Frame,
     /// Labels of the horizontal and the vertical axis, which have the same scale.
     pub labels: [&'static str; 2],

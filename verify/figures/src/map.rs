@@ -16,7 +16,7 @@ use super::text::{width_of, wrap};
 /// Cells over two quantities, in a single plot or in rows and columns of small plots.
 #[derive(Debug, Clone)]
 pub struct Map {
-    /// Heading, description and size.
+    /// Heading, description and size of the figure.
     pub frame: Frame,
     /// Horizontal axis; without given limits it ends at the outermost cells.
     pub x: Axis,
