@@ -8,7 +8,7 @@ use super::error::{FigureError, require, require_finite, require_limits};
 use super::sheet::{SPACE, TICK_TEXT};
 use super::text::{fixed, number, width_of};
 
-/// Scale of an axis.
+/// Relation between values and positions on an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scale {
     /// Linear: equal differences have equal lengths.
@@ -30,7 +30,7 @@ impl Scale {
     }
 }
 
-/// One axis of a figure.
+/// One axis of a figure: label, scale, limits and ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Label with quantity and unit.
@@ -64,7 +64,7 @@ impl Axis {
         Self { limits: Some([low, high]), ..self }
     }
 
-    /// Sets ticks at these values.
+    /// Sets ticks at these values, named by the values.
     pub fn with_ticks(self, ticks: impl IntoIterator<Item = f64>) -> Self {
         self.named(ticks.into_iter().map(|value| (value, number(value))).collect())
     }
@@ -103,14 +103,14 @@ impl Axis {
 #[derive(Debug, Clone)]
 pub(super) struct Ruler {
     pub(super) scale: Scale,
-    /// Limits of the axis.
+    /// Lower and upper limit of the axis.
     pub(super) span: [f64; 2],
     /// Values of the ticks with their names; a tick with an empty name has no label.
     pub(super) ticks: Vec<(f64, String)>,
 }
 
 impl Ruler {
-    /// Removes ticks beyond the limits, and names that would touch the name before.
+    /// Removes ticks beyond the limits, and names of ticks that would touch the previous name.
     fn thin(&mut self, pixels: f64, upright: bool) {
         let (span, scale, mut free) = (self.span, self.scale, f64::NEG_INFINITY);
         self.ticks.retain(|(value, _)| (-1e-9..=1.0 + 1e-9).contains(&scale.fraction(*value, span)));

@@ -5,13 +5,13 @@ use super::error::{FigureError, require, require_finite, require_len};
 /// Values on a rectangular grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cells {
-    /// Text above the plot.
+    /// Text above the plot of the cells.
     pub note: String,
     /// Positions of the columns, ascending or descending, not necessarily equidistant.
     pub x: Vec<f64>,
     /// Positions of the rows, ascending or descending.
     pub y: Vec<f64>,
-    /// One row per entry of `y` with one value per entry of `x`; `None` for a missing value.
+    /// Values by row, then column: one row per entry of `y`, one value per entry of `x`; `None` for a missing value.
     pub values: Vec<Vec<Option<f64>>>,
 }
 

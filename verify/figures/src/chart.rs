@@ -21,7 +21,7 @@ pub struct Chart {
     pub frame: Frame,
     /// Horizontal axis; an axis of categories if there are bars.
     pub x: Axis,
-    /// Vertical axis.
+    /// Vertical axis of the chart.
     pub y: Axis,
     /// Filled areas, drawn behind everything else.
     pub patches: Vec<Patch>,
@@ -41,7 +41,7 @@ const MARGIN: f64 = 44.0;
 pub(super) const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];
 
 impl Chart {
-    /// A chart of series only.
+    /// A chart with only series.
     pub fn new(frame: Frame, [x, y]: [Axis; 2], series: Vec<Series>) -> Self {
         Self { frame, x, y, patches: Vec::new(), series, bars: Vec::new(), references: Vec::new(), equal_axes: false }
     }

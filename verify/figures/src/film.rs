@@ -19,7 +19,7 @@ pub struct Film {
     pub labels: [&'static str; 2],
     /// Series that every shot shows.
     pub fixed: Vec<Series>,
-    /// Shots in order.
+    /// Shots in the order in which they are shown.
     pub shots: Vec<Shot>,
     /// Index, from 0, of the shot that is shown if the animation does not run.
     pub still: usize,
@@ -30,13 +30,13 @@ pub struct Film {
 /// One still drawing of an animation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
-    /// Lines of text above the drawing.
+    /// Lines of text above this shot's drawing.
     pub words: Vec<String>,
     /// Series of the drawing; only their lines are drawn, without symbols and labels.
     pub series: Vec<Series>,
 }
 
-/// Height of a line of text, px.
+/// Height of a line of text above a shot, px.
 const LINE: f64 = LABEL_TEXT * 1.4;
 /// Overlap of successive shots, percent of the whole duration, so that the animation does not flicker.
 const OVERLAP: f64 = 0.02;

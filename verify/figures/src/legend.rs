@@ -43,7 +43,7 @@ impl<'a> Legend<'a> {
     /// Arranges the entries that have text in rows between two horizontal positions, px.
     pub(super) fn lay_out(entries: Vec<Entry<'a>>, [left, right]: [f64; 2]) -> Self {
         let mut placed = Vec::new();
-        // `row` is the current row, `next` the first row below everything in it.
+        // `row` is the current row of text; `next` is the first row below all entries of the current row.
         let (mut x, mut row, mut next) = (left, 0, 0);
         for Entry { text, sample } in entries.into_iter().filter(|entry| !entry.text.is_empty()) {
             let lines = wrap(&text, TICK_TEXT, right - left - SAMPLE - GAP);
@@ -63,7 +63,7 @@ impl<'a> Legend<'a> {
         self.rows as f64 * ROW
     }
 
-    /// Draws the rows below `top`, px.
+    /// Draws the legend with its upper edge at `top`, px.
     pub(super) fn draw(&self, sheet: &Sheet, top: f64) -> Result<(), FigureError> {
         for (sample, lines, x, row) in &self.entries {
             let y = |line: usize| top + ((row + line) as f64 + 0.5) * ROW;

@@ -20,7 +20,7 @@ pub struct Map {
     pub frame: Frame,
     /// Horizontal axis; without given limits it ends at the outermost cells.
     pub x: Axis,
-    /// Vertical axis.
+    /// Vertical axis of every plot.
     pub y: Axis,
     /// Classes of the values, in ascending order.
     pub classes: Vec<Class>,
@@ -28,7 +28,7 @@ pub struct Map {
     pub plots: Vec<Option<Cells>>,
     /// Names of the rows of small plots; empty for a single plot.
     pub rows: Vec<String>,
-    /// Names of the columns of small plots.
+    /// Names of the columns of small plots; empty for a single plot.
     pub columns: Vec<String>,
     /// Text in the legend for cells without a value, for instance "no equilibrium"; these cells are hatched.
     pub missing_label: String,

@@ -15,7 +15,7 @@ pub enum Marker {
     Square,
     /// Filled triangle, point up.
     Triangle,
-    /// Filled square on its corner.
+    /// Filled square, standing on a corner.
     Diamond,
     /// Two crossing strokes.
     Cross,

@@ -122,7 +122,7 @@ pub(super) struct Panels<'a> {
     pub(super) axes: [&'a Axis; 2],
     /// Values in x and y that the axes must include if their limits are not given.
     pub(super) data: [Vec<f64>; 2],
-    /// Height of a plot, px.
+    /// Height of each plot, px.
     pub(super) height: f64,
     /// Space kept free in each plot above the upper limit of the vertical axis, px.
     pub(super) head: f64,
@@ -134,7 +134,7 @@ pub(super) struct Panels<'a> {
     pub(super) grid: [bool; 2],
     /// Names of the rows of small multiples; empty for a single plot.
     pub(super) rows: &'a [String],
-    /// Names of the columns of small multiples.
+    /// Names of the columns of small multiples; empty for a single plot.
     pub(super) columns: &'a [String],
     /// Space above each plot for its note, px.
     pub(super) above: f64,

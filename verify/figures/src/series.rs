@@ -9,7 +9,7 @@ use super::marks::{Marker, arrow};
 use super::panels::Plot;
 use super::sheet::{Dash, Sheet, pen};
 
-/// A series of points.
+/// A series of points with its style, legend text and labels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Text in the legend; a series with empty text is not listed.
@@ -97,7 +97,7 @@ impl Series {
         self.marker.map_or(Ok(()), |marker| signs.iter().try_for_each(|at| marker.draw(sheet, *at, self.hue.ink())))
     }
 
-    /// Draws error bars first, then line and symbols.
+    /// Draws the error bars, then the line and the symbols above them.
     pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
         let (points, ink) = (plot.line(&self.points), self.hue.ink());
         let spread = self.points.iter().zip(self.ends()).map(|([x, _], ends)| ends.map(|end| plot.at([*x, end])));

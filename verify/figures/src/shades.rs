@@ -37,7 +37,7 @@ pub(super) fn check(classes: &[Class], largest: f64) -> Result<(), FigureError> 
     require(classes.last().is_some_and(|class| largest <= class.up_to), FigureError::Empty, "class of a value")
 }
 
-/// The class of a value.
+/// The class that contains a value.
 pub(super) fn class(classes: &[Class], value: f64) -> &Class {
     &classes[classes.iter().take_while(|class| value > class.up_to).count()]
 }

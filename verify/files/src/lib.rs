@@ -25,13 +25,13 @@ pub use scene::{load_scene, load_scene_and_text, with_values};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// A file that cannot be read, understood or written.
+/// Reason why a file cannot be read, understood or written.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
     /// The file cannot be read.
     #[error("{}: cannot be read: {reason}", name_of(path))]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the operating system.
         reason: std::io::Error,
@@ -39,7 +39,7 @@ pub enum FileError {
     /// The content of the file is invalid.
     #[error("{}: {message}", name_of(path))]
     Content {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Line, key or column of the fault, and the expected content.
         message: String,
@@ -47,7 +47,7 @@ pub enum FileError {
     /// The file cannot be written.
     #[error("{}: cannot be written: {reason}", name_of(path))]
     Unwritable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the operating system.
         reason: std::io::Error,

@@ -181,7 +181,7 @@ impl Stream {
         Ok(Stream { name: out.to_owned(), to: Box::new(there) })
     }
 
-    /// Writes bytes at once.
+    /// Writes bytes and flushes them.
     ///
     /// # Errors
     /// [`FileError::Unwritable`] if writing fails. A closed pipe is no error; it gives [`Reader::Left`].

@@ -22,7 +22,7 @@ pub struct Body {
 pub struct BodyLoad {
     /// Body that carries this part of the load.
     pub body: BodyIndex,
-    /// Force F of the whole load, N, finger frame.
+    /// Force F of the whole load, of which this body carries a share, N, finger frame.
     pub force: Vector,
     /// Share of the force that acts on this body, dimensionless.
     pub share: f64,
@@ -48,14 +48,14 @@ pub struct FrontPiece {
     pub body: BodyIndex,
     /// Vectors from the body's centre to the ends of the piece, undeformed, mm; the end nearer to the base first.
     pub ends: [Vector; 2],
-    /// Start of the piece, mm along the plate from its base.
+    /// Position along the plate at which the piece starts, mm from the base.
     pub from_mm: f64,
 }
 
 /// Bodies and springs of a finger; see the [module](super).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Assembly {
-    /// Bodies: first those of the key nodes, then those between segments.
+    /// Bodies of the key nodes, followed by the bodies between segments.
     pub bodies: Vec<Body>,
     /// Springs between the bodies.
     pub springs: Vec<Spring>,

@@ -14,9 +14,9 @@ use nalgebra::{Matrix6, Rotation2, Vector6};
 /// Motion of a body from its undeformed pose.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BodyMotion {
-    /// Displacement of the centre, mm.
+    /// Displacement of the body's centre, mm.
     pub displacement: Vector,
-    /// Rotation, rad.
+    /// Rotation of the body, rad.
     pub rotation: f64,
 }
 
@@ -49,7 +49,7 @@ impl Moved {
         Moved { displacement, rotation, turn: Rotation2::new(rotation), versine: 2.0 * half * half }
     }
 
-    /// As [`BodyMotion::displacement_at`].
+    /// Displacement of the point at `arm` from the centre, mm, as of [`BodyMotion::displacement_at`].
     fn displacement_at(&self, arm: Vector) -> Vector {
         self.displacement + Vector::new(-arm.y, arm.x) * self.turn[(1, 0)] - arm * self.versine
     }
@@ -139,7 +139,7 @@ pub struct Energy<'a> {
 /// Energy of a spring, with its derivatives with respect to x, y and rotation of the first body, then of the second.
 #[derive(Debug, Clone, Copy)]
 pub struct SpringEnergy {
-    /// Bodies at the two ends.
+    /// Bodies at the two ends of the spring.
     pub bodies: [BodyIndex; 2],
     /// Elastic energy, N mm.
     pub energy: f64,

@@ -36,7 +36,7 @@ use springs::AxialSprings;
 /// Reason why a lattice cannot be built or has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum LatticeError {
-    /// The fineness is zero.
+    /// The requested number of segments per plate member is zero.
     #[error("a lattice needs at least one segment per member")]
     NoSegments,
     /// The fineness would give more bodies than are supported.
@@ -56,7 +56,7 @@ pub enum LatticeError {
         "the lattice has not settled after {steps} steps: its bodies still move by {residual:.1e} of the largest displacement"
     )]
     NotSettled {
-        /// Steps taken.
+        /// Number of time steps taken.
         steps: usize,
         /// Largest movement between the last two position checks, relative to the largest displacement; infinite before the second check.
         residual: f64,
@@ -104,7 +104,7 @@ pub struct Lattice {
 pub struct Settled {
     /// Displacements and rotations of the key nodes.
     pub shape: FingerShape,
-    /// Steps taken.
+    /// Number of time steps taken.
     pub steps: usize,
     /// Largest movement of a body between the last two position checks, relative to the largest displacement.
     pub residual: f64,

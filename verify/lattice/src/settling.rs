@@ -43,7 +43,7 @@ pub const MOST_STEPS: usize = 200_000;
 /// Numerical settings of settling. With the defaults the minimum of the energy is reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settling {
-    /// Sweeps over the springs per step.
+    /// Number of solver sweeps over the springs per time step.
     pub sweeps: usize,
     /// Precision of the stored positions.
     pub positions: Precision,
@@ -60,7 +60,7 @@ impl Default for Settling {
 /// Precision of the bodies' positions and rotations between steps. All other numbers are in double precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
-    /// 64 bits.
+    /// Stored in 64 bits.
     Double,
     /// Rounded to 32 bits after each step.
     Single,
@@ -81,7 +81,7 @@ impl Precision {
 pub(crate) struct Rest {
     /// Number of steps between two position checks.
     pub watch: usize,
-    /// Steps taken.
+    /// Number of time steps taken.
     pub steps: usize,
     /// Largest movement between the last two position checks, relative to the largest displacement.
     pub residual: f64,

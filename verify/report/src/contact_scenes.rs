@@ -83,7 +83,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 pub struct DrawnPress<'p> {
     /// The pressed finger.
     pub finger: &'p Finger,
-    /// Name of the scene.
+    /// Name of the scene, for titles.
     pub name: &'p str,
     /// Standard deviation of the noise in one coordinate of markers and outline points, mm.
     pub noise_mm: f64,

@@ -1,4 +1,4 @@
-//! Convergence of the mesh: table and figure.
+//! Error of the deformed shape by number of mesh nodes: table and figure.
 
 use super::format::{or_nothing, percent_two_digits};
 use crate::prelude::*;

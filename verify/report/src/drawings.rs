@@ -19,7 +19,7 @@ const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
 ];
 /// Axis label of the position along the front plate, mm.
 pub(super) const ALONG_THE_PLATE: &str = "position along the front plate from the base, mm";
-/// Short axis label, for small plots.
+/// Short axis label of the position along the front plate, for small plots.
 const ALONG_IN_SHORT: &str = "position from the base, mm";
 /// Axis label of the force direction, degrees.
 pub(super) const DIRECTION_AXIS: &str = "force direction, deg from normal (+ to tip)";
@@ -32,7 +32,7 @@ pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 const REFUSED: usize = ERROR_CLASSES.len();
 const NO_EQUILIBRIUM: usize = REFUSED + 1;
 
-/// Rank of an error (a share) among the classes.
+/// Index of the class to which an error (a share) belongs.
 pub(super) fn error_rank(error: f64) -> usize {
     let finite = &ERROR_CLASSES[..ERROR_CLASSES.len() - 1];
     finite.iter().take_while(|(up_to, _)| 100.0 * error > *up_to).count()
@@ -125,7 +125,7 @@ pub fn standalone(svg: &str) -> String {
     format!("{open}<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{rest}")
 }
 
-/// A vector as a point of a drawing, mm.
+/// Converts a vector to a point of a drawing, mm.
 pub(super) fn point(v: &Vector) -> [f64; 2] {
     [v.x, v.y]
 }

@@ -70,7 +70,7 @@ pub enum ReportError {
     Summary(#[from] serde_json::Error),
 }
 
-/// The results from which a report is made.
+/// The study and the claims from which a report is made.
 #[derive(Clone, Copy)]
 struct Results<'s> {
     study: &'s Study,

@@ -28,9 +28,9 @@ pub(super) struct Situation<'s> {
     pub in_words: String,
     /// Whether the contact is known exactly or assumed with an error.
     pub contact: ContactKnowledge,
-    /// File with the cells.
+    /// Name of the CSV file with the cells.
     csv: &'static str,
-    /// Map of the errors.
+    /// Map of the errors by position, direction and force.
     pub map: &'s AccuracyMap,
     /// Cells with their worst force.
     pub cells: Vec<WorstCell>,

@@ -5,7 +5,7 @@ use crate::commands::prelude::*;
 use finray_model::gripper::{Gripper, LinkageErrors, NodeErrors};
 use finray_model::keys::{GRIPPER, SceneTable};
 
-/// Motor step of the paper's experiments, degrees (sec. V-C).
+/// Step of the motor angle in the paper's experiments, degrees (sec. V-C).
 const STEP_DEG: f64 = 22.5;
 
 /// Help text below the options.

@@ -1,4 +1,4 @@
-//! Warnings about valid but implausible input.
+//! Warnings about input that is valid but probably wrong.
 
 use super::print_message;
 use finray_files::observations::RefusedImage;

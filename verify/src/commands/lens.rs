@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     if kind == GridKind::AsymmetricDots {
         print_message(format_args!(
-            "note: the grid is asymmetric: --grid-mm is taken as the distance of its rows, {} mm; neighbouring dots are {:.3} mm apart",
+            "note: the grid is asymmetric: --grid-mm is used as the distance between its rows, {} mm; neighbouring dots are {:.3} mm apart",
             arguments.grid_mm,
             arguments.grid_mm * std::f64::consts::SQRT_2
         ));

@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let observer = observer(arguments, &scene)?;
     warn_of_rest(arguments, &observer);
     let found = images_with_their_radii(arguments, &scene, observer);
-    // Without any located image there is no table.
+    // If no image was located, the command fails with the first refusal, because there is no table.
     if found.iter().all(Result::is_err) {
         return Err(found
             .into_iter()
@@ -204,7 +204,7 @@ fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
     }
 }
 
-/// Builds the scene's marker locator, with the image of the unloaded finger if given.
+/// Builds the marker locator for a scene, with the image of the unloaded finger if one is given.
 fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>, Failure> {
     let path = &arguments.scene;
     // Report missing tables of the scene before reading an image.
@@ -227,8 +227,8 @@ fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
         && residual_px > SURE_REST_PX
     {
         print_message(format_args!(
-            "warning: {}: the markers are {residual_px:.1} px rms from those of the scene's unloaded finger: if it carries a load here, every sensed \
-             force lacks that load; markers beside their nodes cause no error",
+            "warning: {}: the markers are {residual_px:.1} px (rms) away from those of the scene's unloaded finger: if the finger carries a load in \
+             this image, every sensed force is wrong by that load; markers mounted beside their nodes cause no error",
             path.display()
         ));
     }
@@ -243,9 +243,7 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
     }
     let clamped: Vec<_> = nodes.filter_map(|node| seen.markers.iter().find(|marker| marker.node == node)).collect();
     if clamped.is_empty() {
-        return Some(
-            "no marker of a clamped node is seen where the pose has it, so the pose is not verified".to_owned(),
-        );
+        return Some("no marker of a clamped node is found, so the pose cannot be verified".to_owned());
     }
     let moved = clamped.iter().find_map(|seen| {
         let marker = Marker { node: seen.node, displacement: seen.displacement?, weight: 1.0 };
@@ -253,7 +251,7 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
         Some(marker)
     })?;
     Some(format!(
-        "the marker of clamped node {} is seen {:.2} mm from where the pose has it: displacements err by at least as much, which sigma_mm does not \
+        "the marker of clamped node {} is {:.2} mm away from its position in this pose: displacements err by at least as much, which sigma_mm does not \
          include",
         moved.node,
         moved.displacement.norm()

@@ -120,7 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     {
         // The report is written and its path is printed, so a browser that does not open is no error.
         print_message(format_args!(
-            "note: no program opens the page ({}); it is {}",
+            "note: the page could not be opened ({}); open {} in a browser",
             first_line(&error),
             page.display()
         ));

@@ -58,7 +58,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// A sensed force; all columns are empty for a refused image.
+/// Row of a sensed force; all columns are empty if the image was refused.
 #[derive(Serialize, Default)]
 struct Row {
     contact: Option<String>,
@@ -68,7 +68,7 @@ struct Row {
     sigma_n: Option<f64>,
 }
 
-/// First column of a row with `--all-images`.
+/// First column of a row with `--all-images`: name of the image.
 #[derive(Serialize)]
 struct OfImage<'t> {
     image: &'t str,

@@ -13,8 +13,8 @@ pub fn taking_negative_numbers(command: Command) -> Command {
     command.mut_subcommands(move |command| command.mut_args(taking))
 }
 
-/// Arguments in a form that clap accepts. Lists that begin with a negative number, such as `-5:1,0` and `-5@auto`, get a leading space:
-/// clap would read them as options. All parsers of this program trim their input.
+/// Arguments in a form that clap accepts. A list that begins with a negative number, such as `-5:1,0` or `-5@auto`, gets a leading space:
+/// clap would otherwise read the list as an option. All parsers of this program trim their input.
 pub fn readable(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let list = |word: OsString| if begins_below_zero(&word) { [" ".into(), word].into_iter().collect() } else { word };
     let mut words: Vec<OsString> = words.map(list).collect();

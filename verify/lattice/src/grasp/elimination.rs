@@ -13,7 +13,7 @@ struct Pivot {
     changed: Vec<usize>,
 }
 
-/// A body that shares blocks with a pivot.
+/// A body that shares blocks with a pivot, and indices of these blocks.
 #[derive(Debug, Clone, Copy)]
 struct CoupledBody {
     body: usize,

@@ -30,7 +30,7 @@ struct ForceChange {
 }
 
 impl ForceChange {
-    /// `None` if the laws do not determine the forces.
+    /// Solves the two laws of a contact for the change of its forces; `None` if the laws do not determine the forces.
     fn of(laws: &[Law; 2]) -> Option<ForceChange> {
         let inverse = Matrix2::from_fn(|law, force| laws[law].by_forces[force]).try_inverse()?;
         let by_motion = SMatrix::<f64, 2, 6>::from_fn(|law, unknown| laws[law].by_motion[unknown]);
@@ -137,7 +137,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Index of the first unknown of the pair's body; `None` if it is clamped or the support.
+    /// Index of the first unknown of the pair's body; `None` if the body is clamped or the support.
     fn first_of_body(&self, pair: &ContactPair) -> Option<usize> {
         let body = pair.part?.body;
         Some(self.first(pair.key.0) + self.fingers[pair.key.0].energy.first_unknown(body)?)

@@ -24,9 +24,9 @@ pub(super) struct PlacedFinger<'l> {
     pub lattice: &'l Lattice,
     /// Elastic energy of the lattice.
     pub energy: Energy<'l>,
-    /// Contact surface.
+    /// Contact surface of the finger's front.
     pub front: Front,
-    /// Order in which its bodies are eliminated.
+    /// Order in which the finger's bodies are eliminated.
     pub order: Order,
 }
 
@@ -46,7 +46,7 @@ impl<'l> PlacedFinger<'l> {
 /// Data that do not change during a grasp.
 #[derive(Debug, Clone)]
 pub(super) struct Scene<'l> {
-    /// The fingers.
+    /// The fingers, the left one first.
     pub fingers: Vec<PlacedFinger<'l>>,
     /// Outline of the object.
     pub shape: Shape,

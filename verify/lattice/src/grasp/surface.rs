@@ -28,7 +28,7 @@ pub struct Part {
 /// Front surface of a finger: a disc for every rod, flat pieces between the rods, and a disc where two pieces meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Front {
-    /// Parts of the surface.
+    /// Discs of the rods, followed by flat pieces and their end discs along the plate from base to tip.
     pub parts: Vec<Part>,
 }
 
@@ -142,7 +142,7 @@ impl Shape {
         let turn = Rotation2::new(angle);
         let in_object = |point: Vector| turn.inverse() * (point - Vector::new(x, y));
         let ends = [in_object(world(part.from)), in_object(world(part.to.unwrap_or(part.from)))];
-        // The length of the piece bounds the distance of its points from its first end.
+        // A point of the piece is at most one piece length away from the piece's first end.
         let away_mm = ends[0].norm() - (ends[1] - ends[0]).norm() - self.size_mm;
         if away_mm > part.radius_mm + within_mm + FAR_MM {
             return Vec::new();
@@ -204,7 +204,7 @@ fn doubled_area(corners: &[Vector]) -> f64 {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a.perp(b)).sum()
 }
 
-/// A feature of an object, identified by its index.
+/// A corner or side of an object, identified by its index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Feature {
     /// A corner, or the centre of a disc.

@@ -257,7 +257,7 @@ impl<'l> EnginePressing<'l> {
         (way * self.watch as f64).ceil() as usize
     }
 
-    /// Sets the object to the hand's position, or applies the pull to it.
+    /// Moves the object to the hand's position, or applies the pull to the object.
     fn drive(&mut self, push: Push) {
         let object = &mut self.dynamics.world.bodies[self.object];
         object.reset_forces(true);

@@ -10,13 +10,13 @@ use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap, ContactKno
 /// Cells with a smaller error than this show no cause: root mean square of sensed / true - 1.
 const SMALL_ERROR: f64 = 0.02;
 
-/// Class of the n-th cause in a map.
+/// Colour class of the n-th cause in a map.
 fn class(n: usize, label: &str, sign: &str, colour: [u8; 3]) -> Class {
     Class { up_to: n as f64, label: label.to_owned(), sign: sign.to_owned(), fill: Paint::Colour(colour) }
 }
 
 fn class_of(n: usize, cause: Cause) -> Class {
-    // Okabe and Ito's colours and two greys.
+    // Colours of the palette of Okabe and Ito, and two greys.
     let (sign, colour) = match cause {
         Cause::Noise => ("N", [0x56, 0xb4, 0xe9]),
         Cause::Linearisation => ("L", [0xe6, 0x9f, 0x00]),

@@ -21,12 +21,12 @@ pub(crate) enum Region {
 }
 
 impl Region {
-    /// The regions along the normal.
+    /// The regions that have only cells along the normal.
     pub(super) const ENDS_AND_MIDDLE: [Region; 3] = [Region::Base, Region::Middle, Region::Tip];
     /// All regions.
     pub(super) const ALL: [Region; 4] = [Region::Base, Region::Middle, Region::Tip, Region::All];
 
-    /// Name for tables and files.
+    /// Name of the region for tables and files.
     pub(super) fn name(self) -> &'static str {
         match self {
             Region::Base => "near the base",
@@ -69,7 +69,7 @@ pub(super) struct Shares {
 /// Effect of one cause on the error in a region.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CauseShare {
-    /// The cause.
+    /// Cause of sensing error that the other fields describe.
     pub cause: Cause,
     /// Share of the mean square error that disappears without the cause. Cells that are not answered without it count as no reduction.
     pub share: f64,

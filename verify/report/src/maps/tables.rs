@@ -14,7 +14,7 @@ pub(super) const OVERVIEW_CSV: &str = "map_overview.csv";
 /// File of the quantities that explain where sensing fails.
 pub(super) const EXPLANATIONS_CSV: &str = "explanations.csv";
 
-/// File name of a map's cells.
+/// Name of the CSV file with a map's cells.
 pub(crate) fn map_csv_name(map: &AccuracyMap) -> String {
     let noise = if map.noise_mm > 0.0 { "with_noise" } else { "without_noise" };
     match map.estimator {

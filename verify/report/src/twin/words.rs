@@ -26,7 +26,7 @@ pub fn freedom_in_words(fits: &[TwinFit]) -> Result<Option<String>, ReportError>
     let numbers = fits.split_first().map(|(own, others)| {
         let count = |of: &dyn Fn(&TwinFit) -> bool| others.iter().filter(|fit| of(fit)).count();
         context! {
-            // The modulus outside the zones is fitted too.
+            // The modulus outside the zones is also fitted, hence one parameter more.
             parameters => own.factors.len() + 1,
             tried => others.len(),
             fit => count(&|fit| fit.misfit < FITS),

@@ -15,7 +15,7 @@ pub enum WorldError {
         /// Depth of the overlap, mm.
         overlap_mm: f64,
     },
-    /// A finger cannot be used, see [`LatticeError`].
+    /// A finger cannot be used for contact; the [`LatticeError`] says why.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
 }
@@ -39,7 +39,7 @@ pub enum GraspFailure {
 pub enum TouchedBody {
     /// A finger, by its index; 0 is the left one.
     Finger(usize),
-    /// The support.
+    /// The support on which the object lies.
     Support,
 }
 
