@@ -101,7 +101,7 @@ fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
 pub(super) fn estimator_in_words(map: &CauseMap) -> &'static str {
     match map.practice {
         Practice::LeastSquares => "least squares",
-        Practice::Nonlinear => "nonlinear, an element a member",
+        Practice::Nonlinear => "nonlinear, one element per member",
         Practice::Network => "network",
     }
 }
@@ -119,7 +119,7 @@ fn by_region(study: &Study) -> Table {
         };
         let why = match shares.largest() {
             Some(largest) => format!("{}, {}", largest.cause.name(), shares.without(&largest)),
-            None => "each hides others".to_owned(),
+            None => "causes cancel each other".to_owned(),
         };
         let refused = match shares.cells - shares.answered {
             0 => String::new(),

@@ -50,8 +50,8 @@ fn drawing(series: Vec<Series>) -> Result<String, FigureError> {
 fn mesh_name(mesh: &MeshSize) -> String {
     match mesh.elements_a_member {
         None => format!("{} nodes, equal elements", mesh.nodes),
-        Some(1) => format!("{} nodes, one a member", mesh.nodes),
-        Some(elements) => format!("{} nodes, {elements} a member", mesh.nodes),
+        Some(1) => format!("{} nodes, one element per member", mesh.nodes),
+        Some(elements) => format!("{} nodes, {elements} elements per member", mesh.nodes),
     }
 }
 
@@ -62,7 +62,7 @@ fn table(convergence: &Convergence) -> Table {
     for (mesh, size) in convergence.meshes.iter().enumerate() {
         lines.push((mesh_name(size), Box::new(move |force_n| percent(convergence.error(mesh, force_n)))));
     }
-    let left = "may be left".to_owned();
+    let left = "remaining error".to_owned();
     lines.push((left, Box::new(move |force_n| percent(convergence.left(force_n)))));
     let orders = |force_n| convergence.orders(force_n).map(|[low, high]| format!("{low:.1} to {high:.1}"));
     lines.push(("observed order".to_owned(), Box::new(orders)));
@@ -76,5 +76,5 @@ fn table(convergence: &Convergence) -> Table {
         .each(forces_n, |columns, force_n| {
             columns.page(format!("{force_n} N"), Format::Plain, move |(_, of)| or_nothing(of(force_n)))
         })
-        .table("Worst error; what may be left by Roache's grid convergence index", CSV, lines)
+        .table("Worst error; remaining error by Roache's grid convergence index", CSV, lines)
 }

@@ -174,7 +174,7 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
     let chart = Chart::new(Frame::half(title, alt), axes, series.collect());
     Ok(Figure::narrow(
         chart.compared([percent_line(100.0 * IDENTIFIED_FORCE)]).svg()?,
-        format!("{force_n} N along the deformed normal: error of the force by what is assumed of its direction."),
+        format!("{force_n} N along the deformed normal: error of the force by assumed direction."),
         FRICTIONLESS_CSV,
     ))
 }

@@ -52,8 +52,10 @@ fn columns<'s>() -> Columns<'s, Row<'s>> {
         .page("estimator", Format::Words, |row| row.estimator.label())
         .page("within 10 %, share of cells", Format::Plain, cells)
         .page("answers without a warning", Format::Percent, |row| Some(row.coverage?.share_without_warning()))
-        .page("of these, 95 % interval holds in", Format::Percent, |row| row.coverage?.covered_without_warning)
-        .page("time a frame", Format::Plain, |row| row.seconds.map(time))
+        .page("of these: 95 % interval contains the force in", Format::Percent, |row| {
+            row.coverage?.covered_without_warning
+        })
+        .page("time per frame", Format::Plain, |row| row.seconds.map(time))
         .page("needs", Format::Words, |row| row.estimator.needs())
         .page("refuses", Format::Words, |row| row.estimator.refuses())
         .page("contacts never seen", Format::Words, |row| row.estimator.unseen_contacts())

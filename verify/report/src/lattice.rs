@@ -58,7 +58,7 @@ pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
 /// Dataset of the settings of settling: sweeps and precision. The error is missing if the lattice does not settle.
 pub fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
     let columns = Columns::<&SettlingRow>::new()
-        .both("sweeps", "sweeps a step", Format::Plain, |row| row.sweeps)
+        .both("sweeps", "sweeps per step", Format::Plain, |row| row.sweeps)
         .both("positions", "precision", Format::Words, |row| match row.positions {
             Precision::Double => "double",
             Precision::Single => "single",
@@ -88,7 +88,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         )));
     }
     folded.extend(words::precision(lattice)?.map(text));
-    blocks.push(details("Which springs, and how they settle", folded));
+    blocks.push(details("Choice of springs, and settings of settling", folded));
     let section = Section::new("lattice", "Another discretisation: the spring lattice", blocks);
     Ok(Some(section.saying(words::verdict(lattice)?)))
 }

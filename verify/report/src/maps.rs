@@ -36,7 +36,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.push(details("The same with ridge and the linear finger", vec![all]));
     blocks.push(details("Least squares and the nonlinear estimator in full", in_full(study)?));
     blocks.push(details("What limits any estimator", vec![Block::Figures { figures: drawings::explanations(study)? }]));
-    blocks.push(details("Every map in figures, with its cells", vec![Block::Table(tables::figures(study))]));
+    blocks.push(details("Key figures and cells of every map", vec![Block::Table(tables::figures(study))]));
     Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study)?)))
 }
 

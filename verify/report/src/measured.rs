@@ -52,7 +52,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         let figures = measured.pictures.iter().map(figure).collect();
         blocks.push(Block::Figures { figures });
     }
-    let caption = "Error of the force as a share of the measured one, by what is known: all that the scene has, and all but one thing";
+    let caption = "Error of the force relative to the measured force, by known quantities: all that the scene states, then all but one";
     let of_all = coverages(measured).into_iter().filter(|coverage| coverage.object.is_none());
     blocks.push(Block::Table(coverage_columns().table(caption, COVERAGE_CSV, of_all)));
     let by_object: Vec<Coverage> =

@@ -39,7 +39,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let (mut blocks, force_n) = (Vec::new(), study.forces.drawn_n());
     if study.bent.is_empty() {
-        blocks.push(text(format!("The finger cannot carry {force_n} N at any of the nodes tried.")));
+        blocks.push(text(format!("The finger cannot carry {force_n} N at any of the tested nodes.")));
     } else {
         blocks.push(Block::Figure(Figure::wide(
             drawings::bent(study)?,

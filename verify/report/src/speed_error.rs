@@ -120,13 +120,13 @@ pub fn drawing(
     }
     let mut front: Vec<[f64; 2]> = drawn.iter().filter(|point| point.on_front).map(|point| place(point)).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    series.push(Series::guide("nothing is faster and nearer", front));
+    series.push(Series::guide("no point is faster and more accurate", front));
     let alt = format!("Error of {title} over the time that it takes, both axes logarithmic.");
     let y = Axis::log(if task == Task::Solve { "error / largest displacement" } else { "mean error, %" });
     let axes = [Axis::log("time of one answer, \u{b5}s"), y];
     let chart =
         Chart::new(Frame::full(format!("Time and error of {title}"), alt).with_plot_height(360.0), axes, series);
-    chart.compared(floor.map(|left| (left, "may be left in the reference".to_owned()))).svg()
+    chart.compared(floor.map(|left| (left, "uncertainty of the reference".to_owned()))).svg()
 }
 
 /// All points with their times, errors and failures.

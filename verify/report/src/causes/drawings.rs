@@ -37,7 +37,7 @@ pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportE
     let (small, hidden) = (map.causes.len(), map.causes.len() + 1);
     let mut classes: Vec<Class> = map.causes.iter().enumerate().map(|(n, cause)| class_of(n, *cause)).collect();
     classes.push(class(small, &format!("error below {}", percent(SMALL_ERROR)), "", [0xd9, 0xdd, 0xe2]));
-    classes.push(class(hidden, "each hides others", "-", [0xa9, 0xae, 0xb5]));
+    classes.push(class(hidden, "causes cancel each other", "-", [0xa9, 0xae, 0xb5]));
     let of_cell = |place: usize, angle: usize| {
         let mut at = map.cells.iter().filter(|cell| cell.force_n == force_n);
         let cell = at.nth(place * angles + angle)?;
@@ -94,7 +94,7 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     });
     let all = std::iter::once(bars(0, "as it is".to_owned(), &|cell| cell.rms_error)).chain(taken).collect();
     let nodes = Axis::categories("contact node", cells.iter().map(|(node, _)| node.to_string()).collect());
-    let title = format!("Error left of {force_n} N along the normal, {}", OWN.label());
+    let title = format!("Remaining error of {force_n} N along the normal, {}", OWN.label());
     let alt = "Root mean square error by contact node: with all causes, and as remedies are added one after the other.";
     let axes = [nodes, Axis::linear("root mean square error, %")];
     Ok(Some(Figure::wide(

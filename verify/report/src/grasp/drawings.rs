@@ -31,7 +31,7 @@ pub(super) fn drawings(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> R
         let caption = format!("Step {}, {}. True forces, and those sensed along the normals.", step.step, step.phase);
         drawings.push(Drawing { svg: moment(scene, step)?, caption });
     }
-    let sensed = "Lines are true (both fingers press alike), signs sensed, with 95 % intervals.";
+    let sensed = "Lines: true forces (equal for both fingers); symbols: sensed forces with 95 % intervals.";
     let over_steps = over(steps, |step| step.step as f64);
     drawings.push(Drawing {
         svg: forces(format!("{name}: force of each finger, step by step"), "step", over_steps)?,
@@ -48,7 +48,8 @@ pub(super) fn drawings(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> R
         if !opening.is_empty() {
             let points = opening.iter().map(|step| [step.motor_deg, step.fingers[0].total_n]).collect();
             series.push(Series::guide("left, opening again", points));
-            caption += " Dotted: the true force while it opens again; friction makes the two differ.";
+            caption +=
+                " Dotted: the true force while the gripper opens; friction makes it differ from that while closing.";
         }
         let svg = forces(format!("{name}: force over the motor's angle"), "motor angle, deg", series)?;
         drawings.push(Drawing { svg, caption });
@@ -204,6 +205,6 @@ fn over(steps: &[GraspStep], at: impl Fn(&GraspStep) -> f64) -> Vec<Series> {
 }
 
 fn forces(title: String, along: &str, series: Vec<Series>) -> Result<String, FigureError> {
-    let alt = format!("{title}: lines are true forces, signs are sensed ones with 95 % intervals.");
+    let alt = format!("{title}: lines are true forces, symbols are sensed forces with 95 % intervals.");
     Chart::new(Frame::half(title, alt), [Axis::linear(along), Axis::linear("force across, N")], series).svg()
 }

@@ -9,7 +9,7 @@ fn columns<'c>() -> Columns<'c, LoopRun> {
     Columns::<LoopRun>::new()
         .both("noise_mm", "noise, mm", Format::Plain, |run| run.setting.noise_mm)
         .both("delay_frames", "frames late", Format::Plain, |run| run.setting.delay_frames)
-        .both("frames_per_s", "frames a second", Format::Plain, |run| run.setting.frames_per_s)
+        .both("frames_per_s", "frames per second", Format::Plain, |run| run.setting.frames_per_s)
         .file("realisations", |run| run.figures.len())
         .both("overshoot", "mean overshoot", Format::Percent, |run| overshoot(run).map(|overshoot| overshoot.mean))
         .both("overshoot_least", "least", Format::Percent, |run| overshoot(run).map(|overshoot| overshoot.least))
@@ -82,12 +82,12 @@ fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureE
         let share = |rate: f64| 0.8 * frames / (rise_s * rate);
         let points = rates.iter().map(|rate| [*rate, 100.0 * share(*rate)]).collect();
         series.push(Series::guide(
-            format!("what the motor adds in {frames} frame{}", if frames > 1.0 { "s" } else { "" }),
+            format!("force added by the motor in {frames} frame{}", if frames > 1.0 { "s" } else { "" }),
             points,
         ));
     }
     let [least, most] = [f64::min, f64::max].map(|of| rates.iter().copied().reduce(of).unwrap_or(1.0));
-    let x = Axis::log("frames a second").within(0.8 * least, 1.25 * most).with_ticks(rates);
+    let x = Axis::log("frames per second").within(0.8 * least, 1.25 * most).with_ticks(rates);
     let title = format!("Overshoot of a closed loop of {target_n} N against the camera's rate");
     let alt = format!("{title}, by noise and delay.");
     Chart::new(Frame::full(title, alt), [x, Axis::linear("overshoot, %")], series).svg()

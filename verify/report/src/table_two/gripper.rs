@@ -60,7 +60,7 @@ fn lines(test: &ModuleTest) -> Vec<Line> {
 pub(super) fn blocks(modules: &ModuleStudy) -> Result<Vec<Block>, ReportError> {
     let mut figures = Vec::new();
     for test in DRAWN.iter().filter_map(|nodes| modules.test(nodes)) {
-        let caption = "Lines are true forces, signs those sensed by the nonlinear estimator.";
+        let caption = "Lines: true forces; symbols: forces sensed by the nonlinear estimator.";
         figures.push(Figure::narrow(drawing(test)?, caption, CSV));
     }
     let numbers = context! { noise_mm => modules.noise_mm };
