@@ -108,8 +108,8 @@ fn parts_of(path: &Path) -> Vec<String> {
     })
 }
 
-/// The image of a table that a name or path means: the image with exactly this name, else the only image whose path may be the same. Two paths may be
-/// the same if one is the end of the other.
+/// Finds an image of a table by name or path: the image with exactly this name, else the only image whose path may be the same. Two paths may be the
+/// same if one is the end of the other.
 ///
 /// # Errors
 /// A message if no image, or more than one, matches.

@@ -9,7 +9,7 @@ use nalgebra::{Isometry2, Point2};
 use std::path::Path;
 
 const AT_REST: [&str; 5] = ["node", "x_mm", "y_mm", "ux_mm", "uy_mm"];
-/// Largest difference between a file's undeformed nodes and the scene's that is accepted, as a share of the front plate's length. A real finger
+/// A file belongs to another finger if its undeformed nodes differ from the scene's by more than this share of the front plate's length. A real finger
 /// differs slightly from its scene.
 const UNLIKE_SHARE: f64 = 0.05;
 const SEEN: [&str; 7] = ["u_px", "v_px", "x_mm", "y_mm", "base_x_mm", "base_y_mm", "base_deg"];

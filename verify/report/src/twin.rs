@@ -14,7 +14,7 @@ const CSV: &str = "twin.csv";
 const SETS_CSV: &str = "twin_zone_sets.csv";
 const CALIBRATION_CSV: &str = "twin_calibration.csv";
 
-/// One contact node: its rows of Table I, if any, on the uniform finger and on the twin; and errors of sensing with noise on the twin.
+/// One contact node: its rows of Table I, if any, on the uniform finger and on the twin; then errors with noise on the twin.
 struct NodeComparison<'s> {
     before: Option<&'s TableOneRow>,
     after: Option<&'s TableOneRow>,
@@ -30,7 +30,7 @@ fn at_nodes(study: &TwinStudy) -> impl Iterator<Item = NodeComparison<'_>> {
     })
 }
 
-/// By node: the paper's errors; the uniform finger's and the twin's with the weights of Table I; then errors of sensing with noise on the twin.
+/// Errors by node: the paper's; the uniform finger's and the twin's under the weights of Table I; then the twin's with noise.
 fn by_node<'s>(study: Option<&'s TwinStudy>) -> Dataset<'s> {
     let columns = Columns::<NodeComparison>::new()
         .file("node", |at| at.sensing.node)

@@ -70,7 +70,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Parses the name of a true finger that is computed with the scene's beams; only for these can training cases be drawn.
+/// Parses the name of a true finger that is computed with the scene's beams. Training cases can be drawn only for such fingers.
 fn own_beams(name: &str) -> Result<TruthId, String> {
     let own = || TruthId::ALL.iter().filter(|id| id.kinematics().is_some());
     let names: Vec<&str> = own().map(|id| id.name()).collect();

@@ -20,8 +20,8 @@ impl Inner<'_> {
         3 * self.order.body_count()
     }
 
-    /// Solves with the finger's matrix A for a right-hand side r and for B, the derivatives with respect to the border: A⁻¹ r, then A⁻¹ B. One row per
-    /// unknown.
+    /// Returns A⁻¹ r, then A⁻¹ B, with one row per unknown. A is the finger's matrix, r a right-hand side, and B the derivatives with respect to the
+    /// border.
     fn solved(&mut self, right: &[f64], border_count: usize) -> Option<Vec<f64>> {
         let columns = 1 + border_count;
         let mut solved = vec![0.0; self.unknown_count() * columns];

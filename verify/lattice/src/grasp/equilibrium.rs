@@ -1,6 +1,6 @@
 //! Equilibrium of fingers, object and contacts by Newton's method.
 //!
-//! The unknowns are the motions of the fingers' bodies, the object's pose, and the normal and friction force of every close pair. Signorini's and
+//! The unknowns are the motions of the fingers' bodies, the object's pose, and the normal and friction force of every contact pair. Signorini's and
 //! Coulomb's laws become equations without inequalities (Alart and Curnier 1991). With a stiffness c, a contact is open if normal force minus c times
 //! gap is negative. It sticks if friction minus c times slip lies within the friction cone, and slips otherwise. Each Newton step fixes the contact
 //! status of every pair, then re-evaluates it (semi-smooth Newton).

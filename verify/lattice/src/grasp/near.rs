@@ -1,4 +1,5 @@
-//! Contact pairs (a part of a finger and a feature of the object) that are close, and their status in a Newton step: open, sticking or slipping.
+//! Contact pairs within a search distance, each a part of a finger and a feature of the object. Their status in a Newton step is open, sticking or
+//! slipping.
 
 use super::contact::{Pair, PairPose, Tangent, Touching};
 use super::scene::{Key, Scene, State, Surroundings};
@@ -12,7 +13,7 @@ use std::collections::BTreeMap;
 /// Pieces of the plate count as neighbours if their distance along the plate is at most this number of piece lengths.
 const NEXT: f64 = 1.5;
 
-/// A pair takes part in a Newton step if its distance is below this share of the object's size.
+/// Search distance: a pair takes part in a Newton step if its gap is below this share of the object's size.
 const NEAR: f64 = 0.2;
 
 /// A carried object counts as lifted off its support if the gap times the fingers' stiffness exceeds the contact force divided by this factor.
@@ -21,7 +22,7 @@ const LIFTED: f64 = 10.0;
 /// A contact counts as slipping if friction is within this relative distance of its bound. Rounding leaves slipping contacts slightly below the bound.
 const AT_BOUND: f64 = 1e-9;
 
-/// A contact pair that is close, evaluated at one state.
+/// A contact pair within the search distance `NEAR`, evaluated at one state.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactPair {
     /// Finger, part and feature that identify the pair.
@@ -61,7 +62,7 @@ impl State {
 }
 
 impl Scene<'_> {
-    /// All pairs that are close in `state`.
+    /// All pairs within the search distance in `state`.
     pub(super) fn near_pairs(&self, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
         self.pairs_near_at(state, state, before, around)
     }
@@ -72,7 +73,7 @@ impl Scene<'_> {
         self.pairs_near_at(before, state, before, around).into_iter().filter(is_loaded).collect()
     }
 
-    /// Pairs that are close in the state `at`, evaluated at `state`.
+    /// Pairs within the search distance in the state `at`, evaluated at `state`.
     fn pairs_near_at(&self, at: &State, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
         let mut pairs = Vec::new();
         let within_mm = NEAR * self.size_mm;
@@ -113,8 +114,9 @@ impl Scene<'_> {
         pair.tangent(part.map_or(Vector::zeros(), rest), &now, &then)
     }
 
-    /// Contact forces of the close pairs. A new pair takes over the force of a pair that is no longer close, if both have the same part of the finger or
-    /// the same corner of the object. If several neighbours on the plate compete, the one with the largest overlap takes it, otherwise the nearest.
+    /// Contact forces of the pairs within the search distance. A new pair takes over the force of a pair that has left this distance. Both pairs must have
+    /// the same part of the finger, or the same corner of the object. Among neighbours on the plate, the pair with the largest overlap takes the force,
+    /// or else the nearest pair.
     pub(super) fn inherited(&self, state: &State, pairs: &[ContactPair]) -> BTreeMap<Key, [f64; 2]> {
         let own = |pair: &ContactPair| (pair.key, state.forces.get(&pair.key).copied().unwrap_or_default());
         let mut forces: BTreeMap<Key, [f64; 2]> = pairs.iter().map(own).collect();

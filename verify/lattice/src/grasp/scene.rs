@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-11;
 /// Compliance of a contact, relative to the finger's compliance. It determines how friction is shared between two contacts of rigid object and support.
 const YIELD: f64 = 1e-6;
 
-/// Identifies a contact pair: index of the finger (the support has the index after the last finger), index of the part, and feature of the object.
+/// Identifies a contact pair by the index of the finger, the index of its part, and the object's feature. The support has the index after the last finger.
 pub(super) type Key = (usize, usize, Feature);
 
 /// A finger with the data that its equilibrium needs: energy, contact surface and elimination order.
@@ -71,7 +71,7 @@ pub(super) struct State {
     pub motions: Vec<Vec<BodyMotion>>,
     /// Position of the object, mm, and its angle, rad, world frame.
     pub object: [f64; 3],
-    /// Normal and friction force of each close pair, N.
+    /// Normal and friction force of each contact pair within the search distance, N.
     pub forces: BTreeMap<Key, [f64; 2]>,
 }
 

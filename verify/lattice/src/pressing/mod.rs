@@ -224,7 +224,8 @@ impl<'l> Pressing<'l> {
         }
     }
 
-    /// Placement of the finger at which the object is at the point `at`, mm, finger frame, or as near to it as the clamped end allows.
+    /// Placement of the finger at which the object is at the point `at`, mm, finger frame. If the clamped end is in the way, the object is as near to the
+    /// point as possible.
     fn placement_towards(&self, at: Vector) -> Placement {
         let (from, [x, y, _]) = (self.placement(), self.world.object());
         let to = Placement { origin: placed(from.angle_rad, at).origin + Vector::new(x, y), ..from };

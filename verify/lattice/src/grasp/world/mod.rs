@@ -36,7 +36,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The interpolation towards another `Drive` with the same fingers; `share` is from 0 to 1.
+    /// Interpolates towards another `Drive` with the same fingers; `share` is from 0 to 1.
     fn towards(&self, to: &Drive, share: f64) -> Drive {
         let between = |(from, to): (&Placement, &Placement)| Placement {
             origin: from.origin.lerp(&to.origin, share),
@@ -109,8 +109,8 @@ impl<'l> World<'l> {
         }
     }
 
-    /// Makes the object one that a hand holds. `size_mm` then replaces the object's size as the length scale, because the displacements of a held object
-    /// and its finger do not scale with the size of the object.
+    /// Makes the object one that a hand holds. `size_mm` then replaces the object's size as the length scale, because the displacements
+    /// of finger and object do not depend on the size of a held object.
     pub fn holding(mut self, size_mm: f64) -> World<'l> {
         self.scene.size_mm = size_mm;
         for finger in &mut self.scene.fingers {
