@@ -11,7 +11,7 @@ pub struct Guide {
     pub text: &'static str,
 }
 
-/// Declares one documented module per page, and the list [`GUIDES`] of all pages.
+/// Declares one documented module per page, and the list `GUIDES` of all pages.
 macro_rules! guides {
     ($($module:ident, $name:literal: $task:literal;)*) => {
         $(
