@@ -1,5 +1,5 @@
-//! Calibrates moduli from measured shapes under known loads, by eq. (11) of Xu et al. (2021). There is a version for the [co-rotational
-//! finger](corotational_modulus) and one for [several moduli at once](factors). [`calibrate_rig`] calibrates finger, camera and friction from images.
+//! Calibrates moduli from measured shapes under known loads, by eq. (11) of Xu et al. (2021). There is one method for the [co-rotational
+//! finger](corotational_modulus), and one for [several moduli at once](factors). [`calibrate_rig`] calibrates finger, camera and friction from images.
 
 mod factors;
 mod modulus;
@@ -29,12 +29,12 @@ pub struct CalibrationCase {
     pub measurement: Measurement,
 }
 
-/// Modulus of the finger as a factor on the described modulus.
+/// Modulus of the finger as a factor on the scene's modulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModulusEstimate {
     /// Factor on all moduli of the finger, dimensionless.
     pub factor: f64,
-    /// Standard deviation of the factor, dimensionless, from the scatter of the residuals.
+    /// Standard deviation of the factor, dimensionless. It follows from the scatter of the residuals.
     pub sigma: f64,
     /// Mean distance between measured and computed nodes, mm.
     pub mean_distance_mm: f64,
@@ -62,17 +62,17 @@ pub enum CalibrationError {
         /// Ratio of measured to computed displacement, dimensionless.
         compliance_factor: f64,
     },
-    /// There are fewer measured coordinates than needed.
+    /// There are too few measured coordinates for the unknowns.
     #[error(
-        "not identifiable: {coordinates} measured coordinates are too few for {unknowns} unknown factors; measure more nodes"
+        "not identifiable: {coordinates} measured coordinates are too few for {unknowns} unknowns; measure more nodes"
     )]
     TooFewMarkers {
-        /// Number of unknown factors.
+        /// Number of unknowns.
         unknowns: usize,
         /// Number of measured coordinates.
         coordinates: usize,
     },
-    /// There are fewer views with a measured force than needed.
+    /// There are too few views (images) with a measured force for the unknowns.
     #[error(
         "not identifiable: {views} images with a measured force are too few for {unknowns} unknowns; measure more forces"
     )]
@@ -82,7 +82,7 @@ pub enum CalibrationError {
         /// Number of unknowns.
         unknowns: usize,
     },
-    /// The data do not determine some parameters.
+    /// The measurements do not determine some parameters.
     #[error(
         "not identifiable: the measurements do not determine {parameters}; leave it out of the fit, or add measurements that depend on it"
     )]
@@ -90,7 +90,7 @@ pub enum CalibrationError {
         /// Names of the parameters, separated by commas.
         parameters: String,
     },
-    /// The data determine only a combination of some parameters.
+    /// The measurements determine only a combination of some parameters.
     #[error(
         "not identifiable: the measurements do not separate {parameters}; keep the scene's value of one of them, or load other nodes"
     )]
@@ -104,7 +104,7 @@ pub enum CalibrationError {
          most the largest measured force, {largest_n:.3} N, and less than 90 degrees; check signs, measure larger forces, or use --fit friction"
     )]
     FrictionLimit {
-        /// Lean of a sliding force from the normal, degrees.
+        /// Angle between a sliding force and the normal (lean), degrees.
         angle_deg: f64,
         /// Force over which friction builds up, N.
         build_up_n: f64,
@@ -122,19 +122,19 @@ pub enum CalibrationError {
         /// Reason for which the view is refused.
         error: ViewError,
     },
-    /// Measured forces differ by a large common factor from the forces that bend the scene's finger as the views show.
+    /// Measured forces differ by a large common factor from the forces that the scene's finger needs to bend as the images show.
     #[error(
         "measured forces are {times:.3} times (median) the forces that bend the scene's finger as the images show, expected about 1: a negative \
-         ratio means a wrong sign or frame, any other a wrong unit (N) or wrong moduli in the scene"
+         ratio means a wrong sign or frame, any other ratio a wrong unit (N) or wrong moduli in the scene"
     )]
     ForceScale {
         /// Median ratio of measured forces to forces estimated from markers, dimensionless.
         times: f64,
     },
-    /// Measured forces and forces that the views show lean to opposite sides of the normal.
+    /// Measured forces and the forces that the views show point to opposite sides of the normal.
     #[error(
         "measured forces scatter by {:.1} % about the forces that the images show, but only by {:.1} % with the opposite angle from the plate's \
-         normal: check the sign of fx_n and fy_n, and their frame (that of the camera's pose)",
+         normal: check the sign of fx_n and fy_n, and that they refer to the frame of the camera's pose",
         100.0 * scatter,
         100.0 * mirrored
     )]
@@ -144,7 +144,7 @@ pub enum CalibrationError {
         /// Relative standard deviation of the measured forces after mirroring about the plate's normal, dimensionless.
         mirrored: f64,
     },
-    /// A parameter is outside the range that a finger allows.
+    /// The calibrated finger is impossible: a parameter is outside its range.
     #[error(transparent)]
     Finger(#[from] crate::finger::ImpossibleFinger),
 }

@@ -19,27 +19,27 @@ pub struct Marker {
     pub weight: f64,
 }
 
-/// Uncertainty of the base from which displacements count: an error that all markers share, and the turn of the base under force.
+/// Uncertainty of the base to which displacements refer: an error of its pose, which all markers share, and its turn under force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BaseUncertainty {
     /// Standard deviation of each coordinate of the base's origin, mm.
     pub sd_mm: f64,
-    /// Standard deviation of the turn of the base about its origin, rad.
+    /// Standard deviation of the rotation of the base about its origin, rad.
     pub sd_rad: f64,
-    /// Expected turn from x to y, rad per newton of the sum of all forces. Zero if the base is measured under load.
+    /// Expected rotation, positive from x to y, rad per newton of the sum of all forces. Zero if the base is measured under load.
     pub turn_rad_per_n: f64,
     /// Standard deviation of `turn_rad_per_n`, rad per newton.
     pub turn_sd_rad_per_n: f64,
 }
 
 impl BaseUncertainty {
-    /// Uncertainty of the difference between two images.
+    /// Uncertainty of the difference between the poses of the base in two images.
     pub(crate) fn of_two_images(self) -> BaseUncertainty {
         let both = std::f64::consts::SQRT_2;
         BaseUncertainty { sd_mm: both * self.sd_mm, sd_rad: both * self.sd_rad, ..self }
     }
 
-    /// Standard deviation of the turn, rad, under forces whose sum is `force_n`, N.
+    /// Standard deviation of the rotation of the base, rad, under forces whose sum is `force_n`, N.
     pub fn sd_rad_under(&self, force_n: f64) -> f64 {
         self.sd_rad.hypot(self.turn_sd_rad_per_n * force_n)
     }
@@ -53,7 +53,7 @@ pub struct Measurement {
     shared_errors: Vec<SharedError>,
 }
 
-/// An error that all markers share: displacement of each key node's marker, mm, for one standard deviation of it.
+/// An error that all markers share: displacement of each key node's marker, mm, for one standard deviation of the error.
 pub type SharedError = Vec<Vector>;
 
 /// Reason for which a measurement does not fit the finger.
@@ -74,7 +74,7 @@ pub enum MeasurementError {
         node: NodeId,
     },
     /// A coordinate or weight is not finite, or a weight is not positive.
-    #[error("node {node}: expected finite numbers")]
+    #[error("node {node}: expected finite displacements and a weight above zero")]
     NotFinite {
         /// The node of the marker.
         node: NodeId,
@@ -98,7 +98,7 @@ pub enum MeasurementError {
 /// Errors of a finger's markers relative to their stated standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MarkerErrors {
-    /// Ratio of actual to stated marker noise, dimensionless. Below 1 where part of the stated noise is common to all images and absorbed by calibration.
+    /// Ratio of actual to stated marker noise, dimensionless. Below 1 if part of the stated noise is common to all images and absorbed by calibration.
     pub noise_factor: f64,
     /// Error of the finger model, mm: standard deviation of one coordinate.
     pub model_mm: f64,
@@ -112,7 +112,7 @@ impl Default for MarkerErrors {
 }
 
 impl MarkerErrors {
-    /// Total standard deviation of a coordinate, mm, for the stated one, mm.
+    /// Total standard deviation of a coordinate, mm, for the stated standard deviation `stated_mm`.
     pub fn sd_mm(&self, stated_mm: f64) -> f64 {
         (self.noise_factor * stated_mm).hypot(self.model_mm)
     }
@@ -183,24 +183,24 @@ impl Measurement {
         Measurement { markers: finger.marked_nodes().map(marker).collect(), ..Measurement::empty() }
     }
 
-    /// This measurement with an uncertain base. The nonlinear estimator estimates its error with the forces; other estimators ignore it.
+    /// This measurement with an uncertain base. The nonlinear estimator estimates the error of the base with the forces; other estimators ignore this error.
     pub fn with_uncertain_base(self, base: BaseUncertainty) -> Measurement {
         self.with_base(Some(base))
     }
 
-    /// This measurement with another base. `None`: known exactly.
+    /// This measurement with another uncertainty of the base. `None` if the base is known exactly.
     pub(crate) fn with_base(mut self, base: Option<BaseUncertainty>) -> Measurement {
         self.base = base;
         self
     }
 
-    /// Uncertainty of the base. `None` if it is known exactly.
+    /// Uncertainty of the base. `None` if the base is known exactly.
     pub fn base(&self) -> Option<BaseUncertainty> {
         self.base
     }
 
-    /// This measurement with further errors that all markers share, independent of each other. The nonlinear estimator estimates them with the
-    /// forces; other estimators ignore them.
+    /// This measurement with further errors that all markers share, independent of each other. The nonlinear estimator estimates these errors with the forces;
+    /// other estimators ignore them.
     pub fn with_shared_errors(mut self, errors: Vec<SharedError>) -> Measurement {
         self.shared_errors = errors;
         self
@@ -211,7 +211,7 @@ impl Measurement {
         &self.shared_errors
     }
 
-    /// This measurement with other displacements, mm.
+    /// This measurement with the displacement of each marker, mm, replaced by `displacement` of the marker.
     pub(crate) fn displaced(mut self, displacement: impl Fn(&Marker) -> Vector) -> Measurement {
         for marker in &mut self.markers {
             marker.displacement = displacement(marker);
@@ -219,7 +219,7 @@ impl Measurement {
         self
     }
 
-    /// This measurement with each weight multiplied by a share.
+    /// This measurement with the weight of each marker multiplied by `share` of the marker.
     pub(crate) fn reweighted(&self, mut share: impl FnMut(&Marker) -> f64) -> Measurement {
         let mut measurement = self.clone();
         for marker in &mut measurement.markers {
@@ -242,7 +242,7 @@ impl Measurement {
         self
     }
 
-    /// Adds noise, mm, to every coordinate. `noise_mm` / weight scales the number that `standard_normal` returns for each.
+    /// Adds noise to every coordinate, in mm: `noise_mm` / weight times a random number from `standard_normal`.
     pub fn add_noise(&mut self, noise_mm: f64, mut standard_normal: impl FnMut() -> f64) {
         for marker in &mut self.markers {
             marker.displacement += Vector::new(standard_normal(), standard_normal()) * (noise_mm / marker.weight);

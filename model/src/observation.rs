@@ -26,7 +26,7 @@ pub struct Observation {
     pub base: Option<ObservedBase>,
 }
 
-/// One observed marker, in the finger frame of its image, which moves with the base.
+/// One observed marker. Its vectors are in the finger frame of the image, which moves with the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservedMarker {
     /// Node of the marker.
@@ -39,7 +39,7 @@ pub struct ObservedMarker {
     pub displacement: Option<Vector>,
     /// Standard deviation of one coordinate, mm, including all errors. `None` if unknown.
     pub sd_mm: Option<f64>,
-    /// The same without the error of the base's pose, which all markers of an image share, mm. `None` if not known separately.
+    /// Standard deviation of one coordinate, mm, without the error of the base's pose, which all markers of an image share. `None` if unknown.
     pub own_sd_mm: Option<f64>,
 }
 
@@ -50,7 +50,7 @@ pub struct ObservedBase {
     pub pose: Isometry2<f64>,
     /// Standard deviations of the pose at the origin of the finger frame. `None` if unknown.
     pub uncertainty: Option<BaseUncertainty>,
-    /// Whether references or the camera's pose determine the pose. Otherwise the markers determine it approximately.
+    /// Whether base references or the camera's pose determine the pose of the base. Otherwise the pose is approximate and follows from the markers.
     pub is_known: bool,
 }
 
@@ -61,7 +61,7 @@ pub struct ObservedMeasurement {
     pub measurement: Measurement,
     /// Standard deviation of a coordinate of weight 1, mm, if the observation states it.
     pub noise_mm: Option<f64>,
-    /// Transformation from the frame of the displacements to that of the camera's pose, mm and rad.
+    /// Transformation from the frame of the displacements to the frame of the camera's pose, mm and rad.
     pub frame: Isometry2<f64>,
 }
 
@@ -81,7 +81,7 @@ pub enum ObservationError {
     Base,
     /// Neither the markers nor the scene state a standard deviation.
     #[error(
-        "the standard deviation of the markers is unknown: expected it for each marker, or noise_mm in the table camera of the scene"
+        "the noise is unknown: expected a standard deviation for each marker, or noise_mm in the table camera of the scene"
     )]
     NoNoise,
 }
@@ -151,8 +151,8 @@ impl Observation {
         Observation { markers, ..Observation::default() }
     }
 
-    /// Converts the observation to a measurement for sensing forces. `noise_mm` limits the motion of clamped markers if the observation states no standard
-    /// deviations. If the base is estimated with the forces, its uncertainty is separate from that of the markers.
+    /// Converts the observation to a measurement for sensing forces. If the observation states no standard deviations, `noise_mm`, in mm, limits the motion of
+    /// clamped markers. `base_is_sought` states whether the base is estimated with the forces; its uncertainty is then separate from that of the markers.
     ///
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or for a base with negative standard deviations.
@@ -166,7 +166,7 @@ impl Observation {
     }
 
     /// Converts the observation to a measurement for calibrating the scene. Uses the markers' positions, which do not depend on the scene with which they were
-    /// located, and the standard deviations as stated. Also returns the uncertainty of the base about its pose in the image.
+    /// located, and the standard deviations as stated. Also returns the uncertainty of the base relative to its pose in the image.
     ///
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or if no standard deviation is known.
@@ -179,7 +179,7 @@ impl Observation {
         Ok((ObservedMeasurement { noise_mm: Some(noise_mm), ..found }, base))
     }
 
-    /// Whether displacements refer to an image of the unloaded finger, because their reference positions differ from those of the finger.
+    /// Whether displacements refer to an image of the unloaded finger. This is so if their reference positions differ from those of `finger`.
     pub(crate) fn counts_from_rest(&self, finger: &Finger) -> bool {
         let from = |marker: &ObservedMarker| Some(marker.position? - marker.displacement?);
         let is_elsewhere = |marker: &ObservedMarker| {
@@ -189,7 +189,7 @@ impl Observation {
         self.markers.iter().any(is_elsewhere)
     }
 
-    /// Transformation from the frame in which forces are sensed to that of the camera's pose, mm and rad: the observed pose of the base. It is the
+    /// Transformation from the frame in which forces are sensed to the frame of the camera's pose, mm and rad. It is the observed pose of the base, or the
     /// identity for a base without references, which is approximately at the camera's pose.
     pub fn frame(&self, scene: &Scene) -> Isometry2<f64> {
         match scene.base.as_ref().is_some_and(Base::is_of_pose) {
@@ -198,7 +198,7 @@ impl Observation {
         }
     }
 
-    /// Transformation from the finger frame to that of the camera's pose.
+    /// Transformation from the finger frame to the frame of the camera's pose, mm and rad.
     fn base_pose(&self) -> Isometry2<f64> {
         self.base.map_or_else(Isometry2::identity, |base| base.pose)
     }
@@ -206,20 +206,20 @@ impl Observation {
 
 /// Options for the conversion of an observation.
 struct Reading {
-    /// Errors of markers relative to the stated ones.
+    /// Errors of the markers relative to their stated standard deviations.
     errors: MarkerErrors,
-    /// Whether the base is estimated. Its error, which all markers share, is then not part of theirs.
+    /// Whether the base is estimated. The error of the base, which all markers share, is then not part of the errors of the markers.
     base_is_sought: bool,
     /// Whether positions have priority over displacements.
     by_position: bool,
-    /// Standard deviation of one coordinate, mm, if it is stated elsewhere.
+    /// Standard deviation of one coordinate, mm, if it is stated outside the observation.
     noise_mm: Option<f64>,
 }
 
 impl Reading {
     fn of(&self, seen: &Observation, scene: &Scene) -> Result<ObservedMeasurement, ObservationError> {
         let finger = &scene.finger;
-        // Displacements then refer to the frame of the camera's pose.
+        // For a base given by the camera's pose, displacements refer to the frame of this pose.
         let is_of_pose = scene.base.as_ref().is_some_and(Base::is_of_pose);
         let pose = seen.base_pose();
         let frame = seen.frame(scene);
@@ -252,7 +252,7 @@ impl Reading {
 
     /// Displacement of a marker, mm.
     fn displacement(&self, finger: &Finger, marker: &ObservedMarker) -> Result<Vector, MarkerError> {
-        // The measurement refuses a node that does not exist.
+        // The value for a node that does not exist is arbitrary, because the measurement refuses such a node.
         let from_scene = |position: Vector| match exists(finger, marker.node) {
             true => position - finger.marker_position(marker.node),
             false => position,
@@ -300,7 +300,7 @@ impl Reading {
         }
         let of_scene = scene.base.as_ref().and_then(|base| base.uncertainty);
         let base = match (stated.filter(|base| base.sd_mm > 0.0 || base.sd_rad > 0.0), of_scene) {
-            // The references show the turn of the base under force.
+            // The base references show the turn of the base under force, so its expected value is zero.
             (Some(one), Some(other)) => Some(BaseUncertainty {
                 sd_mm: one.sd_mm.hypot(other.sd_mm),
                 sd_rad: one.sd_rad.hypot(other.sd_rad),
@@ -316,7 +316,7 @@ fn exists(finger: &Finger, node: NodeId) -> bool {
     (1..=finger.key_node_count()).contains(&node.0)
 }
 
-/// Converts a displacement relative to the observed base to one relative to the frame of the camera's pose, mm.
+/// Converts a displacement relative to the observed base to a displacement relative to the frame of the camera's pose, mm.
 fn placed(finger: &Finger, base: &Isometry2<f64>, node: NodeId, displacement: Vector) -> Vector {
     if !exists(finger, node) {
         return displacement;

@@ -1,4 +1,4 @@
-//! Registries: enums in which every variant is one row of properties.
+//! Registries: enums of named items, in which each variant is one row of properties.
 
 /// An enum of named items.
 pub trait Listed: Copy + Send + Sync + 'static {
@@ -14,8 +14,8 @@ pub trait Listed: Copy + Send + Sync + 'static {
 
 /// Declares the enum `$id` with one variant per row, in the order of lists, help texts and figures.
 ///
-/// A row is a constant of type `$row` with the fields `name` (command line, files), `label` (report) and `help` (command line). The enum implements
-/// [`Listed`], and is serialised as its name. A new row needs its own file and one line in the macro call.
+/// A row is a constant of type `$row` with the fields `name` (command line, files), `label` (report) and `help` (command line). The enum implements [`Listed`],
+/// and is serialised as its name. A new item needs its own file and one line in the macro call.
 #[macro_export]
 macro_rules! registry {
     ($(#[$doc:meta])* $id:ident: $row:ty { $($(#[$about:meta])* $variant:ident => $value:expr),+ $(,)? }) => {

@@ -1,7 +1,7 @@
 //! Estimates contact forces and their intervals from observations of a finger.
 //!
-//! A [`Sensor`] combines a scene with a question: the contacts, the estimator and the noise. It turns each [`Observation`] into forces with standard
-//! deviations and warnings, or refuses it with a reason. An observation comes from an image, a table or a simulation.
+//! A [`Sensor`] combines a scene with contacts, an estimator and a noise. It turns each [`Observation`] into forces with standard deviations and warnings, or
+//! refuses it with a reason. An observation comes from an image, a table or a simulation.
 
 mod unloaded;
 
@@ -22,20 +22,20 @@ use crate::validity::{Doubt, Validity};
 
 /// Half the width of a two-sided 95 % interval of a normal distribution, in standard deviations.
 pub const TWO_SIDED_95: f64 = 1.96;
-/// Beam elements per member for measured contacts. Objects bend the finger more than single forces of the same size: four elements would leave a mesh
-/// error of 0.1 % of the force.
+/// Beam elements per member for measured contacts. Objects bend the finger more than single forces of the same size. With four elements, the error of the mesh
+/// would be 0.1 % of the force.
 const ELEMENTS_UNDER_OBJECTS: usize = 8;
 
 /// Contacts whose forces are estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SensorContacts {
-    /// Positions and directions that are known exactly, or estimated with the forces.
+    /// Contacts whose positions and directions are known exactly, or estimated with the forces.
     Asked(Vec<ContactQuestion>),
-    /// Positions and directions with standard deviations. The forces follow by least squares with errors in all variables.
+    /// Contacts whose positions and directions are measured with standard deviations. The forces follow by least squares with errors in all variables.
     Measured {
         /// The measured contacts.
         contacts: Vec<MeasuredContact>,
-        /// Largest coefficient of friction, dimensionless. A force may lie anywhere in the friction cone.
+        /// Upper bound of the coefficient of friction, dimensionless. A force may lie anywhere in the friction cone.
         friction: f64,
     },
 }
@@ -49,7 +49,7 @@ pub struct SensorOptions<'n> {
     pub networks: &'n Networks,
     /// Standard deviation of one displacement coordinate, mm. Overrides the noise of the scene and of the observations.
     pub noise_mm: Option<f64>,
-    /// Number of mesh nodes, for estimators whose mesh can be chosen. `None`: the estimator chooses.
+    /// Number of mesh nodes, for estimators whose mesh can be chosen. If it is `None`, the estimator chooses.
     pub mesh_nodes: Option<usize>,
 }
 
@@ -105,9 +105,9 @@ pub struct SensedForces {
     pub forces_n: Vec<f64>,
     /// Standard deviation of each force, N. Includes the noise and the known error of the model.
     pub sigmas_n: Vec<f64>,
-    /// Reasons to trust the forces less than their standard deviations suggest, or to state the noise.
+    /// Reasons to trust the forces less than their standard deviations suggest, or to state the noise. Empty if there is no such reason.
     pub warnings: Vec<SensorWarning>,
-    /// Forces along and across each direction, where the contacts were measured.
+    /// Forces along and across the direction of each contact. `None` unless the contacts were measured.
     measured: Option<MeasuredContactForces>,
 }
 
@@ -121,7 +121,7 @@ pub enum SensorWarning {
         /// Whether the estimator is linear.
         is_linear: bool,
     },
-    /// The standard deviations are infinite: no residual remains to estimate the noise from.
+    /// The standard deviations are infinite, because no residual remains from which to estimate the noise.
     NoResidual,
 }
 
@@ -129,12 +129,12 @@ impl std::fmt::Display for SensorWarning {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         let SensorWarning::Model { warning, is_linear } = self else {
             return f.write_str(
-                "sigma_n is infinite, because as many unknowns as measured coordinates leave no residual to estimate the noise from; state it \
+                "sigma_n is infinite: the noise is not stated, and as many unknowns as measured coordinates leave no residual to estimate it; state the noise \
                  (--noise-mm)",
             );
         };
         let advice = match warning {
-            Warning::UnknownLinearisation => "sigma_n does not include it",
+            Warning::UnknownLinearisation => "sigma_n does not include this error",
             _ if *is_linear => "sigma_n includes the error of linearisation, which --estimator nonlinear avoids",
             Warning::Residual(_) => {
                 "sigma_n follows from the residual and does not include errors of a wrong model; check the contacts, their directions, the finger's \
@@ -157,14 +157,14 @@ pub enum Refusal {
     Estimator(#[from] EstimatorError),
     /// A force is infinite or not a number.
     #[error(
-        "not identifiable: a force at contact {contact} hardly moves the measured nodes; measure others, and check that displacements are in mm"
+        "not identifiable: a force at contact {contact} hardly moves the measured nodes; measure other nodes, and check that displacements are in mm"
     )]
     NotFinite {
         /// Position of the contact in the list, counted from 1.
         contact: usize,
     },
-    /// A condition of measured contacts is not met: a known base, contacts without a pad, the nonlinear estimator.
-    #[error("contacts with standard deviations: expected {0}")]
+    /// Measured contacts need a known base, contacts without a pad, and the nonlinear estimator. The text names the unmet condition.
+    #[error("contacts with standard deviations need {0}")]
     MeasuredContacts(&'static str),
 }
 
@@ -178,7 +178,7 @@ impl<'s> Sensor<'s> {
     /// Combines a scene with contacts and options.
     ///
     /// # Errors
-    /// [`Refusal`] if the estimator does not support the contacts, whose forces it would refuse for every observation.
+    /// [`Refusal`] if the estimator does not support the contacts. It would then refuse every observation.
     pub fn new(scene: &'s Scene, contacts: SensorContacts, options: SensorOptions<'s>) -> Result<Sensor<'s>, Refusal> {
         match &contacts {
             SensorContacts::Asked(questions) => options.estimator.admits(&scene.finger, questions, options.networks)?,
@@ -204,7 +204,7 @@ impl<'s> Sensor<'s> {
         let (scene, SensorOptions { estimator, noise_mm, .. }) = (self.scene, self.options);
         let noise_mm = noise_mm.or(scene.noise_mm);
         let found = seen.for_sensing(scene, estimator.searches(), noise_mm)?;
-        // A stated noise holds for all nodes, and networks are trained on equally accurate nodes.
+        // A stated noise applies equally to all nodes, and networks are trained on equally accurate nodes.
         let stated_mm = noise_mm.map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
         let is_uniform = stated_mm.is_some() || estimator == EstimatorId::Network;
         let ObservedMeasurement { measurement, noise_mm, frame } = found;
@@ -319,16 +319,16 @@ impl SensedForces {
     }
 }
 
-/// Direction of a force as a user specifies it.
+/// Direction of a force as a user states it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AskedDirection {
     /// An explicit direction, independent of the scene.
     Itself(Direction),
-    /// Leaning from the plate's normal by the friction of the scene's table `contact`.
+    /// The plate's normal, rotated by the angle of friction from the scene's table `contact`.
     Friction,
-    /// Leaning by the same friction from the normal of the object in the scene's table `contact.object`.
+    /// The normal of the object's outline from the scene's table `contact.object`, rotated by the angle of friction.
     Object,
-    /// Direction of the image's measured force.
+    /// Direction of the measured force that belongs to the image.
     Measured,
 }
 
@@ -336,13 +336,15 @@ pub enum AskedDirection {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum MissingInScene {
     /// The scene states no friction.
-    #[error("a direction is `friction`: expected friction or friction_range in the scene's table contact")]
+    #[error(
+        "the direction `friction` needs a coefficient: expected friction or friction_range in the scene's table contact"
+    )]
     Friction,
     /// The scene states no object.
-    #[error("a direction is `object`: expected a table contact.object in the scene")]
+    #[error("the direction `object` needs an outline: expected a table contact.object in the scene")]
     Object,
     /// The image has no measured force.
-    #[error("a direction is `measured`: expected the measured force of the image (--forces)")]
+    #[error("the direction `measured` needs a force: expected the measured force of the image (--forces)")]
     Measured,
 }
 
@@ -351,7 +353,7 @@ impl AskedDirection {
     /// undeformed normal.
     ///
     /// # Errors
-    /// [`MissingInScene`] if the direction needs a friction, an object or a measured force, and it is missing.
+    /// [`MissingInScene`] if the direction needs a friction, an object or a measured force that is missing.
     pub fn of_scene(self, scene: &Scene, measured_deg: Option<f64>) -> Result<Direction, MissingInScene> {
         let friction = scene.contact.lean;
         match self {

@@ -15,9 +15,8 @@ use std::fmt;
 pub enum Unknown {
     /// One factor on all moduli of the finger.
     Modulus,
-    /// One factor on the modulus factors of some zones, counted from 0 in the order of the finger's description. A zone at the base can represent a
-    /// compliant clamp. Its rotational stiffness k (N mm/rad) corresponds to a first member of length l and factor f with
-    /// l (1/f - 1) / (E I) = 1 / k.
+    /// One common factor on the modulus factors of some zones, counted from 0 in the order of the finger's description. A zone at the base can represent a
+    /// compliant clamp. A clamp with rotational stiffness k (N mm/rad) corresponds to a first member of length l and factor f with l (1/f - 1) / (E I) = 1 / k.
     Zones(Vec<usize>),
 }
 
@@ -39,9 +38,9 @@ impl fmt::Display for Unknown {
 pub struct FactorModel {
     /// Linear or co-rotational kinematics.
     pub kinematics: Kinematics,
-    /// Beam elements per member; one is exact for the linear finger.
+    /// Beam elements per member. For the linear finger, one element is exact.
     pub elements: usize,
-    /// Standard deviation of one measured coordinate, mm. `None`: estimated from the residual.
+    /// Standard deviation of one measured coordinate, mm. If it is `None`, the noise is estimated from the residual.
     pub noise_mm: Option<f64>,
 }
 
@@ -52,30 +51,30 @@ pub struct FactorEstimate {
     pub finger: Finger,
     /// The unknowns.
     pub unknowns: Vec<Unknown>,
-    /// Factor of each unknown on the described modulus, dimensionless.
+    /// Factor of each unknown on the scene's modulus, dimensionless.
     pub factors: Vec<f64>,
     /// Relative standard deviation of each factor, dimensionless: the standard deviation of its logarithm.
     pub relative_sigmas: Vec<f64>,
     /// Correlation matrix of the factors' logarithms, one row and column for each unknown.
     pub correlation: DMatrix<f64>,
-    /// Standard deviation of one coordinate, mm, from which `relative_sigmas` follow.
+    /// Standard deviation of one measured coordinate, mm, from which `relative_sigmas` follow.
     pub noise_mm: f64,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,
-    /// Distance between measured and computed position of each marker, mm, case after case.
+    /// Distance between measured and computed position of each marker, mm, one case after the other.
     pub distances_mm: Vec<f64>,
     /// Number of iterations of the optimiser.
     pub iterations: usize,
 }
 
 impl FactorEstimate {
-    /// Whether a factor of `other` differs from this estimate's by more than one standard deviation. Both have the same unknowns.
+    /// Whether a factor of `other` differs from this estimate's factor by more than one standard deviation. Both estimates must have the same unknowns.
     pub fn differs_from(&self, other: &FactorEstimate) -> bool {
         let pairs = self.factors.iter().zip(&other.factors).zip(&self.relative_sigmas);
         pairs.into_iter().any(|((own, other), sigma)| (other / own).ln().abs() > *sigma)
     }
 
-    /// Pairs of unknowns (indices) that the data barely separate, with their correlation.
+    /// Pairs of unknowns (indices from 0) that the measurements barely separate, with their correlation, dimensionless.
     pub fn entangled(&self) -> Vec<(usize, usize, f64)> {
         let pairs = (0..self.factors.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
         let correlated = pairs.map(|(i, j)| (i, j, self.correlation[(i, j)]));
@@ -83,28 +82,29 @@ impl FactorEstimate {
     }
 }
 
-/// Absolute correlation from which a pair is reported: knowing one factor would reduce the sigma of the other to a third.
+/// A pair of unknowns is reported if its absolute correlation is at least this. If one factor were known, the standard deviation of the other would fall to a
+/// third.
 const ENTANGLED: f64 = 0.95;
-/// Largest ratio of the singular values of the scaled Jacobian for which the answer is unique. Sensitivities have nine correct digits; smaller singular
-/// values are rounding. Independent zones of the paper's finger span less than 1e4.
+/// Factors are refused if the singular values of the scaled Jacobian span this ratio or more. Sensitivities have nine correct digits, so smaller singular
+/// values are rounding errors. Independent zones of the paper's finger span less than 1e4.
 const LARGEST_SPAN: f64 = 1e7;
-/// Standard deviation of a logarithm from which a factor is not identifiable: 1 is a factor of e in either direction.
+/// A factor is not identifiable if its logarithm has at least this standard deviation: 1 is a factor of e in either direction.
 const LARGEST_RELATIVE_SIGMA: f64 = 1.0;
-/// Share of the largest change in an inseparable combination above which an unknown is named.
+/// The message names an unknown if its change in an inseparable combination exceeds this share of the largest change.
 const NAMED_SHARE: f64 = 0.2;
-/// The search ends when a step changes no factor by more than this share. Convergence is quadratic: the next step would change it by the square.
+/// The search ends when a step changes no factor by more than this share. Convergence is quadratic: the next step would change a factor by the square of this
+/// share.
 const SMALLEST_STEP: f64 = 1e-10;
 
 /// Estimates factors on moduli that minimise the sum of squared distances between measured and computed nodes.
 ///
-/// Each unknown is a factor on the described modulus, where the search starts. The search uses logarithms, so factors stay positive. Factors that are not
-/// identifiable are refused, for example [`Unknown::Modulus`] together with a group of zones that covers the whole finger.
+/// Each unknown is a factor on the scene's modulus, and the search starts at a factor of 1. The search uses logarithms, so factors stay positive. Factors that
+/// are not identifiable are refused, for example [`Unknown::Modulus`] together with a group of zones that covers the whole finger.
 ///
 /// # Reference
-/// Eq. (11) of Xu et al. (2021) for several unknowns, with squares in place of distances, by [`LevenbergMarquardt`]. Equilibrium is
-/// r(u, p) = 0, so du/dp = -K^-1 dr/dp with the tangent stiffness K. The forces of a member are proportional to its modulus. dr/dp is their sum, each
-/// weighted by the share of the member's compliance that the zone has ([`Mesh::zone_shares`](crate::Mesh::zone_shares)). Covariance of the logarithms:
-/// s^2 (J^T W^2 J)^-1.
+/// Eq. (11) of Xu et al. (2021) for several unknowns, with squares in place of distances, by [`LevenbergMarquardt`]. Equilibrium is r(u, p) = 0, so du/dp =
+/// -K^-1 dr/dp with the tangent stiffness K. The forces of a member are proportional to its modulus. dr/dp is the sum of these forces, each weighted by the
+/// share of the member's compliance that the zone has ([`Mesh::zone_shares`](crate::Mesh::zone_shares)). Covariance of the logarithms: s^2 (J^T W^2 J)^-1.
 ///
 /// # Errors
 /// [`CalibrationError`] if the statics fail, the search does not converge, or the factors are not identifiable.
@@ -158,7 +158,7 @@ pub fn factors(
     })
 }
 
-/// Distance between measured and computed position of each marker for an unchanged finger, mm, case after case.
+/// Distance between measured and computed position of each marker for an unchanged finger, mm, one case after the other.
 ///
 /// # Errors
 /// [`CalibrationError`] if the statics of the finger cannot be solved.
@@ -176,11 +176,11 @@ fn distances_of(cases: &[CalibrationCase], residual: &DVector<f64>) -> Vec<f64> 
     markers.zip(residual.as_slice().chunks(2)).map(|(marker, at)| at[0].hypot(at[1]) / marker.weight).collect()
 }
 
-/// Refuses an unknown that moves no marker, and unknowns that move markers only in combination.
+/// Refuses an unknown that moves no marker, and unknowns whose effects on the markers cancel in some combination.
 fn require_separable(jacobian: &DMatrix<f64>, unknowns: &[Unknown]) -> Result<(), CalibrationError> {
     let scales: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
     let largest = scales.iter().copied().fold(0.0, f64::max);
-    // An unknown of an unloaded part moves markers by rounding at most.
+    // An unknown that belongs to an unloaded part moves markers only by rounding errors.
     let moves = |k: usize| scales[k] > largest / LARGEST_SPAN;
     let unmoved: Vec<_> = (0..unknowns.len()).filter(|&k| !moves(k)).collect();
     if !unmoved.is_empty() {

@@ -1,4 +1,4 @@
-//! Estimates one modulus of the co-rotational finger, robust to markers that belong to another node.
+//! Estimates one modulus of the co-rotational finger. The method is robust to markers that belong to another node.
 
 use super::factors::distances_mm;
 use super::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors, median, youngs_modulus};
@@ -8,11 +8,11 @@ use crate::measurement::Marker;
 use crate::sensing::{ResidualTest, noise_of};
 use crate::statics::StaticsError;
 
-/// Distance in standard deviations of a coordinate beyond which a marker is down-weighted (Huber). Normal noise exceeds it for one marker in ninety, which
-/// raises sigma by less than 1 %.
+/// A marker is down-weighted if its distance exceeds this many standard deviations of a coordinate (Huber). Normal noise exceeds this for one marker in ninety,
+/// which raises the standard deviation of the factor by less than 1 %.
 const FORGIVEN: f64 = 3.0;
-/// A marker is reported as outlier beyond this many standard deviations and this share of the root mean square displacement. Normal noise exceeds
-/// five standard deviations for one marker in 270 000.
+/// A marker is reported as outlier if its distance exceeds this many standard deviations and this share of the root mean square displacement. Normal noise
+/// exceeds five standard deviations for one marker in 270 000.
 const OUTLYING: f64 = 5.0;
 const OUTLYING_SHARE: f64 = 0.1;
 /// Median distance of normal noise in a plane, in standard deviations of a coordinate: sqrt(2 ln 2).
@@ -20,10 +20,10 @@ const MEDIAN_DISTANCE: f64 = 1.177_410_022_515_474_7;
 /// Reweighting ends when the factor changes by less than this share of its standard deviation, usually after two or three rounds.
 const SETTLED: f64 = 1e-2;
 const MOST_ROUNDS: usize = 20;
-/// Largest number of doublings of the first factor, for loads that the finger does not carry with the linear finger's factor.
+/// The modulus is doubled at most this number of times if the finger has no equilibrium under the loads with the linear finger's factor.
 const MOST_DOUBLINGS: i32 = 6;
 
-/// Modulus of the co-rotational finger as a factor on the described modulus.
+/// Modulus of the co-rotational finger as a factor on the scene's modulus.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CorotationalModulus {
     /// Factor on all moduli of the finger, dimensionless.
@@ -32,16 +32,16 @@ pub struct CorotationalModulus {
     pub sigma: f64,
     /// Mean distance between measured and computed nodes, mm.
     pub mean_distance_mm: f64,
-    /// Test of the stated noise, if the measurement contradicts it. `sigma` then rests on the residual.
+    /// Test of the residual against the stated noise, if the measurement contradicts this noise. `sigma` then follows from the residual.
     pub contradiction: Option<ResidualTest>,
-    /// Down-weighted markers far from their computed positions.
+    /// Down-weighted markers that are far from their computed positions.
     pub outliers: Vec<OutlyingMarker>,
 }
 
 /// A marker far from its computed position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutlyingMarker {
-    /// Index of its case, from 0.
+    /// Index of the marker's case, from 0.
     pub case: usize,
     /// Node of the marker.
     pub node: NodeId,
@@ -52,12 +52,12 @@ pub struct OutlyingMarker {
 /// Young's modulus of the co-rotational finger. Finds the factor on all moduli that minimises the sum of squared distances between measured and
 /// computed nodes, with distant markers down-weighted.
 ///
-/// `elements` is the number of beam elements per member. `noise_mm` is the standard deviation of one measured coordinate, mm. The residual replaces an
-/// unknown or contradicted noise.
+/// `elements` is the number of beam elements per member. `noise_mm` is the standard deviation of one measured coordinate, mm. A noise that is unknown, or that
+/// contradicts the residual, is estimated from the residual.
 ///
 /// # Reference
-/// Eq. (11) of Xu et al. (2021) as in [`youngs_modulus`], with co-rotational equilibria and weighted squares of distances. [`factors`] starts from the
-/// linear finger's factor; weights are updated until it settles (Huber and Ronchetti, Robust Statistics, 2nd ed., sec. 7.8).
+/// Eq. (11) of Xu et al. (2021) as in [`youngs_modulus`], with co-rotational equilibria and weighted squares of distances. [`factors`] starts from the linear
+/// finger's factor; weights are updated until the factor settles (Huber and Ronchetti, Robust Statistics, 2nd ed., sec. 7.8).
 ///
 /// # Errors
 /// [`CalibrationError`] if the statics fail at every tried modulus, or the factor is not identifiable.
@@ -72,7 +72,7 @@ pub fn corotational_modulus(
         return Err(CalibrationError::NotIdentifiable { parameters: Unknown::Modulus.to_string() });
     }
     let model = FactorModel { kinematics: Kinematics::Corotational, elements, noise_mm: None };
-    // The co-rotational finger may not carry the loads with the linear finger's modulus.
+    // With the linear finger's modulus, the co-rotational finger may have no equilibrium under the loads.
     let mut start = linear.factor;
     let found = (0..=MOST_DOUBLINGS).find_map(|_| {
         let found = finger.with_modulus_factor(start).map_err(CalibrationError::from);
@@ -104,8 +104,8 @@ pub fn corotational_modulus(
     })
 }
 
-/// Least-squares factor with markers weighted by their distances until it settles, and the cases with the last weights. The first weights follow from the
-/// distances of the unchanged finger.
+/// Least-squares factor, and the cases with the last weights. Markers are weighted by their distances until the factor settles. The first weights follow from
+/// the distances for the unchanged finger.
 fn forgiving(
     finger: &Finger,
     cases: &[CalibrationCase],

@@ -9,27 +9,29 @@ use crate::sensing::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Beam elements per member of the co-rotational finger that determines the error of linearisation. The error of this mesh is small in comparison.
+/// Beam elements per member of the co-rotational finger that determines the error of linearisation. The error of this mesh is small compared with the error of
+/// linearisation.
 const LINEARISATION_ELEMENTS: usize = 2;
 
 /// An estimator on a mesh of the beam model.
 #[derive(Debug, Clone)]
 pub struct BeamEstimator<'m> {
     id: EstimatorId,
-    /// Prior of a linear estimator. `None` for the nonlinear one.
+    /// Prior of a linear estimator. `None` for the nonlinear estimator.
     prior: Option<Prior>,
     mesh: &'m Mesh,
-    /// Mesh for the error of the model: of the co-rotational finger, and finer than `mesh` for the nonlinear estimator.
+    /// Mesh of the co-rotational finger from which the model error follows. For the nonlinear estimator it is finer than `mesh`. `None` if the standard
+    /// deviations follow from noise alone.
     reference: Option<Mesh>,
 }
 
 impl<'m> BeamEstimator<'m> {
-    /// Linear least squares, exact at the key nodes on any mesh. Its standard deviations include the error of linearisation.
+    /// Linear least squares, with exact displacements of the key nodes on any mesh. Its standard deviations include the error of linearisation.
     pub fn least_squares(mesh: &'m Mesh) -> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::LeastSquares, Prior::None, mesh)
     }
 
-    /// Linear least squares with the paper's range of forces as a prior. Its standard deviations include the error of linearisation.
+    /// Linear least squares with the range of forces of Xu et al. (2021) as a prior. Its standard deviations include the error of linearisation.
     pub fn ridge(mesh: &'m Mesh) -> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::Ridge, Prior::PAPER, mesh)
     }
@@ -45,7 +47,7 @@ impl<'m> BeamEstimator<'m> {
         BeamEstimator { id: EstimatorId::Nonlinear, prior: None, mesh, reference }
     }
 
-    /// The same estimator with standard deviations from noise alone, as the Cramer-Rao bound has them.
+    /// The same estimator with standard deviations that follow from noise alone, as in the Cramer-Rao bound.
     pub fn of_noise_alone(self) -> BeamEstimator<'m> {
         BeamEstimator { reference: None, ..self }
     }
@@ -83,7 +85,7 @@ impl Estimator for BeamEstimator<'_> {
     }
 }
 
-/// A linear estimator on a finger solved once for all contacts.
+/// A linear estimator on a finger whose compliance is computed once for all contacts.
 struct SolvedLinear<'m> {
     id: EstimatorId,
     solved: NodalCompliance,
@@ -102,7 +104,7 @@ impl Estimator for SolvedLinear<'_> {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
         let estimator = LinearEstimator::on(&self.solved, contacts, markers).or_else(|error| match error {
-            // Rounding may fail the solution for a unit moment where that for the force succeeds.
+            // Because of rounding, the solution for a unit moment may fail although the solution for the force succeeds.
             SensingError::Statics(_) => LinearEstimator::new(self.solved.finger(), contacts, markers),
             error => Err(error),
         })?;
@@ -142,12 +144,12 @@ impl PreparedEstimator for Linear<'_> {
     }
 }
 
-/// Standard deviation of the sum of linearly estimated forces, sqrt(1^T P 1), with their covariance
-/// P = s^2 (C^T W^2 C + (s / p)^2)^-1. s is the noise, p the prior's standard deviation (infinite for least squares).
+/// Standard deviation of the sum of linearly estimated forces: sqrt(1^T P 1) for their covariance P = s^2 (C^T W^2 C + (s / p)^2)^-1. The noise is s, and p is
+/// the prior's standard deviation (infinite for least squares).
 struct SumSigma {
-    /// C^T W^2 C, mm^2/N^2, for an estimator with a prior. `None` if it is singular to rounding.
+    /// C^T W^2 C, mm^2/N^2, for an estimator with a prior. `None` without a prior, or if the matrix is singular to rounding.
     information: Option<DMatrix<f64>>,
-    /// Standard deviation of the sum by least squares for a noise of 1 mm, N/mm.
+    /// Standard deviation of the sum by least squares per mm of noise, N/mm.
     per_noise: f64,
 }
 
@@ -185,7 +187,7 @@ struct Nonlinear<'m> {
 
 impl PreparedEstimator for Nonlinear<'_> {
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
-        // A start from the last measurement would make the answer depend on the order of measurements.
+        // If the search started from the last estimate, the result would depend on the order of measurements.
         self.estimator.reset();
         let mut estimate = self.estimator.estimate(measurement, noise_mm)?;
         if let Some(discretisation) = &mut self.discretisation {
@@ -201,11 +203,11 @@ impl PreparedEstimator for Nonlinear<'_> {
 
     fn expect_samples_of(&mut self, noise_free: &Measurement, noise_mm: f64, samples: usize) {
         self.estimator.forget();
-        // A single sample does not repay the search.
+        // For a single sample, the search would cost more than it saves.
         if samples < 2 {
             return;
         }
-        // If the model contradicts the measurement, there may be several minima, and a shared start would select one.
+        // If the measurement contradicts the model, there may be several minima, and a common starting point would select one of them.
         if self.estimator.estimate(noise_free, Some(noise_mm)).is_ok_and(|found| found.forces.warning.is_none()) {
             self.estimator.hold();
         }

@@ -1,6 +1,6 @@
-//! All force estimators. Each is one row of [`EstimatorId`], so that all studies and tables treat estimators equally.
+//! All force estimators. Each estimator is one row of [`EstimatorId`], so all studies and tables treat estimators equally.
 //!
-//! Threads share an [`Estimator`]; each thread prepares a [`PreparedEstimator`] for the contacts and markers of a question. An estimate does not depend on
+//! Threads share an [`Estimator`]; each thread prepares a [`PreparedEstimator`] for the contacts and markers of a measurement. An estimate does not depend on
 //! earlier measurements.
 
 mod beam;
@@ -28,7 +28,7 @@ registry! {
     EstimatorId: EstimatorRow {
         /// Linear least squares.
         LeastSquares => linear::LEAST_SQUARES,
-        /// Linear least squares with the paper's range of forces as a prior.
+        /// Linear least squares with the range of forces of Xu et al. (2021) as a prior.
         Ridge => linear::RIDGE,
         /// Gauss-Newton on the co-rotational finger.
         Nonlinear => nonlinear::ROW,
@@ -37,7 +37,7 @@ registry! {
     }
 }
 
-/// Properties of an estimator; the methods of [`EstimatorId`] describe them.
+/// Properties of an estimator. The methods of [`EstimatorId`] describe them.
 struct EstimatorRow {
     name: &'static str,
     label: &'static str,
@@ -66,7 +66,7 @@ impl EstimatorId {
         self.row().searches
     }
 
-    /// Whether the estimator answers only at contact nodes and along the normal, as the shipped networks do.
+    /// Whether the estimator supports only forces at contact nodes along the normal, like the shipped networks.
     pub fn at_nodes(self) -> bool {
         self.row().at_nodes
     }
@@ -76,7 +76,7 @@ impl EstimatorId {
         self.row().needs
     }
 
-    /// Phrase for help texts: the questions and measurements that the estimator refuses.
+    /// Phrase for help texts: the contacts and measurements that the estimator refuses.
     pub fn refuses(self) -> &'static str {
         self.row().refuses
     }
@@ -96,7 +96,7 @@ impl EstimatorId {
         (self.row().on)(mesh, networks)
     }
 
-    /// Refuses contacts that the estimator does not support for any measurement.
+    /// Checks that the estimator supports the contacts, independent of any measurement.
     ///
     /// # Errors
     /// [`EstimatorError`] if a contact is wrong or unsupported.
@@ -109,7 +109,7 @@ impl EstimatorId {
         (self.row().admits)(finger, contacts, networks)
     }
 
-    /// Answers one question with all that the estimator states, as `finray sense` does.
+    /// Answers one [`Question`]: estimates the forces, with all errors that the estimator states, as `finray sense` does.
     ///
     /// # Errors
     /// [`EstimatorError`] if a contact is wrong, or the estimator refuses to answer.
@@ -124,7 +124,7 @@ impl EstimatorId {
     }
 }
 
-/// A question to an estimator.
+/// Input of one estimate: the contacts, the measurement and options.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'q> {
     /// Contacts whose forces are estimated.
@@ -137,18 +137,18 @@ pub struct Question<'q> {
     pub measurement: &'q Measurement,
     /// Standard deviation of one displacement coordinate, mm. `None` if unknown.
     pub noise_mm: Option<f64>,
-    /// Number of mesh nodes, for estimators whose mesh can be chosen. `None`: refined as needed.
+    /// Number of mesh nodes, for estimators whose mesh can be chosen. `None` refines the mesh as needed.
     pub mesh_nodes: Option<usize>,
     /// Candidate networks for [`EstimatorId::Network`].
     pub networks: &'q Networks,
-    /// Possible differences of the unloaded finger from the scene's. Estimators that do not search refuse them.
+    /// Possible differences of the unloaded finger from the scene's. Estimators that do not search refuse such differences.
     pub unloaded: Option<&'q UnloadedFinger>,
 }
 
 /// Contacts with their given or estimated position and direction, and their forces.
 pub type Answer = (Vec<Contact>, Estimate);
 
-/// Contacts of known position and direction. Most estimators support no others.
+/// Contacts of known position and direction. [`EstimatorError::NotKnown`] if one is unknown, because most estimators do not support this.
 fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<Contact>, EstimatorError> {
     let known: Option<Vec<Contact>> = contacts.iter().map(|question| question.known()).collect();
     let contacts = known.ok_or(EstimatorError::NotKnown)?;
@@ -161,7 +161,7 @@ pub trait Estimator: Sync {
     /// Identifier of the estimator.
     fn id(&self) -> EstimatorId;
 
-    /// Prepares for contacts and for the markers of a measurement. Does not use the displacements yet.
+    /// Prepares the estimator for contacts and for the nodes of a measurement's markers. The displacements of the markers are not used yet.
     ///
     /// # Errors
     /// [`EstimatorError`] if a contact is wrong, the forces are not identifiable, or the estimator does not support the contacts.
@@ -171,8 +171,8 @@ pub trait Estimator: Sync {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
 
-    /// An equivalent estimator, up to rounding, that solves the part common to all contacts once. `None` if this saves nothing. For a linear true finger, a
-    /// linear estimator omits the error of linearisation.
+    /// An estimator with the same results up to rounding, which computes the part common to all contacts once. `None` if this saves no time. If the true finger
+    /// is linear, a linear estimator omits the error of linearisation.
     fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
         None
     }
@@ -189,7 +189,7 @@ pub trait PreparedEstimator {
     /// Announces that the next `samples` measurements are `noise_free` plus noise of `noise_mm`, so the search may start there.
     fn expect_samples_of(&mut self, _noise_free: &Measurement, _noise_mm: f64, _samples: usize) {}
 
-    /// Gives forces, N, close to those of the next measurement, from which a search may start. Only for error bounds at the true forces.
+    /// States forces, N, close to those of the next measurement. A search may start from them. Only for error bounds at the true forces.
     fn expect_forces(&mut self, _forces_n: &[f64]) {}
 }
 

@@ -35,14 +35,14 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     Ok((contacts, estimate))
 }
 
-/// Networks from which one is chosen by finger and contacts.
+/// A list of networks, from which finger and contacts select one network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Networks(Vec<Network>);
 
 /// No network is trained for the finger and contacts.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoNetwork {
-    /// The only network was trained for others.
+    /// The list has only one network, which was trained for another finger or other contacts.
     #[error(transparent)]
     Made(#[from] NetworkError),
     /// No network is trained for this finger.
@@ -78,7 +78,8 @@ impl Networks {
         Networks(networks)
     }
 
-    /// The network for contacts of a finger, in any order. One for exactly these contacts has priority over one for any of its contacts.
+    /// Selects the network for contacts of a finger, in any order. A network for exactly these contacts has priority over a network for any subset of its
+    /// contacts.
     ///
     /// # Errors
     /// [`NoNetwork`] if no network is trained for the finger and the contacts.
@@ -97,10 +98,10 @@ impl Networks {
     }
 }
 
-/// Networks as an estimator for one finger. The contacts determine the network that answers.
+/// An estimator for one finger that selects a network by the contacts.
 #[derive(Debug, Clone, Copy)]
 pub struct NetworkSensing<'n> {
-    /// Networks to choose from.
+    /// Networks from which one is selected.
     pub networks: &'n Networks,
     /// The finger whose forces are estimated.
     pub finger: &'n Finger,

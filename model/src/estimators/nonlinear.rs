@@ -13,22 +13,23 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     is_linear: false,
     searches: true,
     at_nodes: false,
-    needs: "position of the contact; direction or position may be sought",
+    needs: "contacts; their positions and directions may be unknown",
     refuses: "measurements that no shape of the finger explains, directions and positions that are not identifiable",
     unseen_contacts: "any",
     mesh: |finger| Mesh::with_elements_per_member(finger, ELEMENTS),
     on: |mesh, _| Box::new(BeamEstimator::nonlinear(mesh)),
-    // The search itself checks contacts, because positions and directions may be estimated.
+    // The search checks the contacts, because positions and directions may be estimated.
     admits: |_, _, _| Ok(()),
     answer,
 };
 
-/// The effect of assembly errors on the markers depends on the forces. It has settled when forces change by no more than this share of their standard
-/// deviations.
+/// Estimates are repeated until a round changes every force by at most this share of its standard deviation. Repetition is needed because the effect of
+/// assembly errors on the markers depends on the forces. The estimate fails after `ROUNDS` rounds.
 const SETTLED_SIGMAS: f64 = 0.05;
 const ROUNDS: usize = 8;
 
-/// If the unloaded finger may differ, repeats the estimate; each round linearises the assembly errors at the last forces and errors.
+/// Repeats the estimate if the unloaded finger may differ from the scene's finger. Each round linearises the assembly errors at the forces and errors of the
+/// round before.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let Some(unloaded) = question.unloaded else {
         let sensed = sensed(finger, question)?;

@@ -1,7 +1,7 @@
 //! Noise of measured displacements, by the source of the undeformed positions.
 //!
-//! A displacement is a position in an image minus the undeformed position. The undeformed position is measured in an image of the unloaded finger, or
-//! computed from the motor angle. Its error is part of the displacement and shared by all frames that use it.
+//! A displacement is a position in an image minus the undeformed position. The undeformed position is measured in an image of the unloaded finger, or computed
+//! from the motor angle. The error of the undeformed position is part of the displacement, and all frames that use this position share the error.
 
 use super::Measurement;
 use crate::Vector;
@@ -38,7 +38,7 @@ pub enum DisplacementNoise {
 pub struct NoNoise;
 
 impl DisplacementNoise {
-    /// Standard deviation of the error that one coordinate has independently in every frame, mm.
+    /// Standard deviation of the part of a coordinate's error that is independent in every frame, mm.
     pub fn frame_sd_mm(&self) -> f64 {
         match *self {
             DisplacementNoise::Independent { sd_mm } => sd_mm,
@@ -74,7 +74,8 @@ impl DisplacementNoise {
         covariance
     }
 
-    /// Random errors of the undeformed positions, mm, which all frames share. `standard_normal` returns the random numbers.
+    /// Random errors of the displacements due to the undeformed positions, mm, one vector per node. All frames share these errors. `standard_normal` returns
+    /// random numbers.
     pub fn shared_errors_mm(&self, positions_mm: &[Vector], mut standard_normal: impl FnMut() -> f64) -> Vec<Vector> {
         match *self {
             DisplacementNoise::Independent { .. } => vec![Vector::zeros(); positions_mm.len()],
@@ -103,7 +104,7 @@ impl DisplacementNoise {
         }
     }
 
-    /// Factors the covariance of the mean of several frames, to transform errors into independent ones of standard deviation 1.
+    /// Factors the covariance of the mean of several frames, to transform errors into independent errors of standard deviation 1.
     ///
     /// # Errors
     /// [`NoNoise`] if the covariance is not positive definite.
@@ -131,7 +132,8 @@ impl Whitening {
     }
 }
 
-/// Motion of every coordinate per mm of the base along x, per mm along y, and per rad about the origin (mm): three columns.
+/// Derivatives of every coordinate with respect to the pose of the base. The three columns are translation along x and along y (dimensionless), and rotation
+/// about the origin (mm/rad).
 pub fn base_motions(positions_mm: &[Vector]) -> DMatrix<f64> {
     DMatrix::from_fn(2 * positions_mm.len(), 3, |row, column| match column {
         2 => across(&positions_mm[row / 2])[row % 2],

@@ -5,11 +5,11 @@ use crate::Vector;
 use crate::finger::Finger;
 use crate::measurement::Marker;
 
-/// Largest apparent motion of a clamped marker: this many standard deviations, but at least `LEAST_MM`. A larger one means confused nodes.
+/// A clamped marker is refused if it moves by more than this many standard deviations and by more than `LEAST_MM`. Such a motion indicates wrong node numbers.
 const SIGMAS: f64 = 6.0;
 const LEAST_MM: f64 = 0.05;
-/// Largest apparent motion without a stated noise, as a share of the largest displacement. For a finger that moves by 10 mm it is three times the noise of
-/// the paper's camera. The paper's first free nodes move by more under any force at a node.
+/// Without a stated noise, a clamped marker is refused if it moves by more than this share of the largest displacement. For a finger that moves by 10 mm, this
+/// is three times the noise of the paper's camera. The paper's first free nodes move by more than this under any force at a node.
 const SHARE: f64 = 0.02;
 
 /// Largest motion of a clamped marker that noise explains, mm.

@@ -1,9 +1,9 @@
-//! Differences between the unloaded finger and the scene's after assembly or mounting.
+//! Errors of assembly and mounting: differences between the unloaded real finger and the finger of the scene.
 //!
-//! Each joint is off by some tenths of a millimetre, the plates carry a preload, and the finger is at another height before the camera. To first order,
-//! each of these errors displaces the markers of a bent finger in a fixed pattern. [`UnloadedFinger`] computes these patterns from equilibria of fingers
-//! with errors. The nonlinear estimator estimates the amplitudes with their priors. A calibration leaves such errors, too; they are correlated and stated as
-//! independent combinations.
+//! Assembly and mounting displace each joint by some tenths of a millimetre, leave a preload in the plates, and change the finger's distance from the camera.
+//! To first order, each error displaces the markers of a bent finger in a fixed pattern. [`UnloadedFinger`] computes these patterns from equilibria of fingers
+//! with errors. The nonlinear estimator estimates the amplitude of each pattern together with the forces, with a prior on each amplitude. Errors that remain
+//! after a calibration are correlated; [`AssemblyErrors::further`] has them as independent combinations.
 
 use super::{Contact, ContactQuestion, Direction, Pad, SensingError};
 use crate::finger::{Finger, Plate};
@@ -16,33 +16,34 @@ use nalgebra::UnitComplex;
 /// Uncertainty of the unloaded finger.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AssemblyErrors {
-    /// Standard deviation of each joint's position, along its plate and perpendicular to it, mm.
+    /// Standard deviation of the position of each joint of a rib with a plate, in mm: along the plate and perpendicular to it.
     pub joint_sd_mm: f64,
-    /// Moment that the plates exert on each other at the tip without load, N mm, from x to y. Uniformly curved plates leave only this moment when they are
-    /// joined, because the end moments of neighbouring elements cancel.
+    /// Moment that the plates exert on each other at the tip without load, in N mm. A positive moment turns x towards y. If uniformly curved plates are joined,
+    /// only this moment remains, because the end moments of neighbouring elements cancel.
     pub preload_nmm: f64,
     /// Standard deviation of the preload, N mm.
     pub preload_sd_nmm: f64,
-    /// Standard deviation of the height of the markers, mm.
+    /// Standard deviation of the markers' height towards the camera, in mm.
     pub height_sd_mm: f64,
-    /// Further errors that a calibration leaves, independent of each other and of the errors above.
+    /// Errors that remain after a calibration. They are independent of each other and of the errors of the fields above.
     pub further: Vec<UnloadedError>,
 }
 
-/// One error of the unloaded finger and its rig, of one standard deviation. All its parts occur together.
+/// One error of the unloaded finger and its mounting, with the size of one standard deviation. All fields change together: they are fully correlated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnloadedError {
-    /// Displacements of the joints of each rib, mm: `[front, back]`, each along the plate from base to tip and into the finger.
+    /// Displacements of the joints of each rib, in mm: `[front, back]`. Each joint has two components: along its plate from base to tip, and perpendicular into
+    /// the finger.
     pub joints_mm: Vec<[[f64; 2]; 2]>,
-    /// Additional length of the clips on the front and the back plate, mm.
+    /// Additional length of the ribs' clips, in mm: on the front plate, on the back plate.
     pub clip_mm: [f64; 2],
-    /// Additional preload, N mm.
+    /// Additional preload at the tip, in N mm.
     pub preload_nmm: f64,
-    /// Additional height of the markers, mm.
+    /// Additional height of the markers towards the camera, in mm.
     pub height_mm: f64,
-    /// Displacement of the base from its assumed position, mm, finger frame.
+    /// Displacement of the base from its assumed position, in mm, finger frame.
     pub base: Vector,
-    /// Turn of the base from its assumed orientation, rad.
+    /// Rotation of the base from its assumed orientation, in rad, positive from x to y.
     pub base_turn_rad: f64,
 }
 
@@ -51,27 +52,27 @@ pub struct UnloadedError {
 pub struct UnloadedFinger {
     /// Uncertainty of the unloaded finger.
     pub assembly: AssemblyErrors,
-    /// The camera. `None` if the height of the markers has no effect.
+    /// The camera above the markers. `None` neglects the effect of the markers' height.
     pub camera: Option<CameraAbove>,
-    /// Standard deviation of the turn of the measurement's frame, rad, if displacements refer to an image of the unloaded finger. The position of the base
-    /// then has no effect. `None` if displacements refer to the scene's finger.
+    /// Standard deviation, in rad, of the rotation of the frame in which displacements are measured, if they refer to an image of the unloaded finger. The
+    /// position of the base then has no effect. `None` if displacements refer to the finger of the scene.
     pub measured_in_frame_sd_rad: Option<f64>,
 }
 
 /// A camera above the plane of the markers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraAbove {
-    /// Point of the plane below the camera, in the finger frame, mm.
+    /// Foot of the perpendicular from the camera to the plane of the markers, finger frame, in mm.
     pub eye: Vector,
-    /// Point of the finger whose image stays fixed when finger and base rise together, mm.
+    /// Point whose image stays fixed when finger and base rise together towards the camera, finger frame, in mm.
     pub middle: Vector,
-    /// Distance of the camera from the plane, mm.
+    /// Distance of the camera from the plane of the markers, in mm.
     pub distance_mm: f64,
 }
 
-/// Beam elements per member of the compared fingers.
+/// Beam elements per member in the meshes of the fingers with and without errors.
 const ELEMENTS: usize = 8;
-/// Numbers in a row of [`UnloadedError`]: of each rib, and of all other parts.
+/// Count of numbers per rib in a row that describes an [`UnloadedError`]. `OF_REST` is the count of the numbers that follow.
 const OF_RIB: usize = 4;
 const OF_REST: usize = 7;
 
@@ -88,8 +89,9 @@ impl UnloadedError {
         }
     }
 
-    /// Reads an error from a row of numbers, mm and N mm. First, of each rib: front along the plate, front into the finger, back along, back into. Then: clip
-    /// front, clip back, preload, height, base x, base y, turn in degrees. `None` for a row of another length.
+    /// Reads an error from a row of numbers. Four numbers per rib come first, in mm: front joint along the plate, front joint into the finger, back joint along
+    /// the plate, back joint into the finger. Seven numbers follow: front clip (mm), back clip (mm), preload (N mm), height (mm), base x (mm), base y (mm),
+    /// rotation (degrees). `None` for a row of another length.
     pub fn from_row(row: &[f64], ribs: usize) -> Option<UnloadedError> {
         let (joints, rest) = row.split_at_checked(OF_RIB * ribs)?;
         let &[front_clip, back_clip, preload_nmm, height_mm, x, y, turn_deg] = rest else { return None };
@@ -114,7 +116,7 @@ impl UnloadedError {
         self.joints_mm.iter().flatten().flatten().chain(&self.clip_mm).copied().chain(rest).collect()
     }
 
-    /// This error plus `times` another.
+    /// Sum of this error and `times` times the error `other`.
     pub(crate) fn and(&self, times: f64, other: &UnloadedError) -> UnloadedError {
         let mut sum = self.clone();
         let joints_mm = sum.joints_mm.iter_mut().flatten().flatten().zip(other.joints_mm.iter().flatten().flatten());
@@ -126,7 +128,7 @@ impl UnloadedError {
         sum
     }
 
-    /// A finger with this error. `None` if it is impossible.
+    /// `finger`, changed by this error's joints and clips. `None` if such a finger is geometrically impossible.
     pub(crate) fn finger(&self, finger: &Finger) -> Option<Finger> {
         let mut description = finger.description().clone();
         for (rib, joints_mm) in self.joints_mm.iter().enumerate() {
@@ -154,7 +156,7 @@ impl UnloadedError {
 }
 
 impl AssemblyErrors {
-    /// Load of a preload at the tip, N mm.
+    /// Load at the tip that represents a preload of `moment_nmm`, N mm.
     pub(crate) fn load(finger: &Finger, moment_nmm: f64) -> Load {
         Load::Node { node: finger.tip(), force: Vector::zeros(), moment_nmm }
     }
@@ -163,14 +165,18 @@ impl AssemblyErrors {
 /// Forces at contacts, with the pad between object and plate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pushed<'f> {
+    /// Known and unknown parts of each contact.
     pub questions: &'f [ContactQuestion],
+    /// Position and direction of each contact.
     pub contacts: &'f [Contact],
+    /// Force of each contact along its direction, N.
     pub forces_n: &'f [f64],
+    /// Pad between objects and the plate.
     pub pad: Pad,
 }
 
 impl Pushed<'_> {
-    /// The contacts in a finger frame turned by `by_rad`. Known directions are fixed outside this frame.
+    /// The contacts in a finger frame that is rotated by `by_rad`, rad. Only known directions change, because they are stated relative to the unrotated frame.
     fn turned_back(&self, by_rad: f64) -> Vec<Contact> {
         let is_known = |question: &ContactQuestion| matches!(question.direction, Direction::Angle(_));
         let turned = |(contact, question): (&Contact, &ContactQuestion)| match is_known(question) {
@@ -182,17 +188,17 @@ impl Pushed<'_> {
 }
 
 impl UnloadedFinger {
-    /// Standard deviation of a coordinate, mm, due to shared errors before any force is known. Zero for displacements from the scene's finger, because most
-    /// errors then do not depend on forces.
+    /// Standard deviation of a displacement coordinate, in mm, that allows for assembly errors in a search without known forces. It is zero for displacements
+    /// that refer to the finger of the scene, because most errors of these do not depend on forces.
     pub(crate) fn unknown_without_forces_mm(&self) -> f64 {
         if self.measured_in_frame_sd_rad.is_some() { self.assembly.joint_sd_mm } else { 0.0 }
     }
 
-    /// Corrects a measurement for the expected preload, and adds the errors that its markers share. They are linearised at `found`, the errors of an earlier
-    /// search in standard deviations, or at zero if it is empty.
+    /// Corrects a measurement for the expected preload, and adds the assembly errors as errors that all markers share. The errors are linearised at `found`,
+    /// their amplitudes from an earlier search in standard deviations. If `found` is empty, they are linearised at zero.
     ///
     /// # Errors
-    /// [`SensingError`] if a finger with an error is impossible or has no equilibrium under the forces.
+    /// [`SensingError`] if a finger with one of the errors is impossible or has no equilibrium under the forces.
     pub(crate) fn allowed_for(
         &self,
         finger: &Finger,
@@ -203,7 +209,7 @@ impl UnloadedFinger {
         let errors = self.independent_errors(finger.rib_count());
         let none = UnloadedError::none(finger.rib_count());
         let all = errors.iter().zip(found).fold(none.clone(), |all, (error, times)| all.and(*times, error));
-        // The errors are linearised at zero if the finger with the found errors is impossible.
+        // If a finger with the amplitudes `found` is impossible, the errors are linearised at zero.
         let (here, found) = if all.finger(finger).is_some() { (all, found) } else { (none, &[][..]) };
         let bent = self.bent(finger, &here, pushed)?;
         let seen = self.seen(&here, &bent);
@@ -214,7 +220,7 @@ impl UnloadedFinger {
                 let bent = if error.bends() { self.bent(finger, &there, pushed)? } else { bent.clone() };
                 Ok(self.seen(&there, &bent).iter().zip(&seen).map(|(there, here)| (there - here) * times).collect())
             };
-            // The opposite sign serves where a finger with the error is impossible.
+            // If a finger with the error is impossible, the error of opposite sign replaces it.
             shared.push(moved(1.0).or_else(|_| moved(-1.0))?);
         }
         let mut offset = self.markers(finger, 0.0, pushed)?;
@@ -228,7 +234,7 @@ impl UnloadedFinger {
         Ok(measurement.clone().displaced(allowed_for).with_shared_errors(shared))
     }
 
-    /// All errors, of one standard deviation each.
+    /// All independent errors, each with the size of one standard deviation.
     pub(crate) fn independent_errors(&self, ribs: usize) -> Vec<UnloadedError> {
         let AssemblyErrors { joint_sd_mm, preload_sd_nmm, height_sd_mm, further, .. } = &self.assembly;
         let mut errors = Vec::new();
@@ -260,17 +266,17 @@ impl UnloadedFinger {
         errors
     }
 
-    /// Marker positions of a finger with an error under the forces, mm, in its own frame.
+    /// Marker positions, in mm, of `finger` with `error` under the forces, relative to its own base.
     fn bent(&self, finger: &Finger, error: &UnloadedError, pushed: Pushed) -> Result<Vec<Vector>, SensingError> {
         let other = error.finger(finger).ok_or(SensingError::NoSuchFinger)?;
         let contacts = pushed.turned_back(error.base_turn_rad);
         self.markers(&other, self.assembly.preload_nmm + error.preload_nmm, Pushed { contacts: &contacts, ..pushed })
     }
 
-    /// Marker positions of a finger with an error as the camera sees them, mm.
+    /// Marker positions that the camera sees, in mm: the positions `bent`, moved by the base and height of `error`.
     fn seen(&self, error: &UnloadedError, bent: &[Vector]) -> Vec<Vector> {
         let turn = UnitComplex::new(error.base_turn_rad);
-        // A common translation of all markers is not in a displacement from an image of the unloaded finger.
+        // In displacements from an image of the unloaded finger, a common translation of all markers cancels.
         let (base, eye) = match self.measured_in_frame_sd_rad {
             Some(_) => (Vector::zeros(), Vector::zeros()),
             None => (error.base, self.camera.map_or(Vector::zeros(), |camera| camera.eye)),
@@ -283,7 +289,8 @@ impl UnloadedFinger {
         bent.iter().map(seen).collect()
     }
 
-    /// Marker positions of all key nodes under forces and a moment at the tip, mm. Displacements instead, if an image shows the unloaded finger.
+    /// Marker positions of all key nodes under forces and a moment at the tip, in mm. If displacements refer to an image of the unloaded finger, the result is
+    /// the displacements of the markers from that finger, in mm.
     fn markers(&self, finger: &Finger, moment_nmm: f64, pushed: Pushed) -> Result<Vec<Vector>, SensingError> {
         let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
         let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);

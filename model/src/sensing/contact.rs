@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 /// Position of a force on the front plate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ContactPosition {
-    /// At a contact node, from the tip to the last node before the front base.
+    /// At a node of the front plate, from the tip to the last node before the front base.
     #[serde(rename = "node")]
     Node(NodeId),
-    /// At a distance from the front base along the plate, mm.
+    /// At this distance from the front base along the plate, mm.
     #[serde(rename = "s_mm")]
     At(f64),
 }
@@ -23,11 +23,11 @@ pub struct Contact {
     /// Position of the force.
     #[serde(flatten)]
     pub position: ContactPosition,
-    /// Direction of the force, degrees from the undeformed inward normal, positive towards the tip.
+    /// Direction of the force, in degrees from the undeformed inward normal, positive towards the tip.
     pub angle_deg: f64,
 }
 
-/// Format as on the command line: `19@0`, `80 mm@-20`.
+/// Writes position and angle in degrees: `19@0` for node 19, `80 mm@-20` for 80 mm from the base.
 impl std::fmt::Display for Contact {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self.position {
@@ -57,7 +57,7 @@ impl Contact {
         }
     }
 
-    /// Position along the front plate, mm from the base. `None` for a node off the front plate.
+    /// Position along the front plate, in mm from the base. `None` for a node that is not on the front plate.
     pub fn position_mm(&self, finger: &Finger) -> Option<f64> {
         match self.position {
             ContactPosition::Node(node) => finger.front_position_mm(node),
@@ -69,20 +69,20 @@ impl Contact {
 /// Direction of a force, known or unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Direction {
-    /// A known angle, degrees from the undeformed inward normal of the base as measured, positive towards the tip.
+    /// A known angle, in degrees from the undeformed inward normal, positive towards the tip. The normal rotates with the measured pose of the base.
     Angle(f64),
-    /// The plate's inward normal plus a lean due to friction.
+    /// An inward normal, rotated by the lean (angle between force and normal due to friction).
     Leaning(Lean),
-    /// An unknown direction.
+    /// An unknown direction, estimated together with the force.
     Auto,
 }
 
 impl Direction {
-    /// Along the inward normal of the deformed plate.
+    /// Direction along the inward normal of the deformed plate.
     pub const NORMAL: Direction = Direction::Leaning(Lean::NONE);
 }
 
-/// A contact whose force is estimated, and perhaps its position and direction.
+/// A contact whose force is estimated. An unknown position or direction is estimated together with the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactQuestion {
     /// Position of the force. `None` if unknown.
@@ -110,7 +110,7 @@ impl From<Contact> for ContactQuestion {
 /// Checks that contacts lie on the free front plate, have finite angles and differ from each other.
 ///
 /// # Errors
-/// [`SensingError`] for the first wrong contact.
+/// [`SensingError`] for the first contact that fails a check, or if `contacts` is empty.
 pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), SensingError> {
     if contacts.is_empty() {
         return Err(SensingError::NoContact);

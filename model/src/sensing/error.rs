@@ -19,7 +19,7 @@ pub enum SensingError {
         /// The last node before the front base.
         last: NodeId,
     },
-    /// The direction is not a finite number.
+    /// The direction of a contact is not a finite number.
     #[error("the direction of contact {contact} is not a finite angle")]
     AngleNotFinite {
         /// Position of the contact in the list, from 1.
@@ -43,28 +43,28 @@ pub enum SensingError {
     },
     /// There are more unknowns than measured coordinates.
     #[error(
-        "not identifiable: {unknowns} unknown forces, but only {coordinates} measured coordinates; measure more nodes, or state fewer contacts"
+        "not identifiable: too few measured coordinates ({coordinates}) for the unknowns ({unknowns}); measure more nodes, or state fewer contacts"
     )]
     TooFewMarkers {
-        /// Number of unknown forces.
+        /// Number of unknowns: forces, and unknown positions and directions.
         unknowns: usize,
         /// Number of measured coordinates.
         coordinates: usize,
     },
-    /// The data hardly change with some combination of the unknowns.
+    /// Some combination of the unknown forces hardly changes the measured displacements.
     #[error(
         "not identifiable: the scaled singular values span {span:.1e}, expected at most {limit:.0e}: the measured nodes do not determine the forces \
-         (contact {weakest} least); take neighbouring contacts as one"
+         (contact {weakest} least); treat neighbouring contacts as one"
     )]
     IllConditioned {
-        /// Ratio of largest to smallest scaled singular value, dimensionless.
+        /// Ratio of the largest to the smallest scaled singular value, dimensionless.
         span: f64,
-        /// Largest accepted ratio, dimensionless.
+        /// Forces are refused beyond this ratio, dimensionless.
         limit: f64,
-        /// Contact with the largest share in the invisible combination, from 1.
+        /// Contact with the largest share in the combination that hardly changes the displacements, from 1.
         weakest: usize,
     },
-    /// A requested position, direction or force is not identifiable.
+    /// A requested position, direction or force has too large a standard deviation.
     #[error(
         "not identifiable: {what} of contact {contact} is only known to {sigma:.2} {unit} (one standard deviation); reduce the noise, \
          measure more nodes, or state position and direction"
@@ -79,7 +79,7 @@ pub enum SensingError {
         /// Unit of the standard deviation: "mm", "deg" or "N".
         unit: &'static str,
     },
-    /// Two different answers explain the data equally well.
+    /// Two different sets of forces explain the measurement equally well.
     #[error(
         "not identifiable: {force_n:.3} N and {other_n:.3} N at contact {contact} explain the measurement equally well; state the position or \
          direction, or measure more nodes"
@@ -87,18 +87,18 @@ pub enum SensingError {
     Ambiguous {
         /// Position of the contact in the list, from 1.
         contact: usize,
-        /// Force of the contact in one answer, N.
+        /// Force of the contact in one of the two sets, N.
         force_n: f64,
-        /// Force of the contact in the other answer, N.
+        /// Force of the contact in the other set, N.
         other_n: f64,
     },
-    /// An answer from few markers is far from the linear one, and only one start of the search leads to it.
+    /// With few markers, the forces found are far from those of the linear finger, and only one starting point of the search leads to them.
     #[error(
-        "not identifiable: the forces found are far from those of the linear finger, and other starts of the search do not lead to them; measure \
+        "not identifiable: the forces found are far from those of the linear finger, and searches from other starting points do not find them; measure \
          more nodes"
     )]
     Unconfirmed,
-    /// No forces explain the data.
+    /// No forces on the co-rotational finger explain the measurement.
     #[error(
         "the co-rotational model does not explain the measurement: the residual is {residual_rms_mm:.3} mm rms, the displacement {moved_rms_mm:.3} \
          mm rms; check the contacts, the node numbers and the unit (mm)"
@@ -115,21 +115,21 @@ pub enum SensingError {
          N; check the contacts, the node numbers and the unit (mm)"
     )]
     NotConverged {
-        /// Number of steps.
+        /// Number of steps of the search.
         iterations: usize,
-        /// Last change of a force, N.
+        /// Largest change of a force in the last step, N.
         change_n: f64,
     },
     /// The measurement contradicts the linear finger, and the error of linearisation cannot be computed.
     #[error(
-        "the measurement contradicts the linear model, and no forces on the co-rotational finger lead the linear model to this answer, so that its \
-         error is unknown: use the nonlinear estimator"
+        "the measurement contradicts the linear model, and its error of linearisation is unknown, because no forces on the co-rotational finger \
+         reproduce its estimate: use the nonlinear estimator"
     )]
     NotLinearised,
-    /// Prior knowledge cannot be weighed against the measurement, because no noise is stated.
+    /// A base, friction or contact has a standard deviation, but the noise of the displacements, which the estimator needs as well, is not stated.
     #[error(
-        "a standard deviation of base, friction or contact has to be weighed against the noise of the displacements, which is unknown: state it \
-         (--noise-mm, or noise_mm in the table camera of the scene)"
+        "base, friction or contact has a standard deviation, so the noise of the displacements must be known as well: state the noise (--noise-mm, or \
+         noise_mm in the table camera of the scene)"
     )]
     NoiseNotStated,
     /// A direction refers to the normal of an object, but no object is known.
@@ -149,7 +149,7 @@ pub enum SensingError {
     NotTouching {
         /// Position of the contact in the list, from 1.
         contact: usize,
-        /// Gap between object and plate, mm; negative where the object reaches into the finger.
+        /// Gap between the object's outline and the pad, mm. Negative if the object reaches into the finger.
         gap_mm: f64,
         /// Standard deviation of the gap, mm.
         sd_mm: f64,

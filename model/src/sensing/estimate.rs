@@ -2,14 +2,14 @@
 
 use super::ResidualTest;
 
-/// Share of the largest force up to which a model error causes no warning. Noise causes at least 0.13 % of 3 N.
+/// A model error up to this share of the largest force causes no warning. Noise alone causes an error of at least 0.13 % of a force of 3 N.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Reason for which an estimate is less accurate than noise alone implies. Its standard deviations include the known error of the model, but not
-/// other errors, such as a wrong contact or another finger.
+/// Reason for which an estimate is less accurate than noise alone implies. The standard deviations of the estimate include the known error of the model, but
+/// not other errors, such as a wrong contact or another finger.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Warning {
-    /// The residual exceeds the stated noise.
+    /// The residual exceeds the stated noise significantly.
     #[error(
         "the measurement contradicts the model: {} (chi-squared test, {} degrees of freedom, {})",
         .0.sizes_in_words(), .0.degrees_of_freedom, .0.p_in_words()
@@ -17,21 +17,21 @@ pub enum Warning {
     Residual(ResidualTest),
     /// The error of linearisation exceeds the error due to noise.
     #[error(
-        "the linear model errs by about {:.3} N at contact {} (by the co-rotational finger under the sensed forces); the standard deviation by noise \
-         alone is {:.3} N",
+        "the linear model causes an error of about {:.3} N at contact {} (difference from the co-rotational finger under the sensed forces); noise \
+         alone causes a standard deviation of {:.3} N",
         .0.error_n, .0.contact, .0.sigma_n
     )]
     Linearisation(ModelError),
     /// The error of linearisation is unknown and not included in the standard deviations.
     #[error(
-        "the linear model explains the measurement, but no forces on the co-rotational finger lead it to this answer: the forces hold for a finger \
-         that bends linearly, else the error of linearisation is unknown"
+        "the linear model explains the measurement, but no forces on the co-rotational finger reproduce its estimate: the error of linearisation is \
+         unknown, unless the finger bends linearly"
     )]
     UnknownLinearisation,
     /// The error of the mesh exceeds the error due to noise.
     #[error(
-        "the mesh errs by about {:.3} N at contact {} (by a mesh twice as fine); the standard deviation by noise alone is {:.3} N; use more mesh \
-         nodes",
+        "the mesh causes an error of about {:.3} N at contact {} (difference from a mesh twice as fine); noise alone causes a standard deviation of \
+         {:.3} N; use more mesh nodes",
         .0.error_n, .0.contact, .0.sigma_n
     )]
     Discretisation(ModelError),
@@ -53,12 +53,12 @@ pub struct ModelError {
 pub struct Estimate {
     /// Force of each contact along its direction, N, in the order of the contacts; may be negative.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N, including the known error of the model. Infinite without a stated noise and a residual.
+    /// Standard deviation of each force, N, including the known error of the model. Infinite if no noise is stated and no residual remains to estimate it from.
     pub sigmas_n: Vec<f64>,
-    /// Error of the model in each standard deviation (linearisation, mesh, training), N. Signed if the sign is known.
+    /// Model error that each standard deviation includes, in N: linearisation, mesh, or training of a network. Signed if the sign is known.
     pub model_error_n: Vec<f64>,
-    /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the residual's. Without a stated noise it is
-    /// widened for few degrees of freedom.
+    /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the standard deviation of the residual. Without a
+    /// stated noise, the latter is widened for few degrees of freedom.
     pub noise_mm: f64,
     /// Reason for which the estimate is less accurate than noise alone implies, if any.
     pub warning: Option<Warning>,
@@ -69,14 +69,15 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Adds an error proportional to each force, as a calibration states it, to the standard deviations. `share` is dimensionless.
+    /// Widens each standard deviation by an error of `share` times the force. A calibration states the dimensionless `share`.
     pub fn add_force_error(&mut self, share: f64) {
         for (sigma_n, force_n) in self.sigmas_n.iter_mut().zip(&self.forces_n) {
             *sigma_n = sigma_n.hypot(share * force_n);
         }
     }
 
-    /// Adds an error of the model, N, to the standard deviations due to noise. Warns if it is larger than these and not negligible.
+    /// Widens the standard deviations due to noise by the model error of each force, in N. Sets a warning if a model error exceeds the standard deviation due
+    /// to noise and is not negligible.
     pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
         let largest_n = self.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let over = |i: usize| error_n[i].abs() / self.sigmas_n[i];

@@ -1,27 +1,28 @@
-//! Lean of a contact force from the plate's normal due to friction.
+//! Lean: the angle between a contact force and the normal, due to friction.
 
-/// Lean of a contact force from the inward normal due to friction, with its uncertainty.
+/// Lean (angle between a contact force and the inward normal due to friction), with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lean {
-    /// Mean lean, degrees, positive towards the tip: the arctangent of the coefficient of friction if the object slides.
+    /// Mean lean, in degrees, positive towards the tip. If the object slides, it is the arctangent of the coefficient of friction.
     pub angle_deg: f64,
-    /// Standard deviation of the lean, degrees. Zero: the lean is not an unknown.
+    /// Standard deviation of the lean, in degrees. Zero if the lean is known exactly.
     pub sd_deg: f64,
-    /// Force over which friction builds up, N: at a force f the mean lean is `angle_deg` (1 - exp(-f / `build_up_n`)). Zero: at once.
+    /// Force over which friction builds up, N: at a force f the mean lean is `angle_deg` (1 - exp(-f / `build_up_n`)). Zero if the lean does not depend on the
+    /// force.
     pub build_up_n: f64,
-    /// Normal from which the force leans.
+    /// Inward normal to which the lean refers.
     pub from: Normal,
 }
 
-/// Inward normal from which a force leans.
+/// Inward normal to which the lean of a force refers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Normal {
-    /// Normal of the deformed plate, averaged over a length about the contact, such as the object covers. Zero: at the contact alone.
+    /// Normal of the deformed plate, averaged over a length of plate about the contact, for example the length that the object covers.
     Deformed {
-        /// Length of the average, mm.
+        /// Length of plate over which the normal is averaged, in mm. Zero for the normal at the contact itself.
         over_mm: f64,
     },
-    /// Normal of the undeformed plate: the face of a fixed object round which the finger bends.
+    /// Normal of the undeformed plate. It is the normal of a fixed object's face round which the finger bends.
     Undeformed,
     /// Normal of the object's outline at the contact.
     Object,
@@ -32,13 +33,13 @@ impl Lean {
     pub const NONE: Lean =
         Lean { angle_deg: 0.0, sd_deg: 0.0, build_up_n: 0.0, from: Normal::Deformed { over_mm: 0.0 } };
 
-    /// Lean for a coefficient of friction, positive if the force leans towards the tip, and its standard deviation, both dimensionless.
+    /// Lean for a coefficient of friction and its standard deviation `sd`, both dimensionless. With a positive coefficient, the force leans towards the tip.
     pub fn of_friction(coefficient: f64, sd: f64) -> Lean {
         let sd_deg = (sd / (1.0 + coefficient * coefficient)).to_degrees();
         Lean { angle_deg: coefficient.atan().to_degrees(), sd_deg, ..Lean::NONE }
     }
 
-    /// Lean within a friction cone. All angles between those of two coefficients are equally likely.
+    /// Lean between the friction angles of two coefficients of friction (dimensionless). All angles between them are assumed equally likely.
     pub fn within(coefficients: [f64; 2]) -> Lean {
         let [from, to] = coefficients.map(|coefficient| coefficient.atan().to_degrees());
         Lean { angle_deg: 0.5 * (from + to), sd_deg: (to - from).abs() / 12.0_f64.sqrt(), ..Lean::NONE }

@@ -12,12 +12,12 @@ use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
-/// A measurement shows a linear finger if the linear finger explains it better than the co-rotational one by this difference of misfits. The difference is in
-/// squared standard deviations of the noise: three standard deviations.
+/// A measurement counts as one of a linear finger if the linear finger's sum of squared residuals is smaller than the co-rotational finger's by more than this.
+/// The unit is the squared standard deviation of the noise, so 9 corresponds to three standard deviations.
 const FAVOURED: f64 = 9.0;
 
-/// Largest residual, as a share of the displacements, that the linear finger explains if no noise is stated. At deflections beyond the co-rotational
-/// finger, camera noise is smaller than this share; shapes of the co-rotational finger leave ten times as much.
+/// Without a stated noise, the linear finger explains a measurement whose residual is at most this share of the displacements. Camera noise is below this share
+/// at deflections that a co-rotational finger cannot reach. Displacements of a co-rotational finger leave a residual ten times as large.
 const EXPLAINED_SHARE: f64 = 0.01;
 
 /// Prior distribution of the forces.
@@ -33,7 +33,8 @@ pub enum Prior {
 }
 
 impl Prior {
-    /// Root mean square of the paper's forces, which are drawn from 0 to 5 N per node (sec. IV-A): 5 / sqrt(3) = 2.9 N.
+    /// Prior for the forces of Xu et al. (2021, sec. IV-A), which are drawn from 0 to 5 N per node. Its standard deviation is their root mean square, 5 /
+    /// sqrt(3) = 2.9 N.
     pub const PAPER: Prior = Prior::Gaussian { force_n: 2.886_751_345_948_129 };
 }
 
@@ -55,7 +56,7 @@ pub struct LinearEstimator {
 }
 
 impl LinearEstimator {
-    /// Prepares the problem for the markers of a measurement. Does not use their displacements yet.
+    /// Prepares the problem for the nodes and weights of a measurement's markers. The displacements of the markers are not used yet.
     ///
     /// # Errors
     /// [`SensingError`] if a contact is wrong or the forces are not identifiable.
@@ -63,7 +64,7 @@ impl LinearEstimator {
         LinearEstimator::prepared(finger, contacts, markers, |loads| Compliance::new(finger, loads))
     }
 
-    /// As [`LinearEstimator::new`], up to rounding, on an already solved finger.
+    /// As [`LinearEstimator::new`], but with the compliance of `solved`, an already solved finger. Results agree up to rounding.
     ///
     /// # Errors
     /// [`SensingError`] if a contact is wrong or the forces are not identifiable.
@@ -102,25 +103,25 @@ impl LinearEstimator {
         &self.singular_values
     }
 
-    /// Least-squares inverse, which maps displacements to forces and noise to their errors.
+    /// Least-squares inverse. It maps displacements to forces, and the noise to standard deviations of the forces.
     pub fn inverse(&self) -> &Inverse {
         &self.least_squares
     }
 
     /// Estimates the forces from the displacements of the markers for which the estimator is prepared.
     ///
-    /// `noise_mm` is the standard deviation of one coordinate, mm. If it is `None` or zero, it is estimated from the residual. If the residual contradicts
-    /// it, the estimate warns, and its standard deviations rest on the residual. Only [`estimate_on`](LinearEstimator::estimate_on) includes the error of
-    /// linearisation.
+    /// `noise_mm` is the standard deviation of one coordinate, mm. If `noise_mm` is `None` or zero, the noise is estimated from the residual. If the residual
+    /// contradicts the stated noise, the estimate has a warning, and its standard deviations follow from the residual. Only
+    /// [`estimate_on`](LinearEstimator::estimate_on) includes the error of linearisation.
     pub fn estimate(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> Estimate {
         self.solve(measurement, noise_mm, prior).0
     }
 
-    /// As [`estimate`](LinearEstimator::estimate), for a co-rotational finger: the standard deviations include the error of linearisation at the estimated
-    /// forces, unless the measurement shows a linear finger.
+    /// As [`estimate`](LinearEstimator::estimate), for a co-rotational finger. The standard deviations include the error of linearisation at the estimated
+    /// forces, unless a linear finger explains the measurement clearly better.
     ///
     /// # Errors
-    /// [`SensingError::NotLinearised`] if this error cannot be computed and the measurement does not show a linear finger.
+    /// [`SensingError::NotLinearised`] if the error of linearisation cannot be computed and the linear finger does not explain the measurement.
     pub fn estimate_on(
         &self,
         linearisation: &mut Linearisation,
@@ -139,7 +140,7 @@ impl LinearEstimator {
         let stated_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0);
         let linear_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
         let error = match linearisation.error(model, measurement, &estimate.forces_n) {
-            // The measurement does not contradict the linear finger, which carries any force.
+            // A linear finger has an equilibrium under any force, and the measurement does not contradict it.
             Err(SensingError::NotLinearised) if estimate.warning.is_none() => {
                 let moved_mm2 = weighted(measurement, |marker| marker.displacement).norm_squared();
                 if noise_mm.is_none() && linear_mm2 > EXPLAINED_SHARE.powi(2) * moved_mm2 {
@@ -150,7 +151,7 @@ impl LinearEstimator {
             }
             error => error?,
         };
-        // Without a stated noise, the residual of the linear finger is the noise if the finger is linear.
+        // Without a stated noise, the residual of the linear finger estimates the noise.
         let noise_mm2 = stated_mm.map_or(linear_mm2 / degrees_of_freedom.max(1) as f64, |noise_mm| noise_mm.powi(2));
         let favoured_mm2 = FAVOURED * noise_mm2;
         if degrees_of_freedom > 0 && linear_mm2 + favoured_mm2 < error.sum_of_squares_mm2 {
@@ -166,7 +167,7 @@ impl LinearEstimator {
         Ok(estimate)
     }
 
-    /// An estimate and the inverse that produced it.
+    /// An estimate, and the inverse from which it follows.
     fn solve(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> (Estimate, Cow<'_, Inverse>) {
         let displacements = weighted(measurement, |marker| marker.displacement);
         let (coordinates, unknowns) = self.compliance.shape();
@@ -176,7 +177,7 @@ impl LinearEstimator {
             (0..coordinates).map(|row| (displacements[row] - explained(row)).powi(2)).sum::<f64>()
         };
         let unbiased = &self.least_squares.gain * &displacements;
-        // Least squares leaves the smallest residual of any forces, so the test ignores the prior.
+        // The residual is tested without the prior, because least squares has the smallest residual of all forces.
         let least_mm2 = sum_of_squares(&unbiased);
         let test = ResidualTest::new(noise_mm, least_mm2, degrees_of_freedom);
         let noise_mm = noise_of(test, noise_mm, least_mm2, degrees_of_freedom);
@@ -210,11 +211,11 @@ pub struct Inverse {
 }
 
 impl Inverse {
-    /// Computes the inverse by QR of the compliance stacked on `ridge` times the identity, with columns scaled to unit length.
+    /// Computes the inverse by QR of the compliance stacked on `ridge` (mm/N) times the identity, with columns scaled to unit length.
     pub(super) fn of(compliance: &DMatrix<f64>, ridge: f64) -> Inverse {
         let (rows, columns) = compliance.shape();
         if columns == 1 {
-            // For a single column, Q is its unit vector and R its length.
+            // For a single column, Q of the QR factors is the column's unit vector, and R is its length.
             let norm = compliance.norm();
             let length = norm.hypot(ridge);
             return Inverse {
@@ -244,8 +245,9 @@ impl Inverse {
     }
 }
 
-/// Singular values of the problem, in descending order, if its solution is unique. All unknowns are forces in N and all rows have the same noise, so no
-/// scaling is needed. Twelve normal forces on the paper's finger span 363.
+/// Singular values of the weighted compliance, mm/N, in descending order. [`SensingError::IllConditioned`] if the forces are not identifiable. All unknowns are
+/// forces in N and all rows have the same noise, so no scaling is needed. For twelve normal forces on the paper's finger, the largest is 363 times the
+/// smallest.
 fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
     if compliance.ncols() == 1 {
         // The singular value of a single column is its length.
@@ -260,7 +262,7 @@ fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
     if span <= LARGEST_SPAN {
         return Ok(parts.descending());
     }
-    // A force that moves no marker has an infinite span.
+    // If a force moves no marker, the ratio is infinite.
     let span = if span.is_nan() { f64::INFINITY } else { span };
     Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest: parts.weakest().iamax() + 1 })
 }

@@ -8,20 +8,21 @@ use crate::statics::{Ladder, Statics, StaticsError};
 use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 
-/// Grid spacing of tabulated forces, as a share of the largest force. Extrapolation leaves thousandths of the error.
+/// Grid spacing of the tabulated forces, as a share of the largest force. Extrapolation from a grid point is wrong by thousandths of the error of
+/// linearisation.
 const GRID: f64 = 0.05;
-/// Largest number of stored grid points. A stream of frames needs only a few.
+/// The table is cleared when it has this number of grid points. A stream of frames needs only a few.
 const MOST_POINTS: usize = 256;
-/// Largest number of Newton steps; two or three are usual.
+/// Newton's method fails after this number of steps; two or three are usual.
 const MAX_STEPS: usize = 30;
-/// A Newton step makes progress if at most this share of the difference remains; otherwise the next step is halved.
+/// A Newton step makes progress if at most this share of the distance from the target remains. After a step without progress, the next step is halved.
 const CLOSER: f64 = 0.9;
-/// Largest number of Newton steps without progress.
+/// Newton's method fails after more than this number of steps without progress.
 const MOST_ASTRAY: usize = 4;
-/// Forces have converged when a step changes none by more than this share of the largest.
+/// Newton's method has converged if a step changes no force by more than this share of the largest force.
 const STEP_TOLERANCE: f64 = 1e-6;
-/// Largest number of Newton steps that the finger cannot carry, for a single force and for several forces. The known limits of a single force make such
-/// steps cheap. A refused step is shortened to between half and all of the share that the finger carries.
+/// Newton's method fails after this number of refused steps, which lead to forces without equilibrium: for a single force, and for several forces. The limits
+/// of a single force are stored, so its refused steps are cheap. A refused step is shortened to between half and all of the share up to which equilibria exist.
 const MOST_REFUSED: [usize; 2] = [30, 8];
 
 /// Error that a linear estimator makes on the co-rotational finger.
@@ -38,7 +39,7 @@ pub struct Linearisation<'m> {
     mesh: &'m Mesh,
     contacts: Vec<Contact>,
     statics: Statics<Ladder<'m>>,
-    /// Smallest and largest single force that the finger carries, N, as far as known.
+    /// Smallest and largest single force with an equilibrium, N. A limit is infinite until it is known.
     ends_n: [f64; 2],
     /// Gain for which `points` are valid.
     gain: DMatrix<f64>,
@@ -68,18 +69,18 @@ pub(super) struct LinearisationError {
 struct Point {
     key: Vec<i64>,
     step_n: f64,
-    /// `None` if no forces on the co-rotational finger would lead the linear estimator to this answer.
+    /// `None` if no forces on the co-rotational finger make the linear estimator return the forces of this grid point.
     solution: Option<Solution>,
 }
 
-/// Forces on the co-rotational finger, with its displacements and derivatives.
+/// Forces on the co-rotational finger, N, with the finger's motion and its derivatives.
 #[derive(Debug, Clone)]
 struct Solution {
     forces_n: DVector<f64>,
     motion: FrameMotion,
-    /// Derivative of the forces with respect to the estimated forces, dimensionless.
+    /// Derivative of the forces with respect to those that the linear estimator returns, dimensionless.
     slope: DMatrix<f64>,
-    /// Weighted displacements of the markers, mm; `rates` are their derivatives with respect to the forces, mm/N.
+    /// Weighted displacements of the markers, mm. `rates` has the derivatives of these displacements with respect to the forces, mm/N.
     displacements: DVector<f64>,
     rates: DMatrix<f64>,
 }
@@ -99,10 +100,10 @@ impl<'m> Linearisation<'m> {
         }
     }
 
-    /// Error of estimated forces, N.
+    /// Error of linearisation of the estimated forces `sensed_n`, N.
     ///
     /// # Errors
-    /// [`SensingError::NotLinearised`] if no forces on the co-rotational finger would lead the linear estimator to this answer.
+    /// [`SensingError::NotLinearised`] if no forces on the co-rotational finger make the linear estimator return `sensed_n`.
     pub(super) fn error(
         &mut self,
         model: LinearModel,
@@ -126,7 +127,7 @@ impl<'m> Linearisation<'m> {
         })
     }
 
-    /// Grid point nearest to some forces, with its solution.
+    /// Grid point nearest to the forces `sensed_n`, N, with its solution. `None` if the search for the solution fails.
     fn point(
         &mut self,
         model: LinearModel,
@@ -155,8 +156,8 @@ impl<'m> Linearisation<'m> {
         Ok(self.points[index].solution.as_ref().map(|solution| (grid_n, solution)))
     }
 
-    /// Forces on the co-rotational finger for which the linear estimator returns `target_n`, N, by Newton's method. `None` if the finger carries no such
-    /// forces.
+    /// Forces on the co-rotational finger for which the linear estimator returns `target_n`, N, by Newton's method. `None` if the search for these forces
+    /// fails.
     fn solve(
         &mut self,
         LinearModel { gain, compliance }: LinearModel,
@@ -210,8 +211,8 @@ impl<'m> Linearisation<'m> {
         Ok(None)
     }
 
-    /// Forces and shape with which Newton's method starts: the unloaded finger, or a nearer known solution for a single force. All values of a single force
-    /// lie on one path of equilibria.
+    /// Forces, N, and shape from which Newton's method starts: the unloaded finger or, for a single force, a nearer known solution. Equilibria under all values
+    /// of a single force form one path.
     fn start(&self, target_n: &[f64]) -> (DVector<f64>, FrameMotion) {
         if let [target_n] = target_n {
             let away = |solution: &&Solution| (solution.forces_n[0] - target_n).abs();
@@ -224,9 +225,10 @@ impl<'m> Linearisation<'m> {
         (DVector::zeros(target_n.len()), FrameMotion::at_rest(self.mesh.frame()))
     }
 
-    /// Shape under `next_n`, followed from the shape `motion` under `forces_n`, or the share of the change that the finger carries.
+    /// Follows the equilibrium from the shape `motion` under `forces_n` to the shape under `next_n`, both N. Returns this shape, or the share of the change (0
+    /// to 1) up to which equilibria exist.
     ///
-    /// All values of a single force lie on one path of equilibria, whose ends are searched once.
+    /// Equilibria under all values of a single force form one path, so the ends of this path are searched only once.
     fn followed(
         &mut self,
         motion: &FrameMotion,
@@ -258,7 +260,7 @@ impl<'m> Linearisation<'m> {
         Ok(loads.map(|(c, f)| self.mesh.frame_load(&c.load(finger, *f))).collect::<Result<_, _>>()?)
     }
 
-    /// Derivatives of the weighted marker displacements with respect to the forces, mm/N, at the motion that was linearised last.
+    /// Derivatives of the weighted marker displacements with respect to the forces, mm/N, at `motion`, at which `statics` was linearised last.
     fn rates(&mut self, motion: &FrameMotion, measurement: &Measurement) -> Result<DMatrix<f64>, SensingError> {
         let finger = self.mesh.finger();
         let mut rates = DMatrix::zeros(measurement.coordinate_count(), self.contacts.len());
@@ -272,7 +274,7 @@ impl<'m> Linearisation<'m> {
     }
 }
 
-/// A vector of each marker times its weight, stacked in the order of the markers.
+/// The vectors `of` each marker times the marker's weight, stacked in the order of the markers.
 pub(super) fn weighted(measurement: &Measurement, of: impl Fn(&crate::measurement::Marker) -> Vector) -> DVector<f64> {
     let coordinates = measurement.markers().iter().flat_map(|marker| {
         let vector = of(marker) * marker.weight;

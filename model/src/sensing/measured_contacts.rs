@@ -1,10 +1,9 @@
 //! Estimates forces from markers and measured contacts by least squares with errors in all variables.
 //!
-//! Each contact has as unknowns the force f along its measured normal and the tangent a of the force's angle from this normal. A contact between rods also
-//! has the shift d of its position. Data are the displacements of the markers, and a = 0 and d = 0 with standard deviations from camera and friction. The
-//! estimate minimises the sum of all squared residuals over their variances, by [`LevenbergMarquardt`] on the co-rotational finger. The stated covariance
-//! is the inverse of the information matrix. It includes the effects of uncertain position, direction and friction, as far as the markers do not reduce
-//! them.
+//! Each contact has two unknowns: the force f along its measured normal, and the tangent a of the angle between force and normal. A contact between rods also
+//! has the shift d of its position. Data are the displacements of the markers, and priors a = 0 and d = 0 with standard deviations from camera and friction.
+//! The estimate minimises the sum of all squared residuals over their variances, by [`LevenbergMarquardt`] on the co-rotational finger. The stated covariance
+//! is the inverse of the information matrix. It includes the effects of uncertain position, direction and friction, as far as the markers do not reduce them.
 
 use super::{
     Contact, ContactForce, ContactPosition, LARGEST_SPAN, NonlinearEstimator, RespondingFinger, Response, SensingError,
@@ -18,7 +17,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// A search that stops before convergence is accepted if the next step changes no force by more than this share of its standard deviation.
 const NEGLIGIBLE: f64 = 0.01;
-/// Number of standard deviations above its mean from which chi-squared is significant: 1 in 10^4 for the degrees of freedom of a finger.
+/// Chi-squared is significant beyond this number of its standard deviations above its mean. The probability of this is 1 in 10^4 for the degrees of freedom of
+/// a finger.
 const UNEXPLAINED_DEVIATIONS: f64 = 4.0;
 
 /// A contact with measured position and direction.
@@ -28,11 +28,11 @@ pub struct MeasuredContact {
     pub contact: Contact,
     /// Standard deviation of the direction, rad.
     pub direction_sd_rad: f64,
-    /// Standard deviation of the position along the plate, mm; 0 at a rod.
+    /// Standard deviation of the position along the plate, mm. Zero for a contact at a rod.
     pub position_sd_mm: f64,
 }
 
-/// Prior knowledge of contacts and markers.
+/// Noise of the markers, and friction and geometry of the contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactKnowledge {
     /// Standard deviation of one displacement coordinate, mm.
@@ -48,7 +48,7 @@ pub struct ContactKnowledge {
 pub struct MeasuredContactForces {
     /// Force along the measured normal of each contact, N.
     pub along_n: Vec<f64>,
-    /// Standard deviation of the force along the true normal, N.
+    /// Standard deviation of each contact's force along its true normal, N.
     pub sigmas_n: Vec<f64>,
     /// Force across the measured normal of each contact, positive towards the tip, N.
     pub across_n: Vec<f64>,
@@ -62,11 +62,12 @@ pub struct MeasuredContactForces {
 struct Problem<'a> {
     contacts: &'a [MeasuredContact],
     knowledge: ContactKnowledge,
-    /// Standard deviation of each unknown about its datum 0, from the first tangent on. Zero for an unknown of exactly 0.
+    /// Standard deviations of the priors, which all have mean 0: of each tangent (dimensionless), then of each shift (mm). A standard deviation of zero fixes
+    /// the unknown at 0.
     own_sds: Vec<f64>,
-    /// Displacements, mm, two coordinates per marked node. Zero for a hidden node.
+    /// Measured displacements, mm, two coordinates per marked node. Zero for a hidden node.
     measured_mm: DVector<f64>,
-    /// Weight of each coordinate. Zero for a hidden node.
+    /// Weight of each coordinate, dimensionless. Zero for a hidden node.
     weights: DVector<f64>,
     coordinates: usize,
     length_mm: f64,
@@ -75,7 +76,7 @@ struct Problem<'a> {
     response: Option<Response>,
 }
 
-/// Estimates the forces of measured contacts on `mesh`. The base counts as exactly known.
+/// Estimates the forces of measured contacts on `mesh`. The pose of the base is assumed to be exact.
 ///
 /// # Errors
 /// [`SensingError`] if the forces are not identifiable, no equilibrium explains the displacements, or the search does not converge.
@@ -87,8 +88,8 @@ pub fn sense_measured_contacts(
 ) -> Result<MeasuredContactForces, SensingError> {
     let questions: Vec<_> = contacts.iter().map(|contact| contact.contact.into()).collect();
     let start = NonlinearEstimator::new(mesh, &questions)?.estimate(measurement, Some(knowledge.noise_mm))?;
-    // The friction of a sliding object acts in one direction at all contacts. With a deviation of bound x sqrt(k) for each of k tangents, k tangents equal to
-    // the bound are together one standard deviation from zero.
+    // Friction of a sliding object acts in the same direction at all k contacts. With a standard deviation of bound x sqrt(k) for each tangent, k tangents
+    // equal to the bound are together one standard deviation from zero.
     let friction = knowledge.friction * (contacts.len() as f64).sqrt();
     let [measured_mm, weights] = of_marked_nodes(mesh.finger(), measurement);
     let count = contacts.len();
@@ -151,13 +152,13 @@ impl LeastSquaresProblem for Problem<'_> {
         point + step
     }
 
-    /// Data of tangents and shifts. An unknown of exactly zero has no derivatives; its prior keeps it at zero.
+    /// Priors of tangents and shifts. An unknown with a standard deviation of zero has no derivatives; its prior keeps it at zero.
     fn priors(&self, point: &DVector<f64>) -> Vec<Prior> {
         let own = (self.contacts.len()..).zip(&self.own_sds);
         own.map(|(unknown, &sd)| Prior::on(unknown, point[unknown], 0.0, if sd > 0.0 { sd } else { 1.0 })).collect()
     }
 
-    /// Keeps positions on the plate.
+    /// Bounds of a step that keep the positions of contacts on the plate.
     fn step_bounds(&self, point: &DVector<f64>) -> StepBounds {
         let shifts = (2 * self.contacts.len()..).zip(self.contacts);
         shifts.fold(StepBounds::default(), |bounds, (unknown, seen)| match seen.contact.position {
@@ -168,7 +169,8 @@ impl LeastSquaresProblem for Problem<'_> {
 }
 
 impl Problem<'_> {
-    /// Derivatives of the displacements divided by the noise. A tangent moves the markers as a force of `effective_n`, N, across the normal does.
+    /// Derivatives of the weighted displacements over the noise: one row per coordinate, one column per unknown. The derivative with respect to a tangent is
+    /// that with respect to a force across the normal, times `effective_n`, N.
     fn columns(&self, point: &DVector<f64>, effective_n: &[f64]) -> DMatrix<f64> {
         let count = self.contacts.len();
         let mut columns = DMatrix::zeros(self.measured_mm.len(), 3 * count);
@@ -188,15 +190,15 @@ impl Problem<'_> {
         columns / self.knowledge.noise_mm
     }
 
-    /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. The force counts with
-    /// its mean square (estimate squared plus variance), which matters for small forces.
+    /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. The force enters as
+    /// its root mean square (square root of estimate squared plus variance), which matters for small forces.
     fn solution(&mut self, fit: &Fit<DVector<f64>>) -> Result<MeasuredContactForces, SensingError> {
         let count = self.contacts.len();
         let (forces_n, tangents) = (&fit.point.as_slice()[..count], &fit.point.as_slice()[count..2 * count]);
         let first = inverse(&fit.jacobian)?;
         let effective_n: Vec<f64> =
             (0..count).map(|i| forces_n[i].hypot(first[(i, i)].sqrt()).copysign(forces_n[i])).collect();
-        // The finger may have the shape of a rejected step.
+        // The response may belong to a rejected step, so it is computed again at the solution.
         self.residual(&fit.point).map_err(Refusal::into_error)?;
         let mut jacobian = fit.jacobian.clone();
         jacobian.rows_mut(0, self.measured_mm.len()).copy_from(&self.columns(&fit.point, &effective_n));
@@ -215,8 +217,8 @@ impl Problem<'_> {
         let widened = if chi_squared > chance { chi_squared / degrees_of_freedom } else { 1.0 };
         let covariance_n2 = &turned * covariance * turned.transpose() * widened;
         let across_n: Vec<f64> = (0..count).map(|i| forces_n[i] * tangents[i]).collect();
-        // A wrong normal adds a share of the friction force to the force along it. Friction counts with its bound at least: noise may make its estimate, and
-        // with it sigma, too small.
+        // A wrong normal adds a share of the friction force to the force along it. The friction force counts with at least its upper bound. Otherwise noise
+        // could make the estimated friction force, and so the standard deviation, too small.
         let variance_n2 = |i: usize| {
             let across_n2 = across_n[i].powi(2) + covariance_n2[(count + i, count + i)];
             let most_n = self.knowledge.friction * forces_n[i];
@@ -241,7 +243,7 @@ impl MeasuredContactForces {
     /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
         let count = self.along_n.len();
-        // Components of the forces along and across each contact in the direction `along`.
+        // Component in the direction `along` of a unit force along, or across, each contact.
         let shares = (0..2 * count).map(|i| {
             let turned_deg = if i < count { 0.0 } else { 90.0 };
             finger.direction(self.contacts[i % count].angle_deg + turned_deg).dot(&along)
@@ -252,7 +254,7 @@ impl MeasuredContactForces {
     }
 }
 
-/// Displacements, mm, and weights of a measurement, two coordinates per marked node. Zero for a hidden node.
+/// Displacements, mm, and weights (dimensionless) of a measurement, two coordinates per marked node. Both are zero for a hidden node.
 fn of_marked_nodes(finger: &Finger, measurement: &Measurement) -> [DVector<f64>; 2] {
     let nodes = finger.marked_nodes();
     let mut displacements_mm = DVector::zeros(2 * nodes.len());

@@ -32,7 +32,7 @@ pub(crate) use residual_test::noise_of;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
 pub use response::{ContactForce, RespondingFinger, Response, marker_coordinates};
 
-/// Largest ratio of scaled singular values at which forces are identifiable.
+/// Forces are not identifiable beyond this ratio of the largest to the smallest scaled singular value.
 pub const LARGEST_SPAN: f64 = 1e8;
 
 /// A measurement is unexplained if its residual exceeds this many standard deviations of the noise and this share of the displacements. A real finger
@@ -40,7 +40,8 @@ pub const LARGEST_SPAN: f64 = 1e8;
 const UNEXPLAINED_SIGMAS: f64 = 10.0;
 const UNEXPLAINED_SHARE: f64 = 0.3;
 
-/// Largest power of one half below the carried share of some forces: the result of repeated halving, without the trials.
+/// Largest power of one half below `carried`, the share of a load step (0 to 1) that has an equilibrium. The result equals that of repeated halving, without
+/// its trials. One half if `carried` is zero.
 fn halved_below(carried: f64) -> f64 {
     let mut share = 0.5;
     while share >= carried && carried > 0.0 {

@@ -19,14 +19,14 @@ pub enum ObjectShape {
     },
     /// A convex polygon.
     Polygon {
-        /// Corners in order from x to y, mm.
+        /// Corners in counterclockwise order (from x to y), in mm.
         corners: Vec<Vector>,
     },
 }
 
 /// The corners do not form a convex polygon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the corners of a convex polygon in order, three or more")]
+#[error("three or more corners of a convex polygon, in order round it")]
 pub struct NotConvex;
 
 impl ObjectShape {
@@ -51,7 +51,7 @@ impl ObjectShape {
         Ok(ObjectShape::Polygon { corners })
     }
 
-    /// Whether a turn leaves the outline unchanged.
+    /// Whether every rotation about the origin leaves the outline unchanged.
     pub fn is_round(&self) -> bool {
         matches!(self, ObjectShape::Disc { .. })
     }
@@ -65,7 +65,7 @@ impl ObjectShape {
         }
     }
 
-    /// Point of the outline farthest along a unit vector, mm. The vector is the outward normal there.
+    /// Point of the outline, in mm, that is farthest in the direction of the unit vector `along`. There, `along` is the outward normal.
     fn furthest(&self, along: Vector) -> Vector {
         match self {
             ObjectShape::Disc { radius_mm } => along * *radius_mm,
@@ -85,21 +85,22 @@ impl ObjectShape {
 pub struct TouchedObject {
     /// Outline of the object.
     pub shape: ObjectShape,
-    /// Pose in the finger frame of the measurement: origin of the outline, mm, and turn from x to y, rad.
+    /// Pose in the finger frame of the measurement: origin of the outline, mm, and rotation from x to y, rad.
     pub pose: Isometry2<f64>,
-    /// Standard deviation of each coordinate of the origin, mm. Zero: the origin is not an unknown.
+    /// Standard deviation of each coordinate of the origin, mm. Zero if the origin is known exactly.
     pub sd_mm: f64,
-    /// Standard deviation of the turn, rad. Zero: the turn is not an unknown.
+    /// Standard deviation of the rotation, rad. Zero if the rotation is known exactly.
     pub sd_rad: f64,
 }
 
 impl TouchedObject {
-    /// Whether the turn is an unknown.
+    /// Whether the rotation of the object is an unknown.
     pub(super) fn may_turn(&self) -> bool {
         self.sd_rad > 0.0 && !self.shape.is_round()
     }
 
-    /// Point of the outline whose outward normal is `normal`, mm. The object is shifted (mm) and turned about its origin (rad).
+    /// Point of the outline, in mm, finger frame, whose outward normal is `normal`. The object is shifted by `x_mm` and `y_mm` and rotated about its origin by
+    /// `turn_rad`.
     pub(super) fn point_facing(&self, normal: Vector, [x_mm, y_mm, turn_rad]: [f64; 3]) -> Vector {
         let turn = UnitComplex::new(self.pose.rotation.angle() + turn_rad);
         let origin = self.pose.translation.vector + Vector::new(x_mm, y_mm);
@@ -107,7 +108,7 @@ impl TouchedObject {
     }
 }
 
-/// Pad and object at the front plate.
+/// Pad on the front plate and object that touches the pad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Meeting<'o> {
     /// Pad between the object and the plate.

@@ -9,7 +9,7 @@ use crate::mesh::{Load, LoadError, Mesh};
 /// plate turns the plate about the contact. The default is no pad.
 ///
 /// # Reference
-/// Forces at two Gauss points have the resultant, moment and second moment of a uniform pressure with shear.
+/// Forces at two Gauss points replace the pressure of the pad. These forces have the resultant, moment and second moment of a uniform pressure with shear.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pad {
     /// Length of plate that carries a force, mm.
@@ -18,9 +18,9 @@ pub struct Pad {
     pub thickness_mm: f64,
 }
 
-/// Distance of either point from the contact, as a share of the length: the points of Gauss's quadrature.
+/// Distance of each of the two Gauss points from the contact, as a share of the pad's length: 1 / (2 sqrt(3)).
 const GAUSS_POINT: f64 = 0.288_675_134_594_812_9;
-/// Smallest distance of either point from the contact, mm: a couple needs a lever.
+/// Each of the two forces acts at least this far from the contact, in mm, because a couple needs a lever arm.
 const SHORTEST_LEVER_MM: f64 = 0.5;
 
 impl Pad {
@@ -29,12 +29,12 @@ impl Pad {
         *self == Pad::default()
     }
 
-    /// Number of loads per contact.
+    /// Number of loads that represent one contact force.
     pub(super) fn load_count(&self) -> usize {
         if self.is_none() { 1 } else { 2 }
     }
 
-    /// Turn of the plate under the pad by a motion, rad. Zero without a pad, where it has no effect.
+    /// Rotation of the plate under the pad in the motion of the mesh, rad. Zero without a pad, where the rotation has no effect.
     ///
     /// # Errors
     /// [`LoadError`] for a contact off the front plate.
@@ -45,7 +45,7 @@ impl Pad {
         }
     }
 
-    /// Loads of a contact force of `force_n`, N, on a plate turned by `plate_turn_rad`. They are proportional to the force.
+    /// Loads of a contact force of `force_n`, N, on a plate that is rotated by `plate_turn_rad`. The loads are proportional to the force.
     ///
     /// # Errors
     /// [`LoadError`] for a contact off the front plate.
@@ -65,7 +65,7 @@ impl Pad {
         loads.into_iter().flatten().map(|load| mesh.frame_load(&load))
     }
 
-    /// Two forces that add up to the contact force and turn the plate by a couple.
+    /// Two forces whose sum is the contact force. Their couple is the moment of the friction force about the plate.
     fn pair(&self, finger: &Finger, contact: &Contact, s_mm: f64, force_n: f64, plate_turn_rad: f64) -> [Load; 2] {
         let length_mm = finger.plate_length_mm(Plate::Front);
         let reach_mm = (GAUSS_POINT * self.length_mm).max(SHORTEST_LEVER_MM);
@@ -74,7 +74,7 @@ impl Pad {
         let [from_mm, to_mm] = [s_mm - reach_mm, s_mm + reach_mm].map(|at_mm| at_mm.clamp(nearest_mm, length_mm));
         let apart_mm = to_mm - from_mm;
         let force = finger.direction(contact.angle_deg) * force_n;
-        // Both directions are those of the turned plate.
+        // Normal and tangent of the rotated plate.
         let [inward, tipward] = [0.0, 90.0].map(|deg| finger.direction(deg + plate_turn_rad.to_degrees()));
         // A force towards the tip, acting above the plate, presses the plate inwards on the tip's side.
         let turning = inward * (self.thickness_mm * force.dot(&tipward) / apart_mm);

@@ -60,8 +60,8 @@ impl ResidualTest {
         squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 
-    /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual's if the residual
-    /// contradicts the noise.
+    /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual standard deviation
+    /// if the residual contradicts the noise.
     pub fn trusted_noise_mm(&self) -> f64 {
         if self.contradicts() { self.residual_sd_mm } else { self.noise_mm }
     }
@@ -75,12 +75,13 @@ pub(super) fn residual_sd_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize)
 /// Cumulative probability at the upper end of a 95 % interval.
 const UPPER: f64 = 0.975;
 
-/// Standard deviation of one coordinate without a stated noise, mm: the residual's, widened so that 1.96 times it is a 95 % interval. `None`
-/// without a degree of freedom.
+/// Standard deviation of one coordinate, mm, if no noise is stated. It is the residual standard deviation, widened so that 1.96 times the result is half of a
+/// 95 % interval. `None` without a degree of freedom.
 ///
 /// # Reference
-/// A normal error divided by a standard deviation from the residual follows Student's t distribution with the residual's degrees of freedom (Press et
-/// al., Numerical Recipes, sec. 15.6). It is wider than the normal one by 6.5 for 1 degree, 1.14 for 10, 1.03 for 45.
+/// A normal error divided by a standard deviation from the residual follows Student's t distribution with the residual's degrees of freedom (Press et al.,
+/// Numerical Recipes, sec. 15.6). This distribution is wider than the normal distribution by a factor of 6.5 for 1 degree of freedom, 1.14 for 10, and 1.03 for
+/// 45.
 pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<f64> {
     let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
     // There is at least one degree of freedom, so both distributions exist.
@@ -89,8 +90,8 @@ pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usi
     Some(residual_sd_mm * student.inverse_cdf(UPPER) / normal.inverse_cdf(UPPER))
 }
 
-/// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual's if the residual
-/// contradicts the noise. Without a stated noise it is [estimated from the residual](unstated_noise_mm), and infinite without a residual.
+/// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual standard deviation if
+/// the residual contradicts the noise. Without a stated noise it is [estimated from the residual](unstated_noise_mm), and infinite without a residual.
 pub(crate) fn noise_of(
     test: Option<ResidualTest>,
     stated_mm: Option<f64>,

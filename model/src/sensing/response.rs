@@ -17,11 +17,12 @@ pub struct ContactForce {
     pub along_n: f64,
     /// Force across the direction, positive towards the tip, N.
     pub across_n: f64,
-    /// Distance from the plate's axis at which the force across acts, mm: a rod's radius, or half the thickness. It turns the plate.
+    /// Distance from the plate's axis at which `across_n` acts, mm: the radius of a rod, or half the plate's thickness. The moment of `across_n` turns the
+    /// plate.
     pub lever_mm: f64,
 }
 
-/// Half the distance between the two forces of a couple on the plate between nodes, mm.
+/// On the plate between nodes, two forces represent a moment. Each acts at this distance from the contact, in mm.
 const COUPLE_REACH_MM: f64 = 0.5;
 
 impl ContactForce {
@@ -30,12 +31,12 @@ impl ContactForce {
         ContactForce { contact, along_n, across_n: 0.0, lever_mm: 0.0 }
     }
 
-    /// Load of a force, N, along the contact's direction.
+    /// Load of a force `force_n`, N, along the contact's direction.
     fn along(&self, finger: &Finger, force_n: f64) -> Load {
         self.contact.load(finger, force_n)
     }
 
-    /// Loads of a force, N, across the contact's direction n, with the couple of its lever: -lever n x across.
+    /// Loads of a force `force_n`, N, across the contact's direction, including its moment -`lever_mm` `force_n`, N mm.
     fn across(&self, finger: &Finger, force_n: f64) -> impl Iterator<Item = Load> + use<> {
         let turned = Contact { angle_deg: self.contact.angle_deg + 90.0, ..self.contact };
         let moment_nmm = -self.lever_mm * force_n;
@@ -70,7 +71,7 @@ pub struct Response {
     pub moved: Vec<DVector<f64>>,
 }
 
-/// A co-rotational finger for repeated bending, each time from its last shape.
+/// A co-rotational finger for repeated bending. Each search for an equilibrium starts from the last shape.
 #[derive(Debug, Clone)]
 pub struct RespondingFinger<'m> {
     mesh: &'m Mesh,
@@ -85,12 +86,12 @@ impl<'m> RespondingFinger<'m> {
         RespondingFinger { mesh, statics: Statics::ladder(mesh, Kinematics::Corotational), last: at_rest }
     }
 
-    /// The finger that is bent.
+    /// The finger of the mesh.
     pub(super) fn finger(&self) -> &'m Finger {
         self.mesh.finger()
     }
 
-    /// Bends the finger under forces. `None` if it has no equilibrium.
+    /// Response of the finger under forces. `None` if no equilibrium is found.
     ///
     /// # Errors
     /// [`LoadError`] for a contact off the finger.

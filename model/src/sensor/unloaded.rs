@@ -12,15 +12,15 @@ use crate::sensing::{
 };
 use nalgebra::{Isometry2, Point2};
 
-/// Beam elements per member where the unloaded shape is estimated with the force.
+/// Beam elements per member in a search for a force together with the unloaded shape.
 const ELEMENTS_UNLOADED: usize = 4;
-/// Assumed error of the markers, mm, before the deviation of the unloaded shape is estimated.
+/// Assumed standard deviation of the markers, mm, due to an unknown unloaded shape. It holds for the first search, which does not estimate this shape.
 const UNLOADED_ERROR_MM: f64 = 0.3;
-/// Standard deviation, mm and rad, of an exactly known base: smaller than any camera resolves.
+/// Standard deviation, mm and rad, that stands for an exactly known base: smaller than any camera resolves.
 const EXACT: f64 = 1e-6;
 
 impl Sensor<'_> {
-    /// Errors of the unloaded finger for one observation. `frame` is the pose of the finger frame in the frame of the camera's pose.
+    /// Errors of the unloaded finger for one observation. `frame` transforms from the finger frame to the frame of the camera's pose.
     pub(super) fn unloaded(
         &self,
         assembly: AssemblyErrors,
@@ -43,8 +43,8 @@ impl Sensor<'_> {
         UnloadedFinger { assembly, camera, measured_in_frame_sd_rad }
     }
 
-    /// Estimates one force together with the errors of the unloaded finger. It starts from the estimate for the scene's finger, if that succeeds. `None` for
-    /// several contacts, for a contact with an object, and for estimators that do not search.
+    /// Estimates one force together with the errors of the unloaded finger. The search starts from the estimate for the scene's finger, if that estimate
+    /// succeeds. `None` for several contacts, for a contact with an object, and for estimators that do not search.
     pub(super) fn all_at_once(
         &self,
         question: &Question,

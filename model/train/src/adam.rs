@@ -7,7 +7,7 @@ use burn_tensor::{Device, Gradients, Tensor, TensorData};
 
 /// Decay rates of the two moments, as recommended in the paper.
 const DECAY: [f32; 2] = [0.9, 0.999];
-/// Guard against division by zero, far below the gradients of losses of order one.
+/// Added to the denominator of a step to prevent division by zero. It is far below the gradients of losses of order one.
 const EPSILON: f32 = 1e-8;
 
 /// A trained tensor, its numbers in row-major order, and the two moments of its gradients.
@@ -29,7 +29,7 @@ impl<const D: usize> Parameter<D> {
         self.value.clone()
     }
 
-    /// Makes one step. Does nothing if the loss does not depend on the parameter.
+    /// Makes one step of Adam. Leaves the parameter unchanged if the loss does not depend on it.
     pub(super) fn step(&mut self, gradients: &mut Gradients, step: &Step) -> Result<(), TrainError> {
         let Some(gradient) = self.value.grad_remove(gradients) else { return Ok(()) };
         let [first, second] = &mut self.moments;
@@ -66,13 +66,13 @@ pub(super) fn numbers<const D: usize>(tensor: Tensor<D>) -> Result<Vec<f32>, Tra
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
     rate: f32,
-    /// `1 - decay^number` for the first moment; its square root for the second.
+    /// Bias correction of the first moment, 1 - decay^number. `second_correction` is the square root of the bias correction of the second moment.
     first_correction: f32,
     second_correction: f32,
 }
 
 impl Step {
-    /// Step `number`, from 1, with a learning rate.
+    /// Step number `number`, from 1, with the learning rate `rate`, dimensionless.
     pub(super) fn new(number: usize, rate: f64) -> Step {
         let [first_correction, second] = DECAY.map(|decay| 1.0 - decay.powi(number as i32));
         Step { rate: rate as f32, first_correction, second_correction: second.sqrt() }

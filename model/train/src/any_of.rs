@@ -1,4 +1,4 @@
-//! Ridge forces on the linear finger for any subset of contacts, the start of a network for subsets.
+//! Forces by ridge regression on the linear finger, for any subset of the contacts. A network for subsets learns the difference from these forces.
 
 use crate::samples::Samples;
 use finray_model::compliance::Compliance;
@@ -6,7 +6,7 @@ use finray_model::sensing::network::ridge_gain;
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 
-/// Ridge gains of every subset that occurs in the samples.
+/// Gain matrices of ridge regression for every subset of contacts that occurs in the samples.
 pub(super) struct RidgeForces {
     /// Compliance, n x contacts for n displacement coordinates, mm/N.
     compliance: DMatrix<f64>,
@@ -44,7 +44,7 @@ impl RidgeForces {
         ridge_gain(&self.compliance, touching, self.ridge_mm_per_n)
     }
 
-    /// Force of each contact, N; zero for contacts that do not touch.
+    /// Force of each contact, N. Zero for contacts at which no force acts.
     pub(super) fn forces_n(&self, touching: &[bool], displacements: &DVector<f64>) -> DVector<f64> {
         match self.gains.get(touching) {
             Some(gain) => gain * displacements,
@@ -52,7 +52,7 @@ impl RidgeForces {
         }
     }
 
-    /// Root mean square difference between true and ridge force of each contact, N, over the cases in which it touches.
+    /// Root mean square difference between true and ridge force of each contact, N, over the cases with a force at this contact.
     pub(super) fn left_over_n(&self, samples: &Samples) -> Vec<f64> {
         let contacts = self.contact_count();
         let (mut squares, mut counts) = (vec![0.0; contacts], vec![0_usize; contacts]);

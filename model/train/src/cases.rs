@@ -1,4 +1,4 @@
-//! Load cases as a network's inputs and targets; targets are forces in units of a linear fit's residual.
+//! Converts load cases to inputs and targets of a network. Targets are forces in units of the residual of a linear fit.
 
 use super::TrainError;
 use super::any_of::RidgeForces;
@@ -14,7 +14,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// Smallest unit of force as a share of the largest force; smaller units exceed single precision.
+/// A unit of force is at least this share of the largest force. Smaller units exceed the accuracy of single precision.
 const LEAST_UNIT: f64 = 1e-4;
 
 /// Conversion of samples to tables of inputs and targets.
@@ -22,7 +22,7 @@ pub(super) struct Cases {
     normalisation: Normalisation,
     noise_mm: f64,
     regression: Option<Regression>,
-    /// Present if any subset of the contacts may touch.
+    /// Ridge forces, if the samples load subsets of the contacts.
     ridge: Option<RidgeForces>,
     units_n: Vec<f64>,
 }
@@ -63,7 +63,7 @@ impl Cases {
         &self.units_n
     }
 
-    /// The normalisation of displacements to inputs, as a network stores it.
+    /// The normalisation of displacements to inputs, in the form in which a network stores it.
     pub(super) fn inputs(&self, training: &Samples) -> Inputs {
         self.normalisation.stored(&self.normalisation.inputs_of(training))
     }
@@ -73,12 +73,12 @@ impl Cases {
         self.ridge.as_ref().map(RidgeForces::compliance)
     }
 
-    /// Whether a linear estimate exists beside the layers; their output then starts at zero.
+    /// Whether a linear estimate exists beside the layers. The output of the layers then starts at zero.
     pub(super) fn starts_from_least_squares(&self) -> bool {
         self.regression.is_some() || self.ridge.is_some()
     }
 
-    /// Initial weights of the linear branch, inputs x contacts.
+    /// Initial weights of the linear branch, inputs x contacts, in units of force.
     pub(super) fn first_skip(&self) -> Option<Vec<f32>> {
         let fit = self.regression.as_ref()?;
         // The column-major transpose is ordered by input, then by contact.
@@ -86,7 +86,7 @@ impl Cases {
         Some(gains.iter().zip(self.units_n.iter().cycle()).map(|(gain, unit_n)| (gain / unit_n) as f32).collect())
     }
 
-    /// Initial bias of the last layer: the mean forces, or zero beside ridge forces.
+    /// Initial bias of the last layer, in units of force: the mean forces, or zero beside ridge forces.
     pub(super) fn first_bias(&self, training: &Samples) -> Vec<f32> {
         match &self.regression {
             Some(fit) => self.in_units(fit.mean_n.iter()).collect(),
@@ -98,7 +98,7 @@ impl Cases {
         forces_n.zip(&self.units_n).map(|(force_n, unit_n)| (force_n / unit_n) as f32)
     }
 
-    /// Inputs and targets of every case, with camera noise if `rng` is given.
+    /// Inputs and targets of every case. The inputs contain camera noise if `rng` is given.
     pub(super) fn table(&self, samples: &Samples, mut rng: Option<ChaCha8Rng>) -> Table {
         let widths = [self.input_count(), self.units_n.len()];
         let mut table = Table::with_room(samples.count(), widths, self.ridge.is_some());
@@ -120,7 +120,7 @@ impl Cases {
                 table.targets.extend(self.in_units(forces_n.iter()));
                 continue;
             };
-            // Ridge forces have the same noise as the inputs.
+            // Ridge forces follow from the same noisy displacements as the inputs.
             coordinates.copy_from(&samples.displacements.column(case));
             if let Some(rng) = &mut rng {
                 let noise: DVector<f64> =

@@ -17,9 +17,11 @@ const LEAST_RATE_SHARE: f64 = 1e-4;
 pub(super) struct Table {
     /// Numbers of inputs and of targets per case.
     pub(super) widths: [usize; 2],
+    /// Inputs, dimensionless.
     pub(super) inputs: Vec<f32>,
+    /// Forces in units of `Cases::units_n`.
     pub(super) targets: Vec<f32>,
-    /// Mask of the targets: 1 to count, 0 to ignore; empty if all count.
+    /// Mask of the targets: 1 for a target that counts in the loss, 0 for a target that is ignored. Empty if all targets count.
     pub(super) counts: Vec<f32>,
 }
 
@@ -38,7 +40,7 @@ impl Table {
         self.inputs.len() / self.widths[0]
     }
 
-    /// Share of the targets of these cases that count.
+    /// Share of the targets of `cases` that count in the loss.
     fn counted_share(&self, cases: &[usize]) -> f64 {
         if self.counts.is_empty() {
             return 1.0;
@@ -74,7 +76,7 @@ struct Batch {
 pub(super) struct Weights {
     /// The dense layers; tanh follows all but the last.
     pub(super) layers: Vec<LayerWeights>,
-    /// Weights of the linear branch, inputs x outputs; `None` without one.
+    /// Weights of the linear branch, inputs x outputs. `None` without a linear branch.
     pub(super) skip: Option<Vec<f32>>,
 }
 
@@ -130,7 +132,7 @@ impl Perceptron {
         }
     }
 
-    /// Squared errors of the targets that count, zero for others; cases x outputs.
+    /// Squared error of each target, cases x outputs. Zero for targets that do not count.
     fn squared_errors(&self, batch: Batch) -> Tensor<2> {
         let mut error = self.forward(batch.inputs) - batch.targets;
         if let Some(counts) = batch.counts {
@@ -165,7 +167,8 @@ impl Perceptron {
 pub struct Epoch {
     /// Number of the epoch, from 1.
     pub number: usize,
-    /// Mean squared error of the first batch over the targets that count, in squared units of the linear fit's residual (or of the forces' spread).
+    /// Mean squared error of the epoch's first batch over the targets that count. Forces are in units of the linear fit's residual, or of their standard
+    /// deviation without such a fit.
     pub training_loss: f64,
     /// Mean squared error of the validation set, in the same units.
     pub validation_loss: f64,
@@ -229,7 +232,7 @@ fn mean_loss(weights: &Weights, table: &Table) -> Result<f64, TrainError> {
     Ok(errors.iter().sum::<f64>() / errors.len() as f64)
 }
 
-/// Mean squared error of each output over the cases in which it counts.
+/// Mean squared error of each output over the cases in which the output counts.
 pub(super) fn squared_errors(weights: &Weights, table: &Table) -> Result<Vec<f64>, TrainError> {
     let device = Device::flex();
     let model = Perceptron::new(weights, &device);

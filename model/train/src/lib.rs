@@ -1,7 +1,7 @@
 //! Training of sensing networks with burn.
 //!
-//! Random load cases ([`crate::samples`]) become inputs and target forces (`cases`). A linear branch starts from least squares (`regression`), the layers
-//! beside it from random weights; Adam trains both (`descent`). The same recipe and seed give the same weights on the same machine.
+//! Random load cases ([`crate::samples`]) become inputs and target forces (`cases`). A linear branch starts from least squares (`regression`), and the layers
+//! beside it start from random weights. Adam trains both (`descent`). The same recipe and seed give the same weights on the same machine.
 
 mod adam;
 mod any_of;
@@ -41,10 +41,10 @@ pub enum TrainError {
     #[error(transparent)]
     Samples(#[from] SamplesError),
     /// The trained network is invalid because numbers overflowed.
-    #[error("training ended in an unusable network: {0}")]
+    #[error("the trained network is unusable: {0}")]
     Network(#[from] NetworkError),
     /// The training library failed.
-    #[error("training failed: {0}")]
+    #[error("the training library failed: {0}")]
     Backend(String),
 }
 
@@ -143,7 +143,7 @@ fn in_newtons(weights: &Weights, cases: &Cases) -> (Vec<Dense>, Vec<f32>) {
     (weights.layers.iter().enumerate().map(dense).collect(), weights.skip.as_ref().map(by_rows).unwrap_or_default())
 }
 
-/// Errors on cases that were not used in training, N.
+/// Root mean square errors on cases that were not used in training, N.
 fn test_errors(cases: &Cases, test: &Samples, weights: &Weights, seed: u64) -> Result<Vec<TestError>, TrainError> {
     let noisy = descent::squared_errors(weights, &cases.table(test, Some(Stream::TestNoise.rng(seed, 0))))?;
     let clean = descent::squared_errors(weights, &cases.table(test, None))?;

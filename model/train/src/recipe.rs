@@ -7,7 +7,7 @@ use finray_model::finger::Finger;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::Scaling;
 
-/// Training cases per validation case, also per test case; and the largest number of each.
+/// Number of training cases per validation case and per test case, and the largest number of validation cases and of test cases.
 const HELD_OUT_SHARE: usize = 5;
 const MOST_HELD_OUT: usize = 4000;
 
@@ -24,13 +24,13 @@ pub struct TrainingRecipe {
     pub scaling: Scaling,
     /// Widths of the hidden layers.
     pub hidden_layers: Vec<usize>,
-    /// Whether a linear branch, started from least squares, is added to the layers.
+    /// Whether a linear branch is added to the layers. The branch starts from least squares.
     pub linear_branch: bool,
     /// Largest number of passes through the training cases.
     pub epochs: usize,
-    /// Number of cases per step.
+    /// Number of training cases per step of Adam.
     pub batch: usize,
-    /// Initial learning rate of Adam, dimensionless; it falls along half a cosine.
+    /// Initial learning rate of Adam, dimensionless. The rate falls along half a cosine.
     pub learning_rate: f64,
     /// Number of consecutive epochs without a lower validation loss after which training stops.
     pub patience: usize,
@@ -39,8 +39,8 @@ pub struct TrainingRecipe {
 }
 
 impl TrainingRecipe {
-    /// The paper's network: 150-200-150 on 20 000 noise-free cases of the linear finger (Xu et al. 2021, sec. IV-A). The paper states
-    /// neither scaling nor schedule. Here the largest displacement is scaled to 1, and the schedule is this project's.
+    /// The network of Xu et al. (2021, sec. IV-A): hidden layers of 150, 200 and 150 neurons, trained on 20 000 noise-free cases of the linear finger. The
+    /// paper states neither scaling nor schedule. Here the largest displacement is scaled to 1, and the schedule is an assumption of this project.
     pub fn paper(contacts: Vec<Contact>) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe::paper(contacts, Kinematics::Linear),
@@ -57,13 +57,13 @@ impl TrainingRecipe {
         }
     }
 
-    /// The paper's network with camera noise on its inputs, standard deviation in mm.
+    /// The network of [`TrainingRecipe::paper`] with camera noise on its inputs. `noise_mm` is the standard deviation of a coordinate, mm.
     pub fn paper_with_noise(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe { noise_mm, ..TrainingRecipe::paper(contacts) }
     }
 
-    /// Network for the nonlinear finger: co-rotational cases with noise, principal directions as inputs, a linear branch. Two layers of 32
-    /// reach the error of the paper's three (see the report's curve of error against size).
+    /// Network for the nonlinear finger: co-rotational cases with noise, principal directions as inputs, a linear branch. Two layers of 32 neurons reach the
+    /// error of the paper's three layers (see the report's curve of error against size).
     pub fn nonlinear(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe::paper(contacts, Kinematics::Corotational),
@@ -77,7 +77,7 @@ impl TrainingRecipe {
         }
     }
 
-    /// Same as [`TrainingRecipe::nonlinear`], for any subset of the contacts; more cases and wider layers cover all subsets.
+    /// Same as [`TrainingRecipe::nonlinear`], for forces at any subset of the contacts. More cases and wider layers cover all subsets.
     pub fn any_of(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe { any_of: true, ..SampleRecipe::paper(contacts, Kinematics::Corotational) },
@@ -88,12 +88,12 @@ impl TrainingRecipe {
         }
     }
 
-    /// Standard deviation of the forces that ridge regression assumes, N: root mean square of a uniform distribution from zero.
+    /// Standard deviation of the forces that ridge regression assumes, N: the root mean square of a uniform distribution from zero to the largest force.
     pub(super) fn prior_n(&self) -> f64 {
         self.samples.largest_force_n / f64::sqrt(3.0)
     }
 
-    /// Number of validation cases, also of test cases.
+    /// Number of validation cases, and of test cases.
     pub(super) fn held_out(&self) -> usize {
         (self.count / HELD_OUT_SHARE).clamp(1, MOST_HELD_OUT)
     }
@@ -117,6 +117,6 @@ impl TrainingRecipe {
         require(self.epochs > 0 && self.batch > 0, "epochs, batch", "at least one", &(self.epochs, self.batch))?;
         require(positive(self.learning_rate), "learning_rate", "a positive number", &self.learning_rate)?;
         let seen = self.samples.markers(finger).len();
-        require(2 * seen >= self.samples.contacts.len() && seen > 0, "hidden", "as many coordinates as contacts", &seen)
+        require(2 * seen >= self.samples.contacts.len() && seen > 0, "hidden", "enough visible markers", &seen)
     }
 }

@@ -4,9 +4,9 @@ use crate::samples::Samples;
 use finray_model::sensing::network::{Inputs, Scaling};
 use nalgebra::{DMatrix, DVector};
 
-/// Directions whose standard deviation is below this share of the noise carry no information.
+/// Directions whose standard deviation is below this share of the noise carry no information and are omitted.
 const LEAST_SHARE_OF_NOISE: f64 = 0.1;
-/// Variances below this share of the largest are rounding errors; the limit without noise.
+/// Directions whose variance is below this share of the largest variance are omitted as rounding errors. This limit also holds without noise.
 const LEAST_SHARE_OF_LARGEST: f64 = 1e-14;
 
 /// Normalisation of displacements to inputs, computed from training shapes.
@@ -18,7 +18,7 @@ pub(super) struct Normalisation {
     pub(super) projection: DMatrix<f64>,
     /// Squared scale of the displacements along the direction of each input, mm^2.
     pub(super) variances: Vec<f64>,
-    /// Standard deviation of the camera noise in each input, dimensionless; independent between inputs.
+    /// Standard deviation of the camera noise in each input, dimensionless. The noise is independent between inputs.
     pub(super) noise: Vec<f64>,
 }
 
@@ -51,7 +51,7 @@ impl Normalisation {
         inputs
     }
 
-    /// The normalisation as a network stores it, with the largest inputs of the training cases.
+    /// The normalisation in the form in which a network stores it, with the largest absolute inputs of the training cases.
     pub(super) fn stored(&self, inputs: &DMatrix<f64>) -> Inputs {
         Inputs {
             mean: self.mean.iter().copied().collect(),
@@ -77,6 +77,7 @@ fn principal_directions(covariance: DMatrix<f64>, noise_mm: f64) -> (DMatrix<f64
 /// Least squares from noisy inputs to forces: forces = mean + gain^T inputs.
 #[derive(Debug, Clone)]
 pub(super) struct Regression {
+    /// Mean force of each contact, N.
     pub(super) mean_n: Vec<f64>,
     /// Gain, p x contacts, N per unit input.
     pub(super) gain: DMatrix<f64>,
@@ -85,7 +86,7 @@ pub(super) struct Regression {
 }
 
 impl Regression {
-    /// Minimises E |mean + gain^T (z + noise) - f|^2 over cases, with the noise in closed form. `None` if inputs are linearly dependent.
+    /// Minimises E |mean + gain^T (z + noise) - f|^2 over cases, with the expectation over the noise in closed form. `None` if inputs are linearly dependent.
     pub(super) fn new(inputs: &DMatrix<f64>, forces: &DMatrix<f64>, noise: &[f64]) -> Option<Regression> {
         let cases = inputs.ncols() as f64;
         let mean_n = forces.column_mean();

@@ -1,6 +1,6 @@
 //! Random load cases of a finger and the resulting shapes, for training sensing networks.
 //!
-//! Case i is drawn from stream i of the seed, so that samples do not depend on the number of threads.
+//! Case i uses stream i of the seed, so samples do not depend on the number of threads.
 
 use finray_model::Kinematics;
 use finray_model::finger::{Finger, NodeId};
@@ -15,9 +15,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
-/// Largest number of draws for one case. If the finger carries no draw, it is too weak for the range of forces.
+/// Drawing fails if a case has no equilibrium in this number of draws: the finger is too weak for the range of forces.
 const MOST_DRAWS: usize = 100;
-/// Number of cases that one thread draws together, so that their equilibria are computed in groups.
+/// Number of cases that one thread draws together. Their equilibria are computed in groups.
 const CASES_A_PIECE: usize = 256;
 
 /// Distribution of load cases.
@@ -28,15 +28,15 @@ const CASES_A_PIECE: usize = 256;
 pub struct SampleRecipe {
     /// Contacts whose forces are drawn, with their directions.
     pub contacts: Vec<Contact>,
-    /// Whether each case loads only a random subset of the contacts. All sizes of the subset, from one to all, are equally likely.
+    /// Whether each case loads only a random subset of the contacts. All subset sizes, from one contact to all, are equally likely.
     pub any_of: bool,
     /// Linear or co-rotational kinematics.
     pub kinematics: Kinematics,
     /// Beam elements per member.
     pub elements: usize,
-    /// Largest force of a contact, N. Forces are drawn uniformly from zero to it.
+    /// Largest force of a contact, N. Forces are drawn uniformly between zero and this force.
     pub largest_force_n: f64,
-    /// Largest sum of the forces, N. Larger sums are scaled to a value drawn uniformly from zero to it.
+    /// Largest sum of the forces, N. A case with a larger sum is scaled to a sum that is drawn uniformly from zero to `largest_sum_n`.
     pub largest_sum_n: f64,
     /// Standard deviation of each force's direction about the contact's direction, degrees.
     pub direction_spread_deg: f64,
@@ -47,7 +47,7 @@ pub struct SampleRecipe {
 }
 
 impl SampleRecipe {
-    /// The paper's ranges of force, for given contacts.
+    /// The ranges of force of Xu et al. (2021, sec. IV-A), for the given contacts.
     pub fn paper(contacts: Vec<Contact>, kinematics: Kinematics) -> SampleRecipe {
         SampleRecipe {
             contacts,
@@ -80,18 +80,18 @@ impl SampleRecipe {
         };
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let not_negative = |x: f64| x.is_finite() && x >= 0.0;
-        require(positive(self.largest_force_n), "largest_force_n", "a force in N", &self.largest_force_n)?;
-        require(positive(self.largest_sum_n), "largest_sum_n", "a force in N", &self.largest_sum_n)?;
+        require(positive(self.largest_force_n), "largest_force_n", "a force in N above zero", &self.largest_force_n)?;
+        require(positive(self.largest_sum_n), "largest_sum_n", "a force in N above zero", &self.largest_sum_n)?;
         let spread_deg = self.direction_spread_deg;
         require(not_negative(spread_deg), "direction_spread_deg", "degrees, zero or more", &spread_deg)?;
         require(not_negative(self.modulus_spread), "modulus_spread", "zero or more", &self.modulus_spread)?;
-        require(self.elements > 0, "elements", "at least one element a member", &self.elements)
+        require(self.elements > 0, "elements", "at least one element per member", &self.elements)
     }
 
     /// Draws `count` cases from a stream of the seed.
     ///
     /// # Errors
-    /// [`SamplesError`] if a number is impossible, a contact is not on the free front plate, or the finger does not carry such forces.
+    /// [`SamplesError`] if a number is impossible, a contact is not on the free front plate, or the finger has no equilibrium under any draw of a case.
     pub fn draw(&self, finger: &Finger, count: usize, seed: u64, stream: Stream) -> Result<Samples, SamplesError> {
         self.check()?;
         check_contacts(finger, &self.contacts)?;
@@ -123,7 +123,7 @@ impl SampleRecipe {
         })
     }
 
-    /// Draws one case from each generator until the finger carries it. `None` if a case is never carried.
+    /// Draws one case from each generator until the finger has an equilibrium under the drawn forces. `None` if a case fails in all draws.
     fn carried(&self, mesh: &Mesh, rngs: Vec<ChaCha8Rng>) -> Option<Vec<Case>> {
         let mut cases: Vec<Option<Case>> = rngs.iter().map(|_| None).collect();
         let mut waiting: Vec<(usize, ChaCha8Rng)> = rngs.into_iter().enumerate().collect();
@@ -173,7 +173,7 @@ pub enum Stream {
 }
 
 impl Stream {
-    /// Random number generator for part `index` (below 2^60) of a purpose.
+    /// Random number generator for item `index` (below 2^60) of a purpose.
     pub fn rng(self, seed: u64, index: u64) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(((self as u64) << 60) + index);
@@ -197,10 +197,10 @@ pub enum SamplesError {
     /// A contact is wrong.
     #[error(transparent)]
     Contacts(#[from] SensingError),
-    /// The finger carries no force of this range.
+    /// The finger has no equilibrium under the forces of any draw of a case.
     #[error("the finger has no equilibrium under any of {draws} random load cases: train for smaller forces")]
     NoneCarried {
-        /// Number of draws in a row.
+        /// Number of draws of the case.
         draws: usize,
     },
 }
@@ -210,13 +210,13 @@ pub enum SamplesError {
 pub struct Samples {
     /// Displacements without noise, mm: two rows (x, y) per marker.
     pub displacements: DMatrix<f64>,
-    /// Force of each contact along its direction, N: one row per contact, zero if the contact does not touch.
+    /// Force of each contact along its direction, N: one row per contact. Zero if no force acts there.
     pub forces: DMatrix<f64>,
-    /// For each case, whether each contact touches.
+    /// Whether a force acts at each contact: one vector per case, one entry per contact.
     pub touching: Vec<Vec<bool>>,
     /// Nodes of the markers, in the order of the rows.
     pub markers: Vec<NodeId>,
-    /// Number of repeated draws because the finger did not carry them.
+    /// Number of draws that were repeated because the finger has no equilibrium under their forces.
     pub not_carried: usize,
 }
 
@@ -227,12 +227,12 @@ impl Samples {
     }
 }
 
-/// A load case that the finger carries.
+/// A load case with an equilibrium.
 struct Case {
     drawn: Drawn,
     /// Displacements without noise, mm: x and y of each visible marker.
     displacements_mm: Vec<f64>,
-    /// Number of draws before this one.
+    /// Number of earlier draws of this case without equilibrium.
     not_carried: usize,
 }
 
@@ -267,7 +267,7 @@ impl Drawn {
         Drawn { touching, forces_n, angles_deg, modulus_factor }
     }
 
-    /// Loads divided by the modulus factor bend this finger as the loads bend a finger of that modulus.
+    /// Loads of the case, divided by the modulus factor: this has the same effect as a modulus multiplied by the factor.
     fn loads(&self, recipe: &SampleRecipe, mesh: &Mesh) -> Result<Vec<FrameLoad>, finray_model::mesh::LoadError> {
         let touching = (0..self.forces_n.len()).filter(|&i| self.touching[i]);
         let load = |i: usize| {

@@ -80,7 +80,7 @@ fn every_block_is_shown_also_within_details() {
         "href=\"#where\"",
         "id=\"where\"",
         "<a href=\"24.csv\">24.csv</a>",
-        "<abbr title=\"The linear finger\">linear finger</abbr>",
+        "<abbr title=\"The finger with linear statics\">linear finger</abbr>",
         "href=\"#maps\"",
         "id=\"maps\"",
         "the end",

@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-/// Whether the computed figure is within the tolerance.
+/// Verdict of a check: whether the computed figure is within the tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// Within tolerance.
+    /// The figure is within the tolerance.
     Pass,
-    /// Not within tolerance, or NaN.
+    /// The figure is not within the tolerance, or is NaN.
     Fail,
 }
 
@@ -21,13 +21,13 @@ pub enum Verdict {
 pub enum Kind {
     /// Figures of another program or author: exports from OpenSees and MuJoCo, shapes computed by rapier, tables of a publication.
     External,
-    /// A closed form, a theoretical order of convergence, or a solution from the literature, whoever evaluated it.
+    /// A closed form, a theoretical order of convergence, or a solution from the literature, regardless of who evaluated it.
     Analytical,
     /// Another formulation, mesh, balance, bound or fit within this project.
     Internal,
 }
 
-/// A check: the computed figure lies within `tolerance` of the reference.
+/// Checks that a computed figure lies within `tolerance` of a reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
     /// Origin of the reference.
@@ -44,10 +44,10 @@ pub struct Check {
     pub ours: f64,
     /// Largest difference that passes, in the unit of the quantity.
     pub tolerance: f64,
-    /// Whether it passes.
+    /// Whether the check passes.
     pub verdict: Verdict,
-    /// Difference relative to an external or analytical reference, dimensionless. For a reference of 0 it is the figure itself, which is then a
-    /// ratio or in radians. `None` for internal checks: many are balances, counts or multiples of a standard deviation.
+    /// Difference relative to an external or analytical reference, dimensionless. For a reference of 0: the figure itself, which is then a ratio or
+    /// in radians. `None` for internal checks, because many are balances, counts or multiples of a standard deviation.
     pub disagreement: Option<f64>,
 }
 
@@ -55,7 +55,7 @@ impl Kind {
     /// Every kind, the most independent first.
     pub const ALL: [Kind; 3] = [Kind::External, Kind::Analytical, Kind::Internal];
 
-    /// Name in tables and `summary.json`.
+    /// Name of the kind in tables and in `summary.json`.
     pub fn name(self) -> &'static str {
         match self {
             Kind::External => "external",
@@ -65,14 +65,14 @@ impl Kind {
     }
 }
 
-/// Source of rows whose reference is a shape of finray's spring lattice, stepped to rest by rapier2d. The program is independent, the springs
-/// are not. Forces sensed on the lattice are compared with the true forces and have another source.
+/// Source of checks against shapes of finray's spring lattice, stepped to rest by rapier2d. The program is independent, the springs are not. Forces
+/// sensed on the lattice are compared with true forces, and their checks have another source.
 pub const SETTLED_LATTICE: &str = "rapier2d lattice";
 
 /// Group of references by which checks are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Against {
-    /// Other programs with independent models: [`Kind::External`] except the lattice.
+    /// Other programs with independent models: [`Kind::External`] without the lattice.
     OtherPrograms,
     /// finray's lattice, settled by a physics engine: [`SETTLED_LATTICE`].
     SettledLattice,
@@ -109,7 +109,7 @@ pub struct Tally {
     pub all: usize,
 }
 
-/// Checks counted by group of references; groups without checks are omitted. Internal checks are many, but less independent than the others.
+/// Counts the checks of each group of references. Groups without checks are omitted.
 pub fn tallies<'c>(checks: impl Iterator<Item = &'c Check> + Clone) -> Vec<Tally> {
     let tally = |against| {
         let counted = checks.clone().filter(move |check| check.against() == against);
@@ -145,12 +145,12 @@ impl Check {
         }
     }
 
-    /// The check without its disagreement: a difference counted in stated uncertainties has no meaningful relative size.
+    /// The check without its disagreement, because a difference in multiples of stated uncertainties has no meaningful relative size.
     pub fn in_stated_uncertainties(self) -> Check {
         Check { disagreement: None, ..self }
     }
 
-    /// The check over `drawn` cases with `refused` of them refused. It fails if any is refused, and the quantity states how many.
+    /// The check over `drawn` cases. If any case is refused, the check fails and its quantity states the number of refused cases.
     pub fn with_refused(mut self, refused: usize, drawn: usize) -> Check {
         if refused > 0 {
             self.verdict = Verdict::Fail;
@@ -159,7 +159,7 @@ impl Check {
         self
     }
 
-    /// Group of references that the check counts in.
+    /// Group of references in which the check counts.
     pub fn against(&self) -> Against {
         match self.kind {
             Kind::External if self.source == SETTLED_LATTICE => Against::SettledLattice,
@@ -201,7 +201,7 @@ impl Subject {
         self.is(quantity, 0.0, ours, tolerance)
     }
 
-    /// Checks an exact count.
+    /// Checks that a count equals the reference exactly.
     pub fn counts(&self, quantity: impl Into<String>, reference: usize, ours: usize) -> Check {
         self.is(quantity, reference as f64, ours as f64, EXACT_COUNT)
     }
@@ -216,7 +216,7 @@ pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
     figures.into_iter().reduce(larger).unwrap_or(f64::NAN)
 }
 
-/// A computed figure beside a reference, without a verdict: their difference is expected, or is the residual of a fit.
+/// A computed figure beside a reference, without a verdict: a difference is expected, or a fit has minimised the difference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// The problem.

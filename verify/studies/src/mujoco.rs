@@ -7,15 +7,15 @@ use crate::prelude::*;
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// The table cannot be read.
-    #[error("MuJoCo's table: {0}")]
+    #[error("cannot read MuJoCo's table: {0}")]
     Table(#[from] csv::Error),
     /// The scene of the exported finger cannot be read.
-    #[error("MuJoCo's scene: {0}")]
+    #[error("cannot read the scene of MuJoCo's finger: {0}")]
     Scene(String),
     /// A case does not list every key node in order.
-    #[error("MuJoCo's table: {case} does not list the finger's {key_nodes} key nodes in order")]
+    #[error("MuJoCo's table must list the finger's {key_nodes} key nodes in order, but {case} does not")]
     Nodes {
-        /// The case, in words.
+        /// Name of the faulty case.
         case: String,
         /// Number of key nodes of the finger.
         key_nodes: usize,
@@ -25,7 +25,7 @@ pub enum ExportError {
 /// A finger whose shapes under single forces were exported from MuJoCo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExportedFinger {
-    /// Name of the table.
+    /// Name of the exported table.
     pub name: &'static str,
     scene: &'static str,
     csv: &'static str,
@@ -55,31 +55,31 @@ pub struct StaticCase {
     pub angle_deg: f64,
     /// Magnitude of the force, N.
     pub force_n: f64,
-    /// Force vector, N, finger frame.
+    /// Force vector in the finger frame, N.
     pub force: Vector,
     /// Displacements and rotations of the key nodes.
     pub shape: FingerShape,
-    /// Uncertainty of a displacement stated by the export, mm.
+    /// Uncertainty that the export states for each displacement, mm.
     pub uncertainty_mm: f64,
-    /// Uncertainty of a rotation stated by the export, rad.
+    /// Uncertainty that the export states for each rotation, rad.
     pub uncertainty_rad: f64,
 }
 
-/// A rigid rod of the finger that the cylinder touches.
+/// A rigid rod in contact with the cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TouchedRod {
     /// Key node of the rod.
     pub node: NodeId,
-    /// Force on the rod, N, finger frame.
+    /// Contact force on the rod in the finger frame, N.
     pub force: Vector,
-    /// Moment of the force about the rod's centre, N mm; zero up to rounding without friction.
+    /// Moment of the contact force about the rod's centre, N mm. Zero up to rounding if there is no friction.
     pub moment_nmm: f64,
 }
 
 /// Equilibrium of the paper's finger with a rigid cylinder pushed into it, by MuJoCo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactStep {
-    /// Number of the push, a series of steps with one cylinder.
+    /// Number of the push. A push is a series of steps with one cylinder.
     pub push: usize,
     /// Displacement of the cylinder towards the finger since first contact, mm.
     pub depth_mm: f64,
@@ -89,7 +89,7 @@ pub struct ContactStep {
     pub shape: FingerShape,
     /// Rods that carry a contact force, from tip to base.
     pub touched: Vec<TouchedRod>,
-    /// Uncertainty of a displacement stated by the export, mm.
+    /// Uncertainty that the export states for each displacement, mm.
     pub uncertainty_mm: f64,
 }
 
@@ -125,7 +125,7 @@ struct ContactRow {
 }
 
 impl ExportedFinger {
-    /// The export of a finger equal to this one, under any name; `None` if there is none.
+    /// The export whose finger equals this one, whatever the names; `None` if no exported finger does.
     pub fn of(finger: &Finger) -> Option<&'static ExportedFinger> {
         FINGERS.iter().find(|exported| exported.finger().is_ok_and(|known| known == *finger))
     }
@@ -139,7 +139,7 @@ impl ExportedFinger {
         Ok(scene.finger)
     }
 
-    /// All exported cases, by node, direction, and ascending force.
+    /// All exported cases, ordered by node, direction and ascending force.
     ///
     /// # Errors
     /// [`ExportError`] if the shipped table cannot be read.

@@ -1,10 +1,10 @@
-//! Settings of all experiments: effort, forces, noise and progress callbacks. Depends on no other module.
+//! Settings of all experiments: effort, forces, noise and progress callbacks. This module depends on no other module.
 
 use finray_model::{Finger, Scene};
 
 pub use finray_fixtures::CAMERA_NOISE_MM;
 
-/// Standard deviation stated to estimators of a noise-free measurement, mm: with a smaller one, mesh errors of micrometres look like outliers.
+/// Standard deviation that estimators assume for a noise-free measurement, mm. With a smaller value, mesh errors of micrometres look like outliers.
 pub const LEAST_STATED_MM: f64 = 0.01;
 /// Range of forces on one contact node of the paper's finger, N (paper, sec. V-C). Below 0.5 N noise alone causes errors of several per cent.
 pub const ONE_FORCE_N: [f64; 2] = [0.5, 3.0];
@@ -12,17 +12,17 @@ pub const ONE_FORCE_N: [f64; 2] = [0.5, 3.0];
 pub const TWO_FORCES_N: [f64; 2] = [0.3, 3.0];
 /// Frame time of the paper's camera at 25 Hz, s.
 pub const CAMERA_FRAME_S: f64 = 0.04;
-/// Largest relative error of a trusted force: the lighter shade of the paper's Table I begins above it.
+/// A force is trusted if its relative error is at most this, dimensionless. The paper's Table I shades larger errors.
 pub const TRUSTED_ERROR: f64 = 0.10;
-/// Relative error above which a force counts as not sensed: the darker shade of the paper's Table I.
+/// A force counts as not sensed if its relative error exceeds this, dimensionless. The paper's Table I shades such errors darker.
 pub const GROSS_ERROR: f64 = 0.25;
 pub use finray_model::sensor::TWO_SIDED_95;
-/// Number of cases from which a mean error is known well enough (to 2 %) to be checked without an allowance for chance.
+/// With at least this number of cases, a mean error is known to 2 %. Its check then needs no allowance for chance.
 pub const ENOUGH_CASES: usize = 4000;
-/// Directions assumed for the paper's "vertical" weights, degrees; 10.9 = asin(29 / 153) if the finger's axis is horizontal.
+/// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 = asin(29 / 153) if the finger's axis is horizontal.
 pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
 
-/// Forces of a report. Their ratios are the same for every finger.
+/// Forces for which a report is computed. Their ratios are the same for every finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReportForces {
     drawn_n: f64,
@@ -37,7 +37,7 @@ impl ReportForces {
         ReportForces { drawn_n }
     }
 
-    /// Forces of studies whose checks and claims hold for fixed forces: the paper's for the paper's finger, these for another.
+    /// Forces for studies that have fixed reference figures: [`ReportForces::PAPER`] for the paper's finger, `self` for any other finger.
     pub fn checked(self, is_paper: bool) -> ReportForces {
         if is_paper { ReportForces::PAPER } else { self }
     }
@@ -52,7 +52,7 @@ impl ReportForces {
         self.scaled([0.5, 1.0, 2.0, 3.0])
     }
 
-    /// Force of studies with a single force, N: the middle of the range.
+    /// Force of studies that use a single force, N: half of the largest.
     pub fn half_n(self) -> f64 {
         0.5 * self.drawn_n
     }
@@ -69,20 +69,20 @@ impl ReportForces {
     }
 }
 
-/// Whether a finger equals the paper's, for which reference values exist. The name of its scene does not matter.
+/// Whether a finger equals the paper's finger, for which reference values exist. The scene's name does not matter.
 pub fn is_papers_finger(finger: &Finger) -> bool {
     Scene::from_toml(finray_fixtures::PAPER_SCENE).is_ok_and(|paper| paper.finger == *finger)
 }
 
 /// Progress callbacks: one at the start of each part, with its name and number of steps, and one after each step.
 pub trait Progress: Sync {
-    /// A part of `steps` steps begins.
+    /// Called when a part of `steps` steps begins.
     fn part(&self, name: &str, steps: usize);
-    /// One step of the part is complete.
+    /// Called after each step of the current part.
     fn step(&self);
 }
 
-/// Amount of computation.
+/// Amount of computation in a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
     /// Coarse maps, for a preview or a test.
@@ -92,7 +92,6 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// Selects one of two values by effort.
     pub(crate) fn choose<T>(self, quick: T, full: T) -> T {
         match self {
             Effort::Quick => quick,
@@ -100,53 +99,53 @@ impl Effort {
         }
     }
 
-    /// Numbers of random cases of Table II and of the networks, for each set of contacts.
+    /// Numbers of random cases per set of contacts: for Table II, and for the networks.
     pub(crate) fn sensed_cases(self) -> [usize; 2] {
         self.choose([40, 40], [ENOUGH_CASES; 2])
     }
 
-    /// Number of noise samples for each set of contacts and each noise model of displacements.
+    /// Number of noise samples per set of contacts and per noise model of the displacements.
     pub(crate) fn displacement_noise_cases(self) -> usize {
         self.choose(20, 200)
     }
 
-    /// Positions along the front plate, step of the directions (degrees) and noise samples a cell in the study of coverage. For the paper's
-    /// finger these are 720 or 12 960 samples. A share of 95 % then has a standard deviation of 0.8 or 0.2 %.
+    /// Number of positions, step of the directions (degrees), and noise samples per cell in the study of coverage. The paper's finger then has 720
+    /// samples (quick) or 12 960 (full). A coverage of 95 % has a standard deviation of 0.8 or 0.2 %.
     pub(crate) fn covered_cells(self) -> (usize, f64, usize) {
         self.choose((17, 40.0, 3), (60, 20.0, 6))
     }
 
-    /// Number of noise samples a force at each contact node, for the networks.
+    /// Number of noise samples per force and contact node, for the networks.
     pub(crate) fn covered_at_nodes(self) -> usize {
         self.choose(20, 100)
     }
 
-    /// Largest numbers of nodes at which forces are sensed from images, and of camera conditions.
+    /// Largest number of nodes at which forces are sensed from images, and largest number of camera conditions.
     pub(crate) fn camera(self) -> (usize, usize) {
         self.choose((2, 9), (6, usize::MAX))
     }
 
-    /// Numbers of calibrations of the digital twin, of forces sensed at each node of it, and of sets of zones that are fitted.
+    /// Numbers of calibrations of the digital twin, of sensed forces per node of the twin, and of fitted sets of soft zones.
     pub(crate) fn twin(self) -> [usize; 3] {
         self.choose([3, 40, 1], [10, 400, usize::MAX])
     }
 
-    /// Positions along the front plate, step of the directions (degrees), and noise samples a cell.
+    /// Number of positions along the front plate, step of the directions (degrees), and noise samples per cell of a map.
     pub(crate) fn resolution(self) -> (usize, f64, usize) {
         self.choose((24, 20.0, 100), (48, 5.0, 400))
     }
 
-    /// Like [`resolution`](Effort::resolution), where estimates are expensive or maps vary widely. All its cells are also cells of that grid.
+    /// A coarser [`resolution`](Effort::resolution) for expensive estimates or maps that vary widely. Its cells are also cells of the finer grid.
     pub(crate) fn coarse_resolution(self) -> (usize, f64, usize) {
         self.choose((12, 40.0, 4), (24, 10.0, 12))
     }
 
-    /// Positions along the front plate and step of the directions (degrees) for contacts that are only assumed.
+    /// Number of positions along the front plate and step of the directions (degrees), for maps whose contact is only assumed.
     pub(crate) fn assumed_contacts(self) -> (usize, f64) {
         self.choose((6, 40.0), (24, 20.0))
     }
 
-    /// Like [`resolution`](Effort::resolution), for maps of shapes that the nonlinear estimator's model cannot take.
+    /// The coarsest [`resolution`](Effort::resolution), for shapes that the nonlinear estimator's model cannot represent.
     pub(crate) fn coarsest_resolution(self) -> (usize, f64, usize) {
         self.choose((6, 40.0, 1), (24, 20.0, 4))
     }

@@ -1,8 +1,9 @@
-//! Templates of sentences: their text is in a file beside the code, which computes the numbers.
+//! Sentence templates: files hold the text, the code computes the numbers.
 
 use minijinja::{Environment, UndefinedBehavior};
 
-/// Templates by name, with two filters for numbers: `plain`, and `fixed`, which takes a number of decimals. A missing number is an error.
+/// Builds the templates from pairs of name and text. Two filters format numbers: `plain`, and `fixed` with a number of decimals. A missing number is
+/// an error.
 ///
 /// # Errors
 /// [`minijinja::Error`] for an invalid template.

@@ -11,10 +11,11 @@ use crate::optimise::{LeastSquaresProblem, Refusal, StepBounds};
 use crate::statics::{Statics, StaticsError, equilibria};
 use nalgebra::{DMatrix, DVector};
 
-/// Largest change of ln(factor) in a step, dimensionless: a factor of e.
+/// A step changes ln(factor) by at most this, dimensionless: a factor of e.
 const LARGEST_STEP: f64 = 1.0;
 
-/// Weighted computed minus measured displacements, mm, two rows (x, y) per marker. The unknowns are logarithms of factors.
+/// Least-squares problem with the residuals (computed minus measured displacement) times weight, mm, two rows (x, y) per marker. The unknowns are logarithms of
+/// factors.
 pub(super) struct FactorProblem<'p> {
     pub finger: &'p Finger,
     pub cases: &'p [CalibrationCase],
@@ -100,7 +101,7 @@ impl LeastSquaresProblem for FactorProblem<'_> {
     }
 }
 
-/// Requests a shorter step where the finger is too soft to carry the loads; other errors end the search.
+/// Requests a shorter step if the finger has no equilibrium because it is too soft. Other errors end the search.
 fn refusal(error: CalibrationError) -> Refusal<CalibrationError> {
     match error {
         CalibrationError::Statics(_) => Refusal::Here(error),
@@ -108,7 +109,7 @@ fn refusal(error: CalibrationError) -> Refusal<CalibrationError> {
     }
 }
 
-/// Indices of members, and the share of their stiffness proportional to an unknown.
+/// Indices of members, each with the share of its stiffness that is proportional to the unknown.
 fn shares(mesh: &Mesh, unknown: &Unknown) -> Vec<(usize, f64)> {
     match unknown {
         Unknown::Modulus => (0..mesh.frame().members().len()).map(|member| (member, 1.0)).collect(),

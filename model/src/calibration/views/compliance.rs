@@ -2,17 +2,17 @@
 
 use crate::calibration::CalibrationError;
 
-/// Turn of the clamped base per unit of force.
+/// Rotation of the clamped base per newton of measured force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseCompliance {
-    /// Turn from x to y, degrees per newton.
+    /// Rotation, positive from x to y, degrees per newton.
     pub deg_per_n: f64,
     /// Standard deviation, degrees per newton. Infinite for two views, which leave no residual.
     pub sigma_deg_per_n: f64,
 }
 
-/// Fits a straight line to the turn of the base over the force by least squares. `turns` holds the force, N, and the turn, degrees, of each view of one
-/// mounting.
+/// Fits the rotation of the base as a linear function of the force, by least squares. `turns` holds the force, N, and the rotation, degrees, of each view of
+/// one mounting.
 ///
 /// # Errors
 /// [`CalibrationError::TooFewViews`] for fewer than two views, [`CalibrationError::NotIdentifiable`] if all forces are equal.

@@ -1,4 +1,4 @@
-//! Refuses views that contradict the scene's finger or the other views more than the sought quantities could explain. Tests each view before any fit.
+//! Refuses views that contradict the scene's finger or the other views more than the sought quantities could explain. Each view is tested before any fit.
 
 use super::problem::{Candidate, Problem, ViewUnknowns};
 use super::shape_motion::motion_of_shape;
@@ -9,17 +9,18 @@ use crate::sensing::{ContactQuestion, Direction, NonlinearEstimator};
 use crate::{NodeId, Vector};
 use nalgebra::Isometry2;
 
-/// Assumed errors before calibration: of markers, mm, and of a sought base, mm and rad.
+/// Assumed standard deviations before calibration: of markers, mm, and of a base whose pose is sought, mm and rad.
 const UNCALIBRATED_MM: f64 = 0.3;
 const SOUGHT_BASE: [f64; 2] = [5.0, 0.05];
-/// Largest factor by which a view's ratio of measured force to marker force may differ from the median. Marker forces of an uncalibrated finger err by up
-/// to half; beyond, the measured force does not belong to its image.
+/// A view is refused if its ratio of measured force to marker force (force estimated from the markers) differs from the median by more than this factor. Marker
+/// forces of an uncalibrated finger are wrong by up to half. Beyond this, the measured force does not belong to its image.
 const LARGEST_TIMES: f64 = 2.0;
-/// Largest median ratio of measured force to marker force. A scene's modulus may be a guess, but beyond this ratio the search has no starting point.
+/// A calibration is refused if the median ratio of measured force to marker force, or its reciprocal, exceeds this. The scene's modulus may be a guess, but
+/// beyond this ratio the search has no starting point.
 const LARGEST_FACTOR: f64 = 5.0;
-/// Number of standard deviations by which a marker force must deviate to count as wrong.
+/// A measured force counts as wrong only if it deviates by more than this many standard deviations of the marker force.
 const SURE: f64 = 3.0;
-/// A marker is misnamed if its distance to another node's computed position is below this share of the distance to its own.
+/// A marker has a wrong node number if its distance to another node's computed position is below this share of its distance to its own node's position.
 const NEARER: f64 = 0.5;
 
 /// Force of a view estimated from its markers alone, with the other unknowns of the view.
@@ -30,7 +31,7 @@ pub(super) struct MarkerForce {
     pub sigma_n: f64,
 }
 
-/// A measured force compared with another estimate of it.
+/// A measured force compared with another estimate of the same force.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Compared<'v> {
     pub view: &'v View,
@@ -58,10 +59,10 @@ impl Problem<'_> {
         self.sought.iter().any(|sought| is_of_base(sought.quantity))
     }
 
-    /// Force that the markers of a view show along the measured direction, by the scene's finger. `None` if no force was measured or the estimator gives no
-    /// answer.
+    /// Force that the markers of a view show along the measured direction, estimated with the scene's finger. `None` if no force was measured or the estimator
+    /// gives no answer.
     pub(super) fn marker_force(&self, stated: &Candidate, view: &View) -> Option<MarkerForce> {
-        // The direction points inwards along the line of the measured force, whose sign may be wrong.
+        // The estimated force points inwards along the line of the measured force, because the sign of the measured force may be wrong.
         let angle_deg = self.finger.angle_deg(view.force?);
         let outwards_deg: f64 = if angle_deg.abs() > 90.0 { 180.0 } else { 0.0 };
         let direction = Direction::Angle(angle_deg - outwards_deg.copysign(angle_deg));
@@ -80,7 +81,7 @@ impl Problem<'_> {
         Some(MarkerForce { own, sigma_n: sensed.forces.sigmas_n[0] })
     }
 
-    /// Compares measured forces with marker forces. `marker_forces` has one entry per view.
+    /// Compares measured forces with marker forces (estimated from the markers). `marker_forces` has one entry per view.
     ///
     /// # Errors
     /// [`CalibrationError::ForceScale`] if all forces deviate by a common factor, [`ViewError::Force`] for the view that deviates most from the others.
@@ -100,10 +101,10 @@ impl Problem<'_> {
         }
     }
 
-    /// Finds a marker of a view at the computed position of another node, for the best rigid motion of the finger.
+    /// Finds a marker of a view at the computed position of another node, after the best rigid motion of the finger. `None` if every marker has the right node.
     pub(super) fn wrong_name(&self, stated: &Candidate, view: &View, own: &ViewUnknowns) -> Option<ViewError> {
         let pressed = self.pressed(stated, view, own)?;
-        // Node, seen position and computed position of each marker.
+        // Node, observed position and computed position of each marker.
         let places: Vec<(NodeId, Vector, Vector)> = self
             .residuals(stated, view, own, &pressed)
             .map(|(marker, left)| {

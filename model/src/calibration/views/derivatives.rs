@@ -7,14 +7,14 @@ use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Steps for derivatives: of lengths, mm; of factors and forces (relative) and angles in rad; of angles in degrees. Equilibria have ten correct
-/// digits.
+/// Steps of the difference quotients. `LENGTH_STEP` is for lengths (mm) and for shared quantities other than factors, in their units. `SHARE_STEP` is for
+/// factors, forces (both relative) and rotations in rad. `ANGLE_STEP_DEG` is for the lean of a view, degrees. Equilibria have ten correct digits.
 const LENGTH_STEP: f64 = 1e-3;
 const SHARE_STEP: f64 = 1e-4;
 const ANGLE_STEP_DEG: f64 = 1e-2;
-/// Step for an error of the unloaded finger, in standard deviations.
+/// Step of the difference quotients for an error of the unloaded finger, in standard deviations.
 const SIGMA_STEP: f64 = 1e-2;
-/// The finger is impossible or has no equilibrium.
+/// Refusal of a point at which the finger is impossible or has no equilibrium.
 const NOWHERE: Refusal<CalibrationError> = Refusal::Here(CalibrationError::NoMinimum);
 
 impl LeastSquaresProblem for Problem<'_> {
@@ -77,7 +77,7 @@ impl LeastSquaresProblem for Problem<'_> {
         changes.filter_map(|(k, (sought, change))| Some(Prior::on(k, *change, 0.0, sought.prior_sd?))).collect()
     }
 
-    /// Keeps contacts on the plate.
+    /// Bounds of a step that keep contacts on the plate, or at their known positions.
     fn step_bounds(&self, point: &Point) -> StepBounds {
         self.parts(point).fold(StepBounds::default(), |bounds, (_, own, _, position)| {
             let within_mm = if self.is_position_known { [own.s_mm; 2] } else { free_part_mm(self.finger) };

@@ -6,13 +6,13 @@ use crate::measurement::{Marker, MarkerErrors};
 use crate::optimise::Fit;
 use nalgebra::DMatrix;
 
-/// Smallest tried factor on the stated noise, and the number of geometric steps to it from 1.
+/// The search tries factors on the stated noise from 1 down to this value, in `STEPS` geometric steps.
 const LEAST_NOISE_FACTOR: f64 = 1e-3;
 const STEPS: usize = 60;
-/// Prior standard deviation of the logarithm of the factor on the stated noise. If the stated noise is equal for all markers, residuals show only the sum
-/// of model error and noise.
+/// Prior standard deviation of the logarithm of the factor on the stated noise. It is needed if the stated noise is equal for all markers, because residuals
+/// then show only the sum of model error and noise.
 const FACTOR_SD: f64 = 1.0;
-/// Largest difference of twice the log-likelihood at which two solutions count as equally likely; far from significant.
+/// Two solutions count as equally likely up to this difference of twice their log-likelihoods, which is far from significant.
 const ALIKE: f64 = 1e-6;
 /// Number of golden-section steps of each search.
 const SECTIONS: usize = 50;
@@ -21,13 +21,13 @@ const SECTIONS: usize = 50;
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct CoordinateResidual {
     square_mm2: f64,
-    /// Share of the error's variance that remains in the residual, dimensionless. The fit absorbed the rest.
+    /// Share of the error's variance that remains in the residual, dimensionless. The fit has absorbed the rest of the variance.
     free: f64,
     stated_mm: f64,
 }
 
 impl Problem<'_> {
-    /// Factor on the stated noise of the markers, and error of the model, estimated from the residuals of a fit with the given covariance.
+    /// Estimates the factor on the stated noise of the markers and the error of the model from the residuals of a fit with the given covariance.
     pub(super) fn marker_errors(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> MarkerErrors {
         let mut left = Vec::new();
         for (view, _, rows, _) in self.parts(&fitted.point) {
@@ -46,7 +46,7 @@ impl Problem<'_> {
         likeliest(left)
     }
 
-    /// Errors of the markers in a new view. The uncertainty of the geometry adds `share` of the mean variance to the variance of each marker.
+    /// Errors of the markers in a new view. The uncertainty of the geometry adds `share` (dimensionless) of the mean variance to the variance of each marker.
     pub(super) fn new_marker_errors(&self, share: f64) -> MarkerErrors {
         let markers = || self.views.iter().flat_map(|view| view.measurement.markers().iter().map(move |it| (view, it)));
         let variance_mm2 = |(view, marker): (&View, &Marker)| self.errors.sd_mm(view.noise_mm / marker.weight).powi(2);
@@ -58,9 +58,8 @@ impl Problem<'_> {
 /// Errors that maximise the likelihood of the residuals.
 ///
 /// # Reference
-/// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows, with fixed residuals
-/// and free parts. Squared residuals are enlarged by the ratio of a variance's mean to its mode, which accounts for few degrees of
-/// freedom.
+/// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows. Squared residuals and the
+/// shares `free` stay fixed. Squared residuals are enlarged by the ratio of a variance's mean to its mode, which accounts for few degrees of freedom.
 fn likeliest(mut left: Vec<CoordinateResidual>) -> MarkerErrors {
     let free: f64 = left.iter().map(|it| it.free).sum();
     if free <= 2.0 {

@@ -8,8 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 impl Problem<'_> {
-    /// Relative force of a view estimated from markers and base alone, without its measured value. `by` is the Jacobian of a fit; the view starts at `row` and
-    /// `column`. `None` if the force is not identifiable.
+    /// Force of a view, relative to its measured value `force_n`, N, estimated from markers and base alone. `by` is the Jacobian of a fit. The rows of the view
+    /// start at `row`, its unknowns at `column`. `None` if the force is not identifiable.
     pub(super) fn new_image(
         &self,
         by: &DMatrix<f64>,
@@ -26,8 +26,9 @@ impl Problem<'_> {
         Some(NewImage { by_shared, variance, of_markers: variance - by_base.norm_squared() })
     }
 
-    /// Estimates the relative force from rows of one view with the view's own unknowns, of which it is the fifth. Returns its derivative with respect to
-    /// each shared unknown, the covariance of the own unknowns, and their Jacobian. `None` if the force is not identifiable.
+    /// Estimates the force of one view, relative to `force_n`, N, from some rows of the view with the view's own unknowns. The force is the fifth of these
+    /// unknowns. Returns the derivative of the relative force with respect to each shared unknown, the covariance of the own unknowns, and their Jacobian.
+    /// `None` if the force is not identifiable.
     pub(super) fn force_alone(
         &self,
         by: &DMatrix<f64>,

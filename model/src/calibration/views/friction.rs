@@ -5,59 +5,61 @@ use crate::calibration::CalibrationError;
 use crate::sensing::{Lean, Normal};
 use statrs::function::erf::erfc;
 
-/// Question about the friction between finger and objects.
+/// Options for the estimate of friction between finger and objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrictionQuestion {
-    /// Whether friction builds up over a force, which is then estimated, too.
+    /// Whether friction builds up over a force. This force is then estimated as well.
     pub builds_up: bool,
-    /// Standard deviation of the coefficient between objects, dimensionless. Assumed for a single object, scale of the prior for several. Zero: not stated.
+    /// Standard deviation of the coefficient of friction between objects, dimensionless. It is assumed for a single object, and sets the scale of the prior for
+    /// several objects. Zero if it is not stated.
     pub between_objects: f64,
 }
 
-/// Number of steps of the build-up force that are tried, over three powers of ten: 0.7 % each.
+/// The search tries this number of build-up forces over three powers of ten, in steps of 0.7 %.
 const BUILD_UPS: usize = 1000;
-/// Smallest and largest standard deviation between objects that are tried, degrees, in steps of 2 %.
+/// The search tries standard deviations between objects from the first to the second value, degrees, in steps of 2 %.
 const SDS_DEG: [f64; 2] = [0.01, 60.0];
 const SDS: usize = 400;
-/// Number of bisections for half of an interval, and the probability outside the interval.
+/// Number of bisections in the search for half a 95 % interval. `OUTSIDE` is the probability outside the interval.
 const HALVINGS: usize = 50;
 const OUTSIDE: f64 = 0.05;
 /// Standard deviation of the coefficient of friction between objects, dimensionless, if none is stated.
 const USUAL_BETWEEN_OBJECTS: f64 = 0.05;
 
-/// Name of the object that pressed the finger (empty if unknown), the measured force, N, and its lean from the normal towards the tip, degrees.
+/// Name of the object that pressed the finger (empty if unknown), measured force, N, and lean of the force, degrees. The lean is the angle from the normal,
+/// positive towards the tip.
 pub type MeasuredLean<'o> = (&'o str, f64, f64);
 
 /// Friction estimated from measured forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionEstimate {
-    /// Mean lean, and the standard deviation for a single force of a new object.
+    /// Mean lean (angle between force and normal), and the standard deviation of the lean of a single force of a new object.
     pub lean: Lean,
-    /// Standard deviation of the coefficient between objects, dimensionless. `None` for a single object.
+    /// Standard deviation of the coefficient of friction between objects, dimensionless. `None` for a single object.
     pub between_objects: Option<f64>,
-    /// Cross-validation: each object predicted from the others. Empty if there are too few.
+    /// Cross-validation, in which each object is predicted from the others. Empty if there are too few objects.
     pub left_out: Vec<LeftOutObject>,
 }
 
-/// Measured leans under one object, and their prediction from forces under the others.
+/// Measured leans for one object, and their prediction from the forces of the other objects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOutObject {
     /// Name of the object.
     pub object: String,
     /// Mean lean of the object's forces as predicted, degrees.
     pub predicted_deg: f64,
-    /// Standard deviation of a single force about the prediction, degrees.
+    /// Standard deviation of the lean of a single force about the prediction, degrees.
     pub sigma_deg: f64,
     /// Mean lean of the object's forces as measured, degrees.
     pub measured_deg: f64,
 }
 
-/// Leans of each object under one friction law. Objects share the force over which friction builds up.
+/// Fitted leans of each object. All objects share the force over which friction builds up.
 struct Fit {
     build_up_n: f64,
     /// Lean of a sliding force, degrees, and its variance, degrees^2, for each object.
     sliding: Vec<(f64, f64)>,
-    /// Standard deviation of a single force within an object, degrees.
+    /// Standard deviation of the lean of a single force within an object, degrees.
     within_deg: f64,
 }
 
@@ -77,7 +79,7 @@ impl Fit {
         Fit { build_up_n, sliding, within_deg: variance.sqrt() }
     }
 
-    /// Mean over objects, degrees, its variance, degrees^2, and the logarithm of the restricted likelihood, if objects differ by the standard deviation
+    /// Mean lean over objects, degrees, its variance, degrees^2, and the logarithm of the restricted likelihood, if objects differ by the standard deviation
     /// `between_deg`.
     fn mean(&self, between_deg: f64) -> [f64; 3] {
         let variances = || self.sliding.iter().map(|(_, variance)| variance + between_deg * between_deg);
@@ -87,12 +89,12 @@ impl Fit {
         [mean, variance, 0.5 * (variance.ln() - off.sum::<f64>())]
     }
 
-    /// Mean lean of a sliding force, most likely standard deviation between objects, and standard deviation of a new object about the mean, all in degrees.
-    /// The last includes the uncertainty that few objects leave; 1.96 times it is half of a 95 % interval.
+    /// Mean lean of a sliding force, most likely standard deviation between objects, and standard deviation of a new object's lean about the mean, all in
+    /// degrees. The last value includes the uncertainty due to few objects. Half of a 95 % interval is 1.96 times this value.
     ///
     /// # Reference
     /// Restricted maximum likelihood; posterior predictive distribution of a new group (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 5.4) with the
-    /// half-Cauchy prior for few groups (Gelman, Bayesian Analysis 1, 2006). Its scale is the assumed standard deviation between objects.
+    /// half-Cauchy prior for few groups (Gelman, Bayesian Analysis 1, 2006). The scale of this prior is the assumed standard deviation between objects.
     fn over_objects(&self, assumed_deg: f64) -> [f64; 3] {
         let [least, most] = SDS_DEG;
         let tried: Vec<f64> = (0..=SDS).map(|i| least * (most / least).powf(i as f64 / SDS as f64)).collect();
@@ -114,9 +116,9 @@ impl Fit {
     }
 }
 
-/// Fits friction to the leans of measured forces: the coefficient and, if sought, the force over which friction builds up. The standard deviation is that
-/// of a single force of a new object. It combines the residual within objects with the difference between objects, which is assumed for a single
-/// object. Leans refer to the normal `from`.
+/// Fits the coefficient of friction to the leans of measured forces (angles between force and the normal `from`). If `question` states that friction builds up,
+/// also fits the force over which it builds up. The stated standard deviation is that of a single force of a new object. It combines the residual within
+/// objects with the difference between objects, which is assumed for a single object.
 ///
 /// # Errors
 /// [`CalibrationError::TooFewViews`] if there are no more views than unknowns. [`CalibrationError::FrictionLimit`] if a sliding force leans by 90 degrees or
@@ -153,7 +155,7 @@ fn of_objects(
         return Err(CalibrationError::TooFewViews { views, unknowns });
     }
     let largest_n = objects.concat().iter().fold(0.0_f64, |m, (_, force_n, _)| m.max(force_n.abs()));
-    // The build-up ranges from immediate to hardly any. The sum of squares is smooth between the tried values.
+    // The tried build-up forces range from immediate friction to hardly any friction. The sum of squares is smooth between the tried values.
     let tried = (0..=BUILD_UPS).map(|i| largest_n * 10f64.powf(-2.0 + 3.0 * i as f64 / BUILD_UPS as f64));
     let fits = tried.filter(|_| builds_up).chain([0.0]).map(|n| Fit::new(objects, n, views - unknowns));
     let fit = fits.min_by(|a, b| a.within_deg.total_cmp(&b.within_deg)).ok_or(CalibrationError::NoMinimum)?;

@@ -1,8 +1,8 @@
 //! Calibrates a finger and its rig from several views.
 //!
-//! A view is an image in which the front plate of the finger is pressed at one position. Each view adds unknowns: the contact position, the pose of the
-//! base and, unless it was measured, the force. All views share the sought [`Quantity`]s. Without any measured force only geometry is identifiable,
-//! because moduli and forces scale together.
+//! A view is an image in which the front plate of the finger is pressed at one position. Each view adds unknowns: the contact position, the pose of the base
+//! and, unless it was measured, the force. All views share the sought [`Quantity`]s. Without a measured force, only geometry is identifiable, because moduli
+//! and forces scale together.
 
 mod compliance;
 mod contradiction;
@@ -48,7 +48,7 @@ pub struct ViewModel {
     pub camera_height_mm: f64,
     /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
-    /// Lean of forces that were not measured.
+    /// Lean (angle between force and normal) of forces that were not measured.
     pub lean: Lean,
     /// Pad between objects and the plate.
     pub pad: Pad,
@@ -61,7 +61,7 @@ pub struct ViewModel {
 pub struct FoundQuantity {
     /// The quantity and its prior.
     pub sought: Sought,
-    /// Value in the quantity's unit; for a modulus, the factor on the scene's value.
+    /// Value in the quantity's unit. For a modulus: the factor on the scene's value, dimensionless.
     pub value: f64,
     /// Standard deviation in the unit of `value`.
     pub sigma: f64,
@@ -74,13 +74,13 @@ pub struct FoundView {
     pub s_mm: f64,
     /// Force in the finger frame, N.
     pub force: Vector,
-    /// Standard deviation of the force's magnitude from all views, N. Zero for a measured force that counts as exact.
+    /// Standard deviation of the force's magnitude, N, as determined by all views. Zero for a measured force that counts as exact.
     pub force_sigma_n: f64,
     /// Transformation from the finger frame to the frame of the view, mm and rad.
     pub base: Isometry2<f64>,
-    /// Turn of the plate's normal at the contact, rad: the mean over the length to which leans refer.
+    /// Rotation of the plate's normal at the contact, rad. It is averaged over the length to which leans refer.
     pub normal_turn_rad: f64,
-    /// Computed minus seen position of each marker, mm, in the frame of the view.
+    /// Computed minus observed position of each marker, mm, in the frame of the view.
     pub residuals_mm: Vec<Vector>,
 }
 
@@ -91,7 +91,7 @@ impl FoundView {
         (squares / (2 * self.residuals_mm.len()) as f64).sqrt()
     }
 
-    /// Lean of the force from a normal, degrees, positive towards the tip.
+    /// Lean (angle between the force and the normal `from`), degrees, positive towards the tip.
     pub fn lean_deg(&self, finger: &Finger, from: Normal) -> f64 {
         let angle_deg = finger.angle_deg(self.force);
         match from {
@@ -113,7 +113,7 @@ pub struct ViewEstimate {
     pub base: Isometry2<f64>,
     /// Estimates of the sought quantities.
     pub quantities: Vec<FoundQuantity>,
-    /// Correlation matrix of the quantities.
+    /// Correlation matrix of the quantities, one row and column per quantity.
     pub correlation: DMatrix<f64>,
     /// The views as the calibrated finger explains them.
     pub views: Vec<FoundView>,
@@ -121,18 +121,18 @@ pub struct ViewEstimate {
     pub marker_errors: MarkerErrors,
     /// Errors of the markers in a new view. `model_mm` also includes the uncertainty of the calibrated geometry.
     pub new_marker_errors: MarkerErrors,
-    /// Relative error of forces. `None` if no modulus is sought or no force was measured.
+    /// Relative error of sensed forces. `None` if no modulus is sought or no force was measured.
     pub force_error: Option<ForceError>,
     /// Uncertainty of finger and rig that `force_error` does not cover: independent errors of one standard deviation each.
     pub unloaded_errors: Vec<UnloadedError>,
-    /// Measured forces and markers that deviate more than the others suggest.
+    /// Measured forces and markers that deviate more than the scatter of the others suggests.
     pub outliers: Vec<Outlier>,
 }
 
 /// Relative error of forces beyond the effects of noise, position and base: standard deviations of one force, dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceError {
-    /// Scatter of the measured forces; 1 % is assumed if there are too few to compare.
+    /// Relative scatter of the measured forces, dimensionless. It is assumed to be 1 % if there are too few forces to compare.
     pub scatter: f64,
     /// Relative standard deviation of a force in a new image. Includes the uncertainty of the scatter and of fitted parameters that
     /// `new_marker_errors` does not cover.
@@ -141,15 +141,16 @@ pub struct ForceError {
 
 /// Standard deviation of the model error, mm, with which the fit starts. Later rounds use the estimate of the last fit.
 const FIRST_MODEL_ERROR_MM: f64 = 0.05;
-/// Relative scatter of forces with which the fit starts, kept if the data do not show it. `LEAST_SCATTER` is the smallest scatter that matters.
+/// Relative scatter of forces with which the fit starts. It is kept if the measurements do not show the scatter. `LEAST_SCATTER` is the smallest scatter that
+/// matters.
 const FIRST_SCATTER: f64 = 0.01;
 const LEAST_SCATTER: f64 = 1e-5;
-/// Unknowns are then within a thousandth of their standard deviations. Derivatives by differences do not allow much more.
+/// The fit converges to within a thousandth of the standard deviations of the unknowns. Derivatives by differences do not allow much more.
 const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-8, step: 0.0 };
 /// Marker errors and scatter have settled when a round changes them by no more than this share.
 const SETTLED: f64 = 1e-2;
 const ROUNDS: usize = 50;
-/// Limits of standard deviations for identifiable quantities: of the logarithm of a factor, and of other quantities (mm, degrees, N mm).
+/// A quantity is not identifiable from this standard deviation on: of the logarithm of a factor, and of other quantities (mm, degrees, N mm).
 const LARGEST_SIGMAS: [f64; 2] = [1.0, 20.0];
 
 /// Whether a round changes neither the marker errors nor the scatter of forces.
@@ -163,14 +164,14 @@ fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Optio
 /// Estimates the shared quantities of a finger and its rig from several views.
 ///
 /// # Reference
-/// Nonlinear least squares over all views and their own unknowns at once, by the method of Levenberg and Marquardt. This is bundle adjustment (Triggs et
-/// al. 2000) with the co-rotational finger in place of points; derivatives are differences of equilibria. The variance of the residuals beyond the noise
-/// is estimated with the fit, so that priors have the right weight. The noise is reduced if residuals are smaller than it. If a modulus is
-/// sought, the relative variance of measured forces is estimated, too. It covers errors of the force sensor, and of the model where markers do not show
-/// them. All variances follow by restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971), from fit to fit until they settle.
+/// Nonlinear least squares over all views and their own unknowns at once, by the method of Levenberg and Marquardt. This is bundle adjustment (Triggs et al.
+/// 2000) with the co-rotational finger in place of points; derivatives are differences of equilibria. The variance of the residuals beyond the noise is
+/// estimated with the fit, so that priors have the right weight. The noise is reduced if residuals are smaller than the noise. If a modulus is sought, the
+/// relative variance of measured forces is also estimated. This variance covers errors of the force sensor, and of the model where markers do not show them.
+/// All variances follow by restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971). Fits are repeated until the variances settle.
 /// # Errors
-/// [`CalibrationError`] if a view has no explanation at the start or contradicts the others, or if a quantity is not identifiable. Also if the calibrated
-/// finger would be too inaccurate for use.
+/// [`CalibrationError`] if the scene's finger does not explain a view, a view contradicts the others, or if a quantity is not identifiable. Also if the
+/// calibrated finger would be too inaccurate for use.
 pub fn views(
     finger: &Finger,
     views: &[View],
@@ -270,7 +271,7 @@ pub fn views(
 }
 
 impl Problem<'_> {
-    /// A view as a candidate explains it. `None` if the candidate has no equilibrium.
+    /// The view as explained by a candidate (finger and rig). `None` if the candidate has no equilibrium.
     fn found_view(
         &self,
         candidate: &Candidate,
@@ -289,7 +290,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Estimate of a sought quantity. `change` and `sigma` are those of its unknown: a logarithm for a factor, the quantity's unit otherwise.
+    /// Estimate of a sought quantity. `change` is the value of its unknown and `sigma` the standard deviation: of a logarithm for a factor, otherwise in the
+    /// quantity's unit.
     fn found_quantity(&self, sought: &Sought, change: f64, sigma: f64) -> FoundQuantity {
         let is_modulus = sought.quantity.is_modulus();
         let value = if is_modulus { change.exp() } else { self.stated(sought.quantity) + change };

@@ -8,19 +8,19 @@ use crate::optimise::{Convergence, LevenbergMarquardt, covariance};
 use crate::sensing::{COUNTS, Contact, ContactQuestion, Direction, Lean, Normal, REACH, ResidualTest, UnloadedError};
 use nalgebra::Isometry2;
 
-/// Relative standard deviation of a force of known direction and unknown magnitude: so large that it has no effect.
+/// Relative standard deviation that stands for an unknown magnitude of a force of known direction. It is so large that it has no effect.
 const UNKNOWN_SHARE: f64 = 1e3;
-/// Further standard deviations of a coordinate, mm, in the first searches.
+/// Additional standard deviations of a coordinate, mm, in the first searches.
 const FIRST_ERRORS_MM: [f64; 2] = [0.3, 0.02];
-/// Convergence of the first searches, which only provide a start.
+/// Convergence of the first searches, which only provide a starting point.
 const FIRST_CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-3, step: 0.0 };
-/// Starting positions, as shares of the plate's length, and starting force, N, without an earlier estimate.
+/// Starting positions, as shares of the plate's length, and starting force, N, if there is no earlier estimate.
 const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
 const FIRST_FORCE_N: f64 = 1.0;
-/// Standard deviation of an unknown direction, degrees.
+/// Standard deviation that stands for an unknown direction, degrees.
 const UNKNOWN_DEG: f64 = 1e3;
 
-/// A view with the question about its contact.
+/// A view with the known and unknown parts of its contact.
 #[derive(Debug, Clone, Copy)]
 pub struct OneView<'v> {
     /// The view. Its measured force is ignored.
@@ -51,7 +51,7 @@ pub struct ForceInView {
     pub angle_deg: f64,
     /// Force, N.
     pub force_n: f64,
-    /// Standard deviation of the force, N. It rests on the residual if this contradicts the noise of the view.
+    /// Standard deviation of the force, N. It follows from the residual if the residual contradicts the noise of the view.
     pub sigma_n: f64,
     /// Sum of squared residuals divided by their variances, priors included, dimensionless.
     pub squares: f64,
@@ -61,8 +61,8 @@ pub struct ForceInView {
     pub test: Option<ResidualTest>,
 }
 
-/// Estimates a force with the unknown parts of its position and direction, the base, and errors of the unloaded finger. The search starts from `before`,
-/// else from several positions along the plate. `None` if the search finds no minimum or an unknown is not identifiable.
+/// Estimates a force together with the unknown parts of its position and direction, the pose of the base, and errors of the unloaded finger. The search starts
+/// from `before`, or else from several positions along the plate. `None` if the search finds no minimum or an unknown is not identifiable.
 ///
 /// # Reference
 /// As [`views`](super::views): nonlinear least squares with Gaussian priors. The standard deviation is that of the linearised posterior distribution.
@@ -90,7 +90,7 @@ pub fn force_in_view(
     if let (Some(sought), Direction::Leaning(lean)) = (sought, question.direction)
         && (sought.by_lean_n * sought.sd_deg).abs() > COUNTS * found.sigma_n
     {
-        // The force may depend nonlinearly on its lean, so sigma is widened by evaluated leans as in `NonlinearEstimator`.
+        // The force may depend nonlinearly on its lean, so sigma is widened by the forces at two other leans, as in `NonlinearEstimator`.
         let off_n2 = |reach: f64| {
             let angle_deg = sought.lean_deg + reach * sought.sd_deg;
             let direction = Direction::Leaning(Lean { angle_deg, sd_deg: 0.0, build_up_n: 0.0, ..lean });
@@ -106,7 +106,8 @@ pub fn force_in_view(
     Some(found)
 }
 
-/// An estimated lean and its standard deviation, degrees, and the derivative of the force with respect to it, N per degree.
+/// An estimated lean (angle between force and normal) and its standard deviation, degrees. `by_lean_n` is the derivative of the force with respect to the lean,
+/// N per degree.
 struct SoughtLean {
     lean_deg: f64,
     sd_deg: f64,
@@ -208,7 +209,7 @@ fn found_from(
     Some((found, sought, fitted.point.shared))
 }
 
-/// Difference between the lean of an earlier estimate and the mean lean, degrees. Zero unless the lean refers to the undeformed normal.
+/// Difference between the lean of an earlier estimate and the mean lean, degrees. Zero if the lean refers to another normal than the undeformed one.
 fn further_lean_deg(lean: &Lean, before: &SensedBefore) -> f64 {
     match lean.from {
         Normal::Undeformed => before.angle_deg - lean.mean_deg(before.force_n),

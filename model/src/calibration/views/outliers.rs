@@ -1,4 +1,4 @@
-//! Finds outliers among the measured forces and markers of a fit, and refuses a fit too inaccurate for use.
+//! Finds outliers among the measured forces and markers of a fit, and refuses a fit that is too inaccurate for use.
 
 use super::contradiction::Compared;
 use super::problem::{Point, Problem};
@@ -9,23 +9,23 @@ use crate::optimise::Fit;
 use nalgebra::DMatrix;
 use std::fmt;
 
-/// Smallest ratio of a measured force to its expected value at which the force may be an outlier. Sensors err by less.
+/// A measured force is an outlier only if it deviates from its expected value by more than this factor. Force sensors are more accurate.
 const EXPECTED_TIMES: f64 = 1.1;
-/// An outlier also deviates by more than this many standard deviations, which follow from the median deviation.
+/// A measured force is an outlier only if it also deviates by more than this many standard deviations, which follow from the median deviation.
 const MOST_SIGMAS: f64 = 6.0;
 /// Ratio of the standard deviation of normal errors to their median absolute deviation.
 const SD_OF_MEDIAN: f64 = 1.4826;
-/// Probability of the largest residual, for normal errors, below which its marker is an outlier.
+/// A marker is an outlier if normal errors would cause a largest residual of its size with less than this probability.
 const CHANCE: f64 = 1e-4;
-/// Relative standard deviation from which a 95 % interval includes zero.
+/// A fit is too inaccurate for use from this relative standard deviation on: a 95 % interval of a force then includes zero.
 const OF_NO_USE: f64 = 0.5;
 
-/// A measured force or marker of a view that deviates more than the others suggest.
+/// A measured force or marker of a view that deviates more than the scatter of the others suggests.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlier {
     /// Name of the view.
     pub view: String,
-    /// Kind of the outlier.
+    /// Whether the force or a marker is the outlier, with its deviation.
     pub what: OutlierKind,
 }
 
@@ -34,7 +34,7 @@ pub struct Outlier {
 pub enum OutlierKind {
     /// The measured force.
     Force {
-        /// Ratio of measured force to marker force, divided by the usual ratio of all views, dimensionless.
+        /// Ratio of measured force to marker force, divided by the median ratio of all views, dimensionless.
         times: f64,
     },
     /// A marker.
@@ -59,8 +59,8 @@ impl fmt::Display for Outlier {
             ),
             OutlierKind::Marker { node, away_mm, rms_mm } => write!(
                 f,
-                "{view}: the marker of node {node} is {away_mm:.2} mm from its position on the calibrated finger, all markers {rms_mm:.2} mm rms: \
-                 check its node number and its rim in the image"
+                "{view}: the marker of node {node} is {away_mm:.2} mm from its position on the calibrated finger, and all markers deviate by \
+                 {rms_mm:.2} mm rms: check its node number and its rim in the image"
             ),
         }
     }
@@ -72,14 +72,14 @@ struct OffMarker<'p> {
     node: NodeId,
     away_mm: f64,
     moved_mm: f64,
-    /// Sum of the two squared residuals divided by their variances; `standardised` also divides each by its share of `free`, the degrees of freedom.
+    /// Sum of the two squared residuals over their variances. `standardised` also divides each by its share of `free`, the degrees of freedom of the marker.
     squares: f64,
     standardised: f64,
     free: f64,
 }
 
 impl Problem<'_> {
-    /// Outliers of a fit with the given covariance. Reports only the worst marker, because it displaces others.
+    /// Outliers of a fit with the given covariance. Reports only the worst marker, because a wrong marker makes others deviate.
     pub(super) fn outliers(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Outlier> {
         let mut all = self.times(fitted, covariance);
         // Markers that hardly determine a force cannot contradict it.
@@ -99,7 +99,7 @@ impl Problem<'_> {
         forces.chain(marker_outlier(&self.off_markers(fitted, covariance))).collect()
     }
 
-    /// Ratio of each measured force to the force that all other data show. Leaves out views that do not determine their force.
+    /// Ratio of each measured force to the force that all other data show. Omits views whose markers and base do not determine the force.
     fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Compared<'_>> {
         let Some(scatter) = self.scatter else { return Vec::new() };
         let shared = covariance.view((0, 0), (self.sought.len(), self.sought.len()));
@@ -109,7 +109,7 @@ impl Problem<'_> {
             let alone =
                 measured_n.and_then(|n| Some((n, self.new_image(&fitted.jacobian, [rows.start, column], view, n)?)));
             if let Some((measured_n, alone)) = alone {
-                // The residual contains only part of the error. The fit absorbed the rest through the errors of markers and finger.
+                // The residual contains only part of the error. The fit has absorbed the rest as errors of markers and finger.
                 let of_both = alone.variance + scatter * scatter;
                 let of_finger = (alone.by_shared.transpose() * shared * &alone.by_shared)[0];
                 let free = (scatter * scatter / of_both * (1.0 - of_finger / of_both)).max(f64::MIN_POSITIVE);
@@ -147,8 +147,8 @@ impl Problem<'_> {
     /// Checks that a fit is accurate enough for use.
     ///
     /// # Errors
-    /// [`ViewError::MarkerErrors`] if markers deviate by half of their displacements or more (root mean squares). [`ViewError::ForceErrors`] if the relative
-    /// standard deviation of a new force is one half or more. Both name the view that deviates most.
+    /// [`ViewError::MarkerErrors`] if markers deviate by at least half of their displacements (root mean squares). [`ViewError::ForceErrors`] if the relative
+    /// standard deviation of a new force is one half or more. Both errors name the view that deviates most.
     pub(super) fn check_use(
         &self,
         fitted: &Fit<Point>,

@@ -11,27 +11,28 @@ use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{Isometry2, Point2, UnitComplex};
 
-/// Number of unknowns that every view has: position, base x, y and turn. Unless the force is exact, it follows next. Unless the force was measured, its
-/// lean is the last.
+/// Number of unknowns that every view has: position, base x, base y, rotation of the base. The force follows as the next unknown, unless it is exact. The lean
+/// (angle between force and normal) is the last unknown, unless the force was measured.
 pub(super) const OWN: usize = 4;
 /// Number of residuals for the prior of a view's base.
 pub(super) const BASE_ROWS: usize = 3;
-/// Share of the plate at either end where no contact is sought.
+/// Contacts are not sought on this share of the plate at either end.
 const MARGIN: f64 = 0.02;
-/// Smallest standard deviation of a lean, degrees, which stands for an exact lean.
+/// Standard deviations of a lean are at least this, degrees. The value stands for an exact lean.
 const SETTLED_DEG: f64 = 1e-3;
-/// Standard deviation of a view's own part of the lean where another part is shared, as a share of the lean's. The shared part has all of it, since friction
-/// of one object may be the same in all views; but friction may also build up, and objects may differ.
+/// If all views share a part of the lean, this is the standard deviation of a view's own part, as a share of the lean's standard deviation. The shared part has
+/// the whole standard deviation, because friction of one object may be the same in all views. Friction may also build up, and objects may differ.
 const OWN_LEAN: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Change of the normal's turn, rad, below which it has settled, and the largest number of steps.
+/// The normal has settled if its rotation changes by at most this in a step, rad. The iteration fails after `NORMAL_STEPS` steps.
 const SETTLED_RAD: f64 = 1e-9;
 const NORMAL_STEPS: usize = 60;
 
 /// All unknowns, as one point of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Point {
-    /// Changes of the shared quantities: logarithms of factors, mm, degrees, N mm or standard deviations.
+    /// Changes of the quantities that all views share: logarithms of factors, or values in mm, degrees, N mm or standard deviations.
     pub shared: Vec<f64>,
+    /// Unknowns of each view.
     pub own: Vec<ViewUnknowns>,
 }
 
@@ -48,16 +49,16 @@ pub(super) struct ViewUnknowns {
     pub further_lean_deg: f64,
 }
 
-/// A finger and its rig, with changes applied.
+/// A finger and its rig, with the changes of the sought quantities applied.
 pub(super) struct Candidate {
     pub mesh: Mesh,
     /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
     /// Part of the transformation from the finger frame to the frame of a view that all views share, mm and rad.
     pub base: Isometry2<f64>,
-    /// Moment at the tip without load, N mm.
+    /// Moment that the plates exert on each other at the tip without load, N mm.
     pub preload_nmm: f64,
-    /// Lean that all forces without a measurement share beside the mean lean, degrees.
+    /// Common deviation from the mean lean of all forces that were not measured, degrees.
     pub lean_deg: f64,
 }
 
@@ -66,13 +67,14 @@ pub(super) struct Problem<'p> {
     pub finger: &'p Finger,
     pub views: &'p [View],
     pub sought: &'p [Sought],
-    /// Errors of the unloaded finger, of one standard deviation each, that [`Quantity::Unloaded`] multiplies.
+    /// Errors of the unloaded finger, each with the size of one standard deviation, that [`Quantity::Unloaded`] multiplies.
     pub unloaded: &'p [UnloadedError],
     /// Whether the contact positions are known.
     pub is_position_known: bool,
     /// Whether displacements refer to an image of the unloaded finger, not to the scene's finger.
     pub is_from_rest: bool,
     pub model: &'p ViewModel,
+    /// Errors of the markers relative to their stated noise.
     pub errors: MarkerErrors,
     /// Relative standard deviation of measured forces, dimensionless. `None` if they are exact.
     pub scatter: Option<f64>,
@@ -82,10 +84,11 @@ pub(super) struct Problem<'p> {
 pub(super) struct Pressed {
     /// The force in the finger frame, N.
     pub force: Vector,
+    /// Displacements and rotations of the mesh.
     pub motion: FrameMotion,
-    /// Turn of the plate's normal at the contact, rad.
+    /// Rotation of the plate's normal at the contact, rad.
     pub normal_turn_rad: f64,
-    /// Equilibrium without the force, if displacements refer to it.
+    /// Equilibrium without the force. `None` unless displacements refer to this equilibrium.
     at_rest: Option<FrameMotion>,
     preload: Option<FrameLoad>,
     loads: Vec<FrameLoad>,
@@ -111,7 +114,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The finger and rig with some changes applied. `None` if the finger is impossible.
+    /// Finger and rig with the changes `shared` of the sought quantities. `None` if such a finger is impossible.
     pub(super) fn candidate(&self, shared: &[f64]) -> Option<Candidate> {
         let mut description = self.finger.description().clone();
         let (mut marker_height_mm, mut at, mut turn_deg) = (self.model.marker_height_mm, Vector::zeros(), 0.0);
@@ -150,7 +153,7 @@ impl Problem<'_> {
         OWN + of_force
     }
 
-    /// Standard deviation of the part of a view's lean that is not shared, degrees.
+    /// Standard deviation of the part of the lean that a view does not share with the others, degrees.
     fn further_lean_sd_deg(&self) -> f64 {
         let is_shared = self.sought.iter().any(|sought| sought.quantity == Quantity::Lean);
         let share = if is_shared { OWN_LEAN } else { 1.0 };
@@ -168,7 +171,7 @@ impl Problem<'_> {
         self.pressed_from(None, candidate, view, own)
     }
 
-    /// Equilibrium under the force of a view, sought from `near`, that of almost the same finger and force.
+    /// Equilibrium under the force of a view. The search starts from `near`, the equilibrium of almost the same finger and force.
     fn pressed_from(
         &self,
         near: Option<&Pressed>,
@@ -187,7 +190,7 @@ impl Problem<'_> {
             .force
             .map(|force| (candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
         let lean_deg = self.model.lean.mean_deg(own.force_n) + candidate.lean_deg + own.further_lean_deg;
-        // A lean or a pad may depend on the normal, which turns with the force. A few iterations settle the turn.
+        // The direction of a force and the load of a pad may depend on the normal, which rotates with the force. A few iterations settle this rotation.
         let preload = AssemblyErrors::load(finger, candidate.preload_nmm);
         let preload = candidate.mesh.frame_load(&preload).ok().filter(|_| candidate.preload_nmm != 0.0);
         let at_rest = match self.is_from_rest {
@@ -210,7 +213,7 @@ impl Problem<'_> {
             let loads = pad.loads(&candidate.mesh, &contact, force.norm(), plate_rad).collect::<Result<Vec<_>, _>>();
             let mut loads = loads.ok()?;
             loads.extend(preload);
-            // The normal turns little per step, so the last equilibrium is a good start.
+            // The normal turns little per step, so the search starts from the last equilibrium.
             let near = last.take().and_then(|(motion, from)| statics.shifted(&motion, &from, &loads).ok());
             let motion = near.map_or_else(|| statics.equilibrium(&loads), Ok).ok()?.motion;
             let load = contact.unit_load(finger);
@@ -228,7 +231,7 @@ impl Problem<'_> {
         None
     }
 
-    /// Computed minus seen position of each marker of a view, mm, in the frame of the view.
+    /// Computed minus observed position of each marker of a view, mm, in the frame of the view.
     pub(super) fn residuals<'v>(
         &self,
         candidate: &'v Candidate,
@@ -249,7 +252,7 @@ impl Problem<'_> {
                     let seen = stated.marker_position(marker.node) + marker.displacement;
                     (placed * Point2::from(bent)).coords - (view.eye + (seen - view.eye) * nearer)
                 }
-                // A motion of the finger that both images share is not in the displacement.
+                // A motion of the finger that both images share cancels in the displacement.
                 Some(rest) => {
                     let moved = (own.base * Point2::from(bent)).coords - (at + rest.displacements[node]);
                     candidate.base.rotation * moved - marker.displacement * nearer
@@ -259,7 +262,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Residuals of one view divided by their standard deviations, priors last. The equilibrium is sought from `near`. `None` without equilibrium.
+    /// Residuals of one view divided by their standard deviations, priors last. The search for the equilibrium starts from `near`. `None` if no equilibrium is
+    /// found.
     pub(super) fn weighted(
         &self,
         near: Option<&Pressed>,

@@ -3,7 +3,7 @@
 use crate::finger::{FingerDescription, Plate, RibPositions};
 use std::fmt;
 
-/// A quantity that a scene states and several views may show more accurately.
+/// A quantity that a scene states and that several views can determine more accurately.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Factor on all moduli, dimensionless.
@@ -12,7 +12,7 @@ pub enum Quantity {
     PlateModulus(Plate),
     /// Length of the brackets on a plate, mm.
     Bracket(Plate),
-    /// Difference of one rib's bracket on a plate from the scene's length, mm. Ribs count from 0.
+    /// Additional length of one rib's bracket on a plate beyond the scene's length, mm. Ribs count from 0.
     OwnBracket(Plate, usize),
     /// Length of the clips on both plates, mm.
     Clip,
@@ -22,15 +22,16 @@ pub enum Quantity {
     RibPosition(Plate, usize),
     /// Height of the markers above the plane of the beams, mm.
     MarkerHeight,
-    /// x of the finger frame's origin in the frame of each view, mm.
+    /// x coordinate of the finger frame's origin in the frame of each view, mm.
     BaseX,
-    /// y of the finger frame's origin in the frame of each view, mm.
+    /// y coordinate of the finger frame's origin in the frame of each view, mm.
     BaseY,
-    /// Turn of the finger frame in the frame of each view, degrees.
+    /// Rotation of the finger frame in the frame of each view, degrees.
     BaseTurn,
     /// Moment at the tip that the plates exert on each other without load, N mm.
     Preload,
-    /// Lean that all forces without a measurement share beside the scene's mean lean, degrees: one object has one friction.
+    /// Common deviation from the scene's mean lean (angle between force and normal) of all forces that were not measured, degrees. All these forces share it
+    /// because one object has one friction.
     Lean,
     /// Multiple of an error that the scene states for its unloaded finger, in standard deviations. Errors count from 0.
     Unloaded(usize),
@@ -60,13 +61,13 @@ impl fmt::Display for Quantity {
 }
 
 impl Quantity {
-    /// Whether the quantity is a factor on a modulus. The unknown of a factor is its logarithm, which only measured forces determine. The unknown of any other
-    /// quantity is its change.
+    /// Whether the quantity is a factor on a modulus. The search uses the logarithm of such a factor, which only measured forces determine. For any other
+    /// quantity it uses the change of the quantity.
     pub fn is_modulus(&self) -> bool {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
     }
 
-    /// Step for derivatives: the first value for a factor, the last for an error of the unloaded finger, else the second.
+    /// Step of the difference quotients: `share` for a factor, `sigma` for an error of the unloaded finger, `length` for any other quantity.
     pub(super) fn step(&self, [share, length, sigma]: [f64; 3]) -> f64 {
         match self {
             Quantity::Modulus | Quantity::PlateModulus(_) => share,
@@ -86,11 +87,11 @@ impl Quantity {
 pub struct Sought {
     /// The quantity.
     pub quantity: Quantity,
-    /// Prior standard deviation in the quantity's unit, relative for a factor. `None`: no prior.
+    /// Prior standard deviation in the quantity's unit, relative for a factor. `None` without a prior.
     pub prior_sd: Option<f64>,
 }
 
-/// Changes one quantity of a description: by its logarithm for a factor, in mm for a length.
+/// Changes one quantity of a finger's description: by the logarithm `change` for a factor, by `change` in mm for a length.
 pub(super) fn changed(description: &mut FingerDescription, rib_count: usize, quantity: Quantity, change: f64) {
     match quantity {
         Quantity::Modulus => {

@@ -16,13 +16,13 @@ use nalgebra::Point2;
 /// Camera height, mm, for a scene without a camera: so large that the height of markers has no effect.
 const NO_CAMERA_MM: f64 = 1e12;
 
-/// Prior uncertainty of the base about its references, if the scene states none. It suits a compliant part mounted by hand. Images state only the accuracy
-/// of the located references, which is far better.
+/// Prior uncertainty of the base relative to its references, if the scene states none. It suits a compliant part that is mounted by hand. Images state only the
+/// accuracy of the located references, which is far better.
 pub const UNSTATED_BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: std::f64::consts::PI / 180.0, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 
-/// Relative scatter of measured forces above which forces mirrored about the normal are tried. `FAR_LESS` is the factor by which these must scatter less
-/// to prove a wrong sign.
+/// Above this relative scatter of measured forces, the calibration also tries forces mirrored about the normal. If the mirrored forces scatter less by more
+/// than the factor `FAR_LESS`, the sign of a component is wrong.
 const LARGE_SCATTER: f64 = 0.03;
 const FAR_LESS: f64 = 3.0;
 
@@ -31,11 +31,11 @@ const FAR_LESS: f64 = 3.0;
 pub struct RigQuestion {
     /// Quantities of finger, markers and base.
     pub sought: Vec<Sought>,
-    /// Friction, estimated from the leans of measured forces.
+    /// Friction between finger and objects, estimated from the directions of measured forces. `None` if it is not estimated.
     pub friction: Option<FrictionQuestion>,
-    /// Whether the turn of the base under force is estimated.
+    /// Whether the rotation of the base under force is estimated.
     pub base_compliance: bool,
-    /// Relative standard deviation by which forces differ from object to object, dimensionless. Images of one object do not show it.
+    /// Relative standard deviation of forces between objects, dimensionless. Images of one object do not show this deviation.
     pub force_error_between_objects: f64,
 }
 
@@ -44,13 +44,13 @@ pub struct RigQuestion {
 pub struct RigEstimate {
     /// Finger, markers, base and their errors.
     pub views: ViewEstimate,
-    /// Friction, if it was sought.
+    /// Friction between finger and objects. `None` if it was not sought.
     pub friction: Option<FrictionEstimate>,
-    /// Turn of the base under force, if it was sought.
+    /// Rotation of the base under force. `None` if it was not sought.
     pub compliance: Option<BaseCompliance>,
     /// Relative standard deviation of a force in a new image, including other objects, dimensionless. `None` if it is unknown.
     pub force_error: Option<f64>,
-    /// Whether the base was sought within [`UNSTATED_BASE`], because the scene states no uncertainty for it.
+    /// Whether the base was sought with the prior [`UNSTATED_BASE`], because the scene states no uncertainty of the base.
     pub is_base_unstated: bool,
 }
 
@@ -66,7 +66,7 @@ pub enum SceneValue {
 }
 
 impl ViewModel {
-    /// Model of a scene's finger and camera. `lean` applies to forces that were not measured.
+    /// Model of a scene's finger and camera. `lean` (angle between force and normal) applies to forces that were not measured.
     pub fn of_scene(scene: &Scene, lean: Lean) -> ViewModel {
         ViewModel {
             elements: ELEMENTS,
@@ -79,7 +79,7 @@ impl ViewModel {
     }
 }
 
-/// Calibrates a scene's finger and rig from located views. `lean` applies to forces that were not measured.
+/// Calibrates a scene's finger and rig from located views. `lean` (angle between force and normal) applies to forces that were not measured.
 ///
 /// # Errors
 /// [`CalibrationError`] if a view is refused, or a sought quantity is not identifiable.
@@ -121,7 +121,7 @@ pub fn calibrate_rig(
     Ok(RigEstimate { views: found, friction, compliance, force_error, is_base_unstated })
 }
 
-/// Refuses measured forces that scatter far less after mirroring about the normal: one of their components has the wrong sign.
+/// Refuses measured forces that scatter far less after mirroring about the normal, because one of their components then has the wrong sign.
 fn check_side(
     scene: &Scene,
     all: &[View],
@@ -205,7 +205,7 @@ impl RigEstimate {
         values
     }
 
-    /// Whether rib joints were sought, both along the plates and off them.
+    /// Whether positions of rib joints were sought, both along the plates and perpendicular to them.
     fn seeks_joints(&self) -> bool {
         self.sought(|quantity| matches!(quantity, Quantity::RibPosition(..)))
             && self.sought(|quantity| matches!(quantity, Quantity::OwnBracket(..)))

@@ -3,27 +3,27 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::function::erf::erfc;
 
-/// Smallest and largest relative scatter in the search, and the number of geometric steps between them.
+/// The search covers relative scatters from `LEAST` to `LARGEST` in `STEPS` geometric steps.
 const LEAST: f64 = 1e-5;
 const LARGEST: f64 = 1.0;
 const STEPS: usize = 400;
-/// Number of bisections of an interval.
+/// Number of bisections of each search.
 const HALVINGS: usize = 50;
 /// Half the width of a 95 % interval, in standard deviations.
 pub(super) const TWO_SIDED_95: f64 = 1.959_964;
 /// Probability outside a 95 % interval.
 const OUTSIDE: f64 = 0.05;
-/// Largest standard deviation of a new force in the search, as a multiple of [`LARGEST`].
+/// The search covers standard deviations of a new force up to this multiple of [`LARGEST`].
 const FARTHEST: f64 = 10.0;
-/// Iterations of the search for two variances: enough for three digits if both matter. A variance of zero decreases only as 1 / iterations.
+/// Iterations of the search for two variances. They give three digits if both variances matter. A variance of zero decreases only as 1 / iterations.
 const ROUNDS: usize = 1000;
 
 /// An independent combination of the relative differences between the forces of images and measured forces.
 #[derive(Debug, Clone, PartialEq)]
 struct Combination {
-    /// 1 / variance without scatter. Zero for a common factor on all forces if a modulus is sought.
+    /// Inverse of the variance without scatter, dimensionless. Zero for a common factor on all forces if a modulus is sought.
     precision: f64,
-    /// Observed value times the precision.
+    /// Observed value of the combination times the precision.
     seen: f64,
     /// Square of the change that the combination causes in the relative force of each new image.
     carried: Vec<f64>,
@@ -36,20 +36,20 @@ pub(super) struct NewImage {
     pub by_shared: DVector<f64>,
     /// Variance due to the image's own noise and base, dimensionless.
     pub variance: f64,
-    /// Part of this variance due to the noise of the markers.
+    /// Part of `variance` due to the noise of the markers, dimensionless.
     pub of_markers: f64,
 }
 
 /// Error that a calibrated finger adds to a force sensed in a new image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AddedForceError {
-    /// Relative standard deviation of the force, dimensionless. 1.96 times it is half of a 95 % interval.
+    /// Relative standard deviation of the force, dimensionless. Half of a 95 % interval is 1.96 times this value.
     pub share: f64,
-    /// Added variance as a share of the variance due to the image's markers.
+    /// Added variance of the force as a share of its variance due to the noise of the image's markers, dimensionless.
     pub of_markers: f64,
 }
 
-/// Forces of images compared with measured forces.
+/// Comparison of the forces that images show with measured forces.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scatter {
     combinations: Vec<Combination>,
@@ -61,7 +61,7 @@ pub(super) struct Scatter {
 
 impl Scatter {
     /// Compares forces by the normal equations of a fit without its measured forces: matrix `normal` and vector `gradient`. The first `shared` unknowns belong
-    /// to all images. The last unknowns, one for each entry of `off`, are relative forces. `off` holds their differences from the measured forces.
+    /// to all images. The last unknowns are relative forces, one for each entry of `off`. `off` holds the differences of these forces from the measured ones.
     ///
     /// `None` if even exact forces would not determine all unknowns.
     pub fn new(
@@ -104,7 +104,7 @@ impl Scatter {
         -0.5 * self.combinations.iter().map(of).sum::<f64>()
     }
 
-    /// Derivative of `log_likelihood`.
+    /// Derivative of `log_likelihood` with respect to the variance.
     fn score(&self, variance: f64) -> f64 {
         let of = |it: &Combination| {
             let wider = 1.0 + variance * it.precision;
@@ -118,7 +118,8 @@ impl Scatter {
         self.combinations.iter().filter(|it| it.precision * LARGEST * LARGEST > 1.0).count()
     }
 
-    /// Most likely relative standard deviation of the forces; zero if noise and base explain all differences. `None` if there are no differences.
+    /// Most likely relative standard deviation of the forces; zero if noise and base explain all differences between forces. `None` if the images show no
+    /// differences.
     ///
     /// # Reference
     /// Restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) of the variance of independent values with further known variances.
@@ -140,13 +141,13 @@ impl Scatter {
         Some((0.5 * (low + high)).sqrt())
     }
 
-    /// Relative standard deviation of a new force due to scatter, of which 1.96 are half of a 95 % interval. The scatter is uncertain if differences are few
-    /// or noise is large. Its prior is uniform in the logarithm from [`LEAST`] to [`LARGEST`], and the interval averages over the posterior. `None` if there
-    /// are no differences.
+    /// Relative standard deviation of a new force due to scatter. Half of a 95 % interval is 1.96 times this value. The scatter is uncertain if differences are
+    /// few or noise is large. The prior of the scatter is uniform in the logarithm from [`LEAST`] to [`LARGEST`], and the interval averages over the posterior.
+    /// `None` if there are no differences.
     ///
     /// # Reference
-    /// Posterior predictive distribution of a normal value with an unknown variance (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 3.2). It is
-    /// Student's t if noise is small.
+    /// Posterior predictive distribution of a normal value with an unknown variance (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 3.2). This
+    /// distribution is Student's t if noise is small.
     fn of_new_force(&self) -> Option<f64> {
         if self.differences() == 0 {
             return None;
@@ -175,11 +176,12 @@ impl Scatter {
         self.of_parameters[image] + self.combinations.iter().map(carried).sum::<f64>()
     }
 
-    /// Error of a force that the calibrated finger senses in a new image, beyond the image's own noise and base. It combines the uncertainty of the finger
-    /// with the scatter of measured forces, which is `assumed` if nothing shows it.
+    /// Error of a force that the calibrated finger senses in a new image, beyond the image's own noise and base. It combines the uncertainty of the finger with
+    /// the scatter of measured forces. The scatter is `assumed` if the images do not show it.
     ///
-    /// An uncertain modulus changes every force by the same share. Uncertain geometry moves markers as noise does. Its share is larger for a small force, or
-    /// for one whose position is hardly visible. Images with different effects of noise separate the two parts; without such images each part gets half.
+    /// An uncertain modulus changes every force by the same share. Uncertain geometry moves markers as noise does. The relative error due to geometry is larger
+    /// for a small force, or for a force whose position is hardly visible. Images with different effects of noise separate the two parts; without such images
+    /// each part gets half.
     pub fn of_new(&self, assumed: f64) -> AddedForceError {
         let scatter = self.of_new_force().unwrap_or(assumed);
         let of_finger: Vec<f64> = (0..self.of_markers.len()).map(|image| self.of_finger(image, scatter)).collect();
@@ -188,8 +190,8 @@ impl Scatter {
     }
 }
 
-/// Splits variances into a constant part and a part proportional to `growing_with`, and returns the constant and the factor. They maximise the likelihood
-/// of normal errors with the given variances.
+/// Splits variances into a constant and a part proportional to `growing_with`. Returns the constant and the factor of proportionality. Both maximise the
+/// likelihood of normal errors with the given variances.
 ///
 /// # Reference
 /// Zhou, Hu, Zhou and Lange, MM algorithms for variance components models, J. Comput. Graph. Stat. 28, 2019.

@@ -9,14 +9,15 @@ use crate::finger::Plate;
 use crate::sensing::{ContactQuestion, Direction, Lean, NonlinearEstimator, UnloadedError};
 use nalgebra::Isometry2;
 
-/// Number of sections of the plate. Contacts are first tried at the points between sections.
+/// The plate is divided into this number of sections. The search for a contact first tries the points between the sections.
 const PLACES: usize = 50;
 
-/// Starting point in one view.
+/// Starting point of the search in one view.
 struct Beginning {
-    /// Start with the measured force, or from the markers if none was measured. `None` if the finger does not carry the measured force.
+    /// Starting point with the measured force, or with the force from the markers if none was measured. `None` if the finger has no equilibrium under the
+    /// measured force.
     own: Option<ViewUnknowns>,
-    /// Force that the markers show, where a force was measured.
+    /// Force that the markers show. `None` if no force was measured.
     of_markers: Option<MarkerForce>,
 }
 
@@ -57,8 +58,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Position along the plate at which the measured force explains the shape best, for any rigid motion of the finger. `None` if the finger carries the
-    /// force nowhere.
+    /// Position along the plate at which the measured force explains the shape best, for any rigid motion of the finger. `None` if the finger has an
+    /// equilibrium under the force at no position.
     fn start_of_known(&self, stated: &Candidate, view: &View, force_n: f64) -> Option<ViewUnknowns> {
         let length_mm = self.finger.plate_length_mm(Plate::Front);
         let at = |i: usize| ViewUnknowns {
@@ -80,7 +81,8 @@ impl Problem<'_> {
         tried.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, own)| own)
     }
 
-    /// Force and position as sensed with the scene's finger, or else with a finger that differs within the priors of the sought quantities.
+    /// Force and position that the scene's finger explains best. If the scene's finger does not explain the view, the search also varies the sought quantities
+    /// within their priors.
     fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<ViewUnknowns, ViewError> {
         let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..self.model.lean });
         let question = ContactQuestion { position: None, direction };

@@ -7,12 +7,12 @@ use crate::optimise::{Fit, covariance};
 use crate::sensing::UnloadedError;
 use nalgebra::{DMatrix, Isometry2, RowDVector};
 
-/// Relative change of a force below which an error is negligible, even in combination with others.
+/// An error is negligible, even in combination with others, if it changes a force by at most this share.
 const LEAST_SHARE: f64 = 1e-4;
 
 impl Problem<'_> {
-    /// Independent errors of the sought quantities, of one standard deviation each, linearised at a fit. Only errors count that change the force of a view
-    /// without a measured force, with its direction sought or known.
+    /// Independent errors of the sought quantities, each with the size of one standard deviation, linearised at a fit. An error counts only if it changes the
+    /// force of a view without a measured force. This is tested with an unknown and with a known direction of the force.
     pub(super) fn unloaded_errors(&self, fitted: &Fit<Point>, base: &Isometry2<f64>) -> Vec<UnloadedError> {
         let shared = self.sought.len();
         if shared == 0 {
@@ -28,7 +28,7 @@ impl Problem<'_> {
             for unknowns in [&all[..], known_direction] {
                 let found = self.force_alone(&jacobian, rows.clone(), unknowns, own.force_n);
                 changes.extend(found.map(|(mut by_shared, ..)| {
-                    // A new force has a lean of its own, whose uncertainty is the scene's.
+                    // The lean of a new force is uncertain by the amount that the scene states, so the lean of this fit has no effect.
                     let leans = self.sought.iter().zip(by_shared.iter_mut());
                     leans.filter(|(sought, _)| sought.quantity == Quantity::Lean).for_each(|(_, by)| *by = 0.0);
                     by_shared.transpose()
@@ -50,8 +50,8 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// The Jacobian of a fit, weighted as if markers erred by the stated noise or more. Errors that all images share affect the fitted quantities but not the
-    /// residuals.
+    /// The Jacobian of a fit, reweighted so that the noise of the markers is at least the stated noise. Errors that all images share affect the fitted
+    /// quantities but not the residuals.
     fn by_stated_noise(&self, fitted: &Fit<Point>) -> DMatrix<f64> {
         let mut jacobian = fitted.jacobian.clone();
         for (view, _, rows, _) in self.parts(&fitted.point) {

@@ -10,9 +10,9 @@ use nalgebra::{Isometry2, Point2};
 /// One image of the finger, located with the scene's rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// Name of the view in messages.
+    /// Name of the view (its image) in messages.
     pub name: String,
-    /// Displacements of markers from the scene's undeformed finger, mm, in the frame of the view: that of the base as seen in the image.
+    /// Displacements of markers from the scene's undeformed finger, mm, in the frame of the view. This is the frame of the base as seen in the image.
     pub measurement: Measurement,
     /// Standard deviation of a coordinate of weight 1, mm.
     pub noise_mm: f64,
@@ -24,7 +24,7 @@ pub struct View {
     pub force: Option<Vector>,
 }
 
-/// An observation with which a scene is calibrated.
+/// An observation for the calibration of a scene, with its view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocatedView {
     /// The observation.
@@ -38,7 +38,7 @@ pub struct LocatedView {
 }
 
 impl LocatedView {
-    /// Makes a view of an observation. `force` is the measured force, N, in the frame of the camera's pose.
+    /// Converts an observation to a view. `force` is the measured force, N, in the frame of the camera's pose.
     ///
     /// # Errors
     /// [`ObservationError`] if the observation does not fit the scene's finger or states no standard deviations.
@@ -75,7 +75,7 @@ pub enum ViewError {
     /// The scene's finger does not explain the view, so a search has no starting point.
     #[error("no starting point, because the scene's finger does not fit this image: {0}")]
     Start(#[from] SensingError),
-    /// The scene's finger carries the measured force at no position along its plate.
+    /// The scene's finger has an equilibrium under the measured force at no position along its plate.
     #[error(
         "the scene's finger has no equilibrium under {force_n:.3} N at any position along its plate: check the unit of the force and the moduli"
     )]
@@ -100,9 +100,9 @@ pub enum ViewError {
          this image"
     )]
     Name {
-        /// Node by which the marker is named.
+        /// Node number of the marker.
         node: NodeId,
-        /// Node near the marker.
+        /// Node whose computed position is near the marker.
         other: NodeId,
         /// Distance from the computed position of the named node, mm.
         away_mm: f64,
@@ -110,7 +110,7 @@ pub enum ViewError {
     /// The calibrated finger would sense forces too inaccurately for use. The measured force of this view deviates most.
     #[error(
         "forces sensed with this calibration would have a relative standard deviation of {share:.2}, so that every 95 % interval would include zero. \
-         The measured force of this image is furthest off, {times:.3} times the force that its markers show: check its sign, unit, frame and row, \
+         The measured force of this image deviates most: it is {times:.3} times the force that its markers show: check its sign, unit, frame and row, \
          and the node numbers, or measure more forces"
     )]
     ForceErrors {
@@ -121,8 +121,8 @@ pub enum ViewError {
     },
     /// Markers deviate too far from the calibrated finger. A marker of this view deviates most.
     #[error(
-        "the calibrated finger misses the markers by {missed_mm:.2} mm rms, and they move by only {moved_mm:.2} mm rms: check that the scene has \
-         this finger, and the node numbers. In this image node {node} is furthest off, by {away_mm:.1} mm"
+        "the calibrated finger deviates from the markers by {missed_mm:.2} mm rms, although they move by only {moved_mm:.2} mm rms: check the finger \
+         of the scene and the node numbers. In this image node {node} deviates most, by {away_mm:.1} mm"
     )]
     MarkerErrors {
         /// Node of the marker.

@@ -16,9 +16,9 @@ pub const FORMAT: u32 = 1;
 pub enum Scaling {
     /// Principal directions of the training shapes, each scaled to unit standard deviation.
     Principal,
-    /// Coordinates, all scaled by their common spread.
+    /// Displacement coordinates, all divided by one common standard deviation.
     Spread,
-    /// Coordinates, all scaled by the largest one in training.
+    /// Displacement coordinates, all divided by the largest absolute coordinate in training.
     Largest,
 }
 
@@ -26,19 +26,19 @@ pub enum Scaling {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactSet {
-    /// All contacts touch.
+    /// A force acts at every contact of the list.
     Fixed,
-    /// Any of the contacts touch, at least one. The caller states them.
+    /// Forces act at one or more contacts of the list. The caller states at which.
     AnyOf,
 }
 
-/// Origin of the samples and fit of the weights. Equal values on the same machine give equal weights.
+/// Settings of the training samples and of the fit. Training with equal settings on the same machine gives equal weights.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {
     /// Kinematics of the finger in the samples.
     pub kinematics: Kinematics,
-    /// Beam elements per member of that finger.
+    /// Beam elements per member of the finger in the samples.
     pub elements_per_member: usize,
     /// Number of training shapes.
     pub samples: usize,
@@ -54,7 +54,7 @@ pub struct Origin {
     pub hidden_markers: usize,
     /// Seed of the samples, of the first weights and of the order of the batches.
     pub seed: u64,
-    /// Number of passes through the samples up to the weights that were kept. Training may have continued.
+    /// Number of passes through the samples that led to the stored weights. Training may have continued after these passes.
     pub epochs: usize,
 }
 
@@ -62,9 +62,9 @@ pub struct Origin {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TestError {
-    /// Root mean square with the noise of [`NetworkCard::noise_mm`], N.
+    /// Root mean square error with the noise of [`NetworkCard::noise_mm`], N.
     pub rms_n: f64,
-    /// Root mean square error without noise, N: the network's own error.
+    /// Root mean square error without noise, N: the error of the network itself.
     pub clean_rms_n: f64,
 }
 
@@ -76,19 +76,19 @@ pub struct NetworkCard {
     pub format: u32,
     /// Fingerprint of the finger.
     pub finger: Fingerprint,
-    /// Measured nodes in the order of the coordinates: ux, uy of each.
+    /// Measured nodes in the order of the displacement coordinates: ux and uy of each node, mm.
     pub markers: Vec<NodeId>,
     /// The contacts in the order of the outputs.
     pub contacts: Vec<Contact>,
-    /// Whether all contacts touch, or any of them.
+    /// Whether forces act at all contacts, or at those that the caller states.
     pub contact_set: ContactSet,
     /// Conversion of displacements to inputs.
     pub scaling: Scaling,
     /// Standard deviation of the noise of one coordinate in training, mm. Zero without noise.
     pub noise_mm: f64,
-    /// Standard deviation of a force that the ridge forces of [`ContactSet::AnyOf`] assume, N.
+    /// Standard deviation of a force, N, that ridge regression assumes as a prior for [`ContactSet::AnyOf`].
     pub prior_n: f64,
-    /// Training samples and fit.
+    /// Settings of the training samples and of the fit.
     pub origin: Origin,
     /// Errors of each contact's force, in the order of the contacts.
     pub test_errors: Vec<TestError>,
@@ -144,7 +144,7 @@ impl NetworkCard {
         let origin = &self.origin;
         let [least_n, largest_n] = origin.force_range_n;
         let range = least_n.is_finite() && largest_n.is_finite() && least_n <= largest_n;
-        require(range, "origin.force_range_n", "least and largest force", format!("{:?}", origin.force_range_n))?;
+        require(range, "origin.force_range_n", "least, then largest force", format!("{:?}", origin.force_range_n))?;
         not_negative("origin.largest_total_n", origin.largest_total_n)?;
         not_negative("origin.direction_spread_deg", origin.direction_spread_deg)?;
         not_negative("origin.modulus_spread", origin.modulus_spread)

@@ -56,7 +56,7 @@ pub enum NetworkError {
         found: String,
     },
     /// The card cannot be read.
-    #[error("the network's card (metadata key {key}): {reason}")]
+    #[error("cannot read the network's card (metadata key {key}): {reason}")]
     Card {
         /// Key of the card in the metadata.
         key: &'static str,
@@ -64,7 +64,9 @@ pub enum NetworkError {
         reason: String,
     },
     /// The file has another version of the format.
-    #[error("the network has format {found}, expected format {expected}: train it with this version of finray")]
+    #[error(
+        "the network has format {found}, expected format {expected}: train the network again with this version of finray"
+    )]
     Format {
         /// Known version.
         expected: u32,
@@ -87,22 +89,24 @@ pub enum NetworkError {
     /// The network was trained for other contacts.
     #[error("the network was trained for {trained}, not for {asked}")]
     OtherContacts {
-        /// Contacts of the training.
+        /// Contacts of the training, in words.
         trained: String,
         /// Requested contacts.
         asked: String,
     },
     /// A measured node is not a marker of the network.
-    #[error("node {node} is not among the {known} markers that the network was trained on: leave it out")]
+    #[error(
+        "node {node} is not among the {known} markers that the network was trained on: remove this node from the measurement"
+    )]
     UnknownMarker {
         /// The measured node.
         node: NodeId,
         /// Number of markers of the network.
         known: usize,
     },
-    /// Too few markers are measured for a network that cannot fill in hidden ones.
+    /// A marker is hidden, but this network cannot estimate displacements of hidden markers.
     #[error(
-        "the network needs all of its {expected} markers, found {found}: only a network with principal components as inputs fills in hidden markers"
+        "the network needs all of its {expected} markers, found {found}: only a network with principal components as inputs estimates hidden markers"
     )]
     HiddenMarkers {
         /// Number of markers of the network.
@@ -111,7 +115,7 @@ pub enum NetworkError {
         found: usize,
     },
     /// The markers differ from those for which the estimator is prepared.
-    #[error("the measured markers are not those that the estimator was prepared for, in their order")]
+    #[error("expected the markers for which the estimator was prepared, in the same order")]
     OtherMarkers,
     /// A marker has a weight other than 1.
     #[error("node {node} has the weight {weight}, expected 1: the network was trained on markers of equal weight")]
@@ -131,10 +135,10 @@ pub enum NetworkError {
         /// Found number.
         found: usize,
     },
-    /// The shape is unlike those of the training.
+    /// The measured shape is unlike the shapes of the training.
     #[error(
-        "the shape is unlike those that the network was trained on: its input {input} is {value:.2}, expected at most {largest:.2} (forces up to \
-         {largest_total_n} N in all)"
+        "the shape is unlike those that the network was trained on: its input {input} is {value:.2}, expected at most {largest:.2} (the sum of the \
+         training forces is at most {largest_total_n} N)"
     )]
     OutsideTraining {
         /// Number of the input, from 1.
@@ -161,7 +165,7 @@ pub enum NetworkError {
         /// Largest force in training, N.
         largest_n: f64,
     },
-    /// An error that all estimators share.
+    /// An error that is not specific to networks.
     #[error(transparent)]
     Sensing(#[from] SensingError),
 }

@@ -12,29 +12,30 @@ use crate::sensing::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Largest difference between equal contacts: of positions, as a share of the plate, and of angles, degrees.
+/// Two contacts count as equal up to this difference: of their positions, as a share of the plate's length, and of their angles, in degrees.
 const SAME_CONTACT: f64 = 1e-9;
-/// An input may exceed the largest of the training by this factor and this many standard deviations, because samples miss the extremes.
+/// An input is refused if it exceeds the largest input in training times the factor, plus this many standard deviations of its noise. The margin allows for
+/// extremes that the training samples miss.
 const RANGE_FACTOR: f64 = 1.1;
 const RANGE_SIGMAS: f64 = 4.0;
 
 /// Estimates forces with a network, for the contacts and markers for which it is prepared.
 ///
 /// # Requirements
-/// The finger and contacts of the training: all contacts in any order, or for [`ContactSet::AnyOf`] the touching ones. Markers may be hidden if the
-/// inputs are principal directions.
+/// The finger and contacts of the training: all contacts in any order, or for [`ContactSet::AnyOf`] those at which forces act. Markers may be hidden if the
+/// network's inputs are principal directions.
 #[derive(Debug, Clone)]
 pub struct NetworkEstimator {
     forward: Forward,
     prepared: Prepared,
     markers: Vec<NodeId>,
-    /// Mean displacement of the seen coordinates, mm.
+    /// Mean of each measured coordinate in training, mm.
     mean: DVector<f64>,
-    /// Orthonormal columns that span the principal directions on the seen coordinates.
+    /// Orthonormal columns that span the principal directions, restricted to the measured coordinates.
     span: DMatrix<f64>,
     /// Covariance of the inputs due to hidden markers, dimensionless.
     hidden_covariance: DMatrix<f64>,
-    /// Largest inputs in training, dimensionless; `input_noise` is the standard deviation of each input per mm of noise, 1/mm.
+    /// Largest absolute inputs in training, dimensionless. `input_noise` is the standard deviation of each input per mm of noise, 1/mm.
     largest: Vec<f64>,
     input_noise: Vec<f64>,
     clean_rms_n: Vec<f64>,
@@ -44,7 +45,7 @@ pub struct NetworkEstimator {
 }
 
 impl NetworkEstimator {
-    /// Prepares a network for contacts and for the markers of a measurement. Does not use the displacements yet.
+    /// Prepares a network for contacts and for the nodes of a measurement's markers. The displacements of the markers are not used yet.
     ///
     /// # Errors
     /// [`NetworkError`] for a finger, contacts or markers other than those of the training, or for fewer coordinates than forces.
@@ -57,7 +58,7 @@ impl NetworkEstimator {
         NetworkEstimator::with_instructions(network, finger, contacts, markers, Instructions::Detected)
     }
 
-    /// As [`NetworkEstimator::new`], with given instructions.
+    /// As [`NetworkEstimator::new`], with a given instruction set.
     ///
     /// # Errors
     /// [`NetworkError`] as from [`NetworkEstimator::new`].
@@ -98,7 +99,7 @@ impl NetworkEstimator {
             prepared,
             markers,
             mean,
-            // As many directions as coordinates span all coordinates.
+            // If there are at least as many directions as measured coordinates, the columns span all coordinates.
             span: seen_directions.qr().q(),
             hidden_covariance,
             largest: network.inputs.largest.clone(),
@@ -110,13 +111,13 @@ impl NetworkEstimator {
         })
     }
 
-    /// Number of contacts for which it is prepared.
+    /// Number of contacts for which the estimator is prepared.
     pub fn contact_count(&self) -> usize {
         self.prepared.outputs()
     }
 
     /// Estimates the forces of one frame. `displacements` holds ux, uy of each marker in the order of the markers, mm. `forces_n` receives the forces in the
-    /// order of the contacts, N. It allocates nothing and checks no ranges: displacements that are NaN give forces that are NaN.
+    /// order of the contacts, N. The evaluation allocates no memory and checks no ranges: displacements of NaN give forces of NaN.
     ///
     /// # Errors
     /// [`NetworkError::Length`] if a slice has the wrong length.
@@ -127,7 +128,7 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Estimates the forces of many frames, as [`forces`](NetworkEstimator::forces) does, frame after frame in both slices.
+    /// Estimates the forces of many frames, each as [`forces`](NetworkEstimator::forces) does. Both slices hold one frame after the other.
     ///
     /// # Errors
     /// [`NetworkError::Length`] if a slice has the wrong length.
@@ -141,13 +142,14 @@ impl NetworkEstimator {
     }
 
     /// Estimates forces with their standard deviations. These include noise and hidden markers, through the network's derivatives, and the network's own error
-    /// on held-out samples. `noise_mm` is the standard deviation of one coordinate, mm. If it is `None`, or if the residual contradicts it, it is
-    /// estimated from the residual.
+    /// on held-out samples. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or if
+    /// the residual contradicts it.
     ///
-    /// The residual is the part outside the principal directions. The singular values are those of the inverse of the derivatives.
+    /// The residual is the part of the displacements outside the principal directions. The estimate's singular values are the reciprocals of those of the
+    /// derivatives of the forces with respect to the displacements.
     ///
     /// # Errors
-    /// [`NetworkError`] for other markers, for weights other than 1, and for shapes or forces outside the training.
+    /// [`NetworkError`] for markers other than the prepared ones, for weights other than 1, and for shapes or forces outside the training.
     pub fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Estimate, NetworkError> {
         if !measurement.markers().iter().map(|marker| marker.node).eq(self.markers.iter().copied()) {
             return Err(NetworkError::OtherMarkers);
@@ -208,7 +210,7 @@ impl NetworkEstimator {
 
     /// Refuses inputs outside the range of the training.
     fn require_range(&self, z: &[f64], noise_mm: f64) -> Result<(), NetworkError> {
-        // Unknown noise widens the range no more than the noise of the training does.
+        // If the noise is unknown, the noise of the training widens the range.
         let noise_mm = if noise_mm.is_finite() { noise_mm } else { self.noise_mm };
         for (i, (&largest, per_mm)) in self.largest.iter().zip(&self.input_noise).enumerate() {
             let value = z[i].abs();
@@ -220,7 +222,7 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Refuses forces outside the range of the training, which shapes under other contacts cause.
+    /// Refuses forces outside the range of the training. Forces at contacts other than the assumed ones cause such results.
     fn require_trained_forces(&self, forces_n: &[f64], sigmas_n: &[f64]) -> Result<(), NetworkError> {
         let [least_n, largest_n] = self.force_range_n;
         for (i, (&force_n, sigma_n)) in forces_n.iter().zip(sigmas_n).enumerate() {
@@ -233,13 +235,13 @@ impl NetworkEstimator {
     }
 }
 
-/// Part of a measurement outside the principal directions, which no training sample has.
+/// Part of a measurement outside the principal directions. No training sample has such a part.
 struct Residual {
     /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow.
     noise_mm: f64,
     /// Root mean square of the residual, mm.
     rms_mm: f64,
-    /// Warning if the residual is more than noise.
+    /// Warning, if the residual exceeds the noise significantly.
     warning: Option<Warning>,
 }
 
@@ -248,16 +250,16 @@ fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(
 }
 
 impl Network {
-    /// Checks that the network was trained for a finger and for contacts: all in any order, or any of them for [`ContactSet::AnyOf`].
+    /// Checks that the network was trained for `finger` and `contacts`: all contacts of its list in any order, or some of them for [`ContactSet::AnyOf`].
     ///
     /// # Errors
-    /// [`NetworkError::AnotherFinger`] or [`NetworkError::OtherContacts`] if the network was trained for others.
+    /// [`NetworkError::AnotherFinger`] or [`NetworkError::OtherContacts`] if the network was trained for another finger or other contacts.
     pub fn check_made_for(&self, finger: &Finger, contacts: &[Contact]) -> Result<(), NetworkError> {
         selection(self, finger, contacts).map(|_| ())
     }
 }
 
-/// Indices of the contacts in the network's list.
+/// Indices of `contacts` in the network's list of contacts.
 fn selection(network: &Network, finger: &Finger, contacts: &[Contact]) -> Result<Vec<usize>, NetworkError> {
     let found = Fingerprint::of(finger);
     if found != network.card.finger {
@@ -280,7 +282,7 @@ fn selection(network: &Network, finger: &Finger, contacts: &[Contact]) -> Result
         once && (any_of || positions.len() == trained.len())
     });
     positions.ok_or_else(|| NetworkError::OtherContacts {
-        trained: format!("{} {}", if any_of { "any of" } else { "exactly" }, listed(trained)),
+        trained: format!("{} {}", if any_of { "any of the contacts" } else { "exactly the contacts" }, listed(trained)),
         asked: listed(contacts),
     })
 }

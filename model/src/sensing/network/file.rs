@@ -7,8 +7,8 @@
 //! | `variances`, `largest` | F64 | p |
 //! | `layers.K.weight` | F32 | outputs, inputs |
 //! | `layers.K.bias` | F32 | outputs |
-//! | `skip` | F32 | contacts, p; left out without a skip branch |
-//! | `compliance` | F64 | n, contacts; only for sets of which any contacts may touch |
+//! | `skip` | F32 | contacts, p; missing without a skip branch |
+//! | `compliance` | F64 | n, contacts; only with the contact set `AnyOf` |
 //! | `sha256` | U8 | 32: of the card and of names, shapes and contents of the other tensors in order of their names |
 
 use super::card::{FORMAT, NetworkCard};
@@ -58,7 +58,7 @@ impl Network {
         }
         let sum = checksum(&card, &views);
         views.insert(CHECKSUM, TensorView::new(Dtype::U8, vec![sum.len()], &sum).map_err(|e| unreadable(&e))?);
-        // A map of several keys has no fixed order, so there is only one key.
+        // The metadata have only one key, because a hash map of several keys has no fixed order.
         let metadata = HashMap::from([(CARD.to_owned(), card)]);
         safetensors::serialize(views, Some(metadata)).map_err(|error| unreadable(&error))
     }
@@ -161,7 +161,7 @@ fn matrix_shape(name: &str, tensor: &TensorView) -> Result<[usize; 2], NetworkEr
     shape.try_into().map_err(|_| NetworkError::of_part(name, "a matrix", format!("the shape {shape:?}")))
 }
 
-/// Removes a tensor from the tensors of a file, and checks its type.
+/// Removes a tensor from the tensors of a file, and checks the tensor's type.
 fn take<'d>(
     tensors: &mut BTreeMap<&str, TensorView<'d>>,
     name: &str,

@@ -7,10 +7,10 @@ use sha2::{Digest, Sha256};
 use std::fmt;
 use std::str::FromStr;
 
-/// Significant digits that count. Ribs stated by number and by their positions differ by rounding.
+/// Numbers are compared to this many significant digits. Ribs stated by their number and ribs stated by their positions differ by rounding errors.
 const DIGITS: i32 = 10;
 
-/// SHA-256 over the numbers of a finger. They cover key nodes, rigid arms, clips and ends, rigidities, tapers, rib thicknesses, joints, brackets with the
+/// SHA-256 hash of the numbers that define a finger: key nodes, rigid arms, clips and ends, rigidities, tapers, rib thicknesses, joints, brackets with the
 /// points of markers, and zones. Names, the order of zones, the notation of the ribs, and other tables of the scene have no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fingerprint([u8; 32]);
@@ -108,7 +108,7 @@ impl Numbers {
     }
 }
 
-/// Formats a number with the digits that count. Plus and minus zero give the same text.
+/// Formats a number with [`DIGITS`] significant digits. Plus and minus zero give the same text.
 fn rounded(value: f64) -> String {
     format!("{:.*e}", DIGITS as usize - 1, value + 0.0)
 }

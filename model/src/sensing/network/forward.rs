@@ -1,4 +1,4 @@
-//! Fast evaluation of a network: without allocation, with the SIMD registers of the machine.
+//! Fast evaluation of a network, without allocation of memory and with the SIMD instructions of the machine.
 
 use super::prepared::Prepared;
 use finray_numerics::dense::{Aligned, Linear, Tanh, Weights, padded, tanh_all, tile_frames, tiled};
@@ -13,17 +13,17 @@ pub enum Instructions {
     Portable,
 }
 
-/// A prepared network in the order in which the kernels read it, with buffers between its layers.
+/// A prepared network, stored in the order in which the SIMD kernels read it, with buffers between its layers.
 #[derive(Debug, Clone)]
 pub(super) struct Forward {
-    /// Detected instructions of the machine. `None`: portable instructions.
+    /// Detected instructions of the machine. `None` selects portable instructions.
     arch: Option<Arch>,
     plan: Plan,
     one: Between,
     many: Between,
 }
 
-/// z = P x + offset; h = tanh(W h + b) layer by layer, the first from z; f = W h + b + skip z.
+/// Evaluates z = P x + offset; then h = tanh(W h + b) for each hidden layer, from h = z; then the forces f = W h + b + skip z.
 #[derive(Debug, Clone)]
 struct Plan {
     coordinates: usize,
@@ -33,7 +33,7 @@ struct Plan {
     skip: Option<Weights<f32>>,
 }
 
-/// Buffers between the layers for one frame, or for a tile of frames with one row per number and one column per frame.
+/// Buffers between the layers, for one frame or for a tile of frames. A tile has one row per number and one column per frame.
 #[derive(Debug, Clone)]
 struct Between {
     /// Displacements of a tile, mm. Empty for one frame, which is read in place.
@@ -78,7 +78,7 @@ fn dispatch<Op: WithSimd>(arch: Option<Arch>, op: Op) -> Op::Output {
     }
 }
 
-/// Arranges a network for the kernels.
+/// Stores a network in the order in which the SIMD kernels read it.
 struct Arrange<'a> {
     prepared: &'a Prepared,
     arch: Option<Arch>,

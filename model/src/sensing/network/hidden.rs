@@ -1,26 +1,25 @@
-//! Fills in the displacements of hidden markers from the training shapes.
+//! Estimates the displacements of hidden markers from the training shapes.
 //!
-//! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c of the stored variances L. The seen
-//! coordinates are d = x_s - mean_s. The expected coordinates are mean + F d, with F the identity for seen coordinates and S_hs S_ss^-1 for hidden ones. The
-//! covariance is S = V^T L V + noise^2 (Rasmussen and Williams, Gaussian Processes for Machine Learning, eq. (A.6)). If all coordinates are seen, F is the
-//! identity.
+//! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c of the stored variances L. The measured coordinates
+//! x_s deviate by d = x_s - mean_s from their mean. The expected coordinates of all markers are mean + F d. For measured coordinates F is the identity, for
+//! hidden ones it is S_hs S_ss^-1. S = V^T L V + noise^2 is the covariance (Rasmussen and Williams, Gaussian Processes for Machine Learning, eq. (A.6)).
 
 use super::Network;
 use nalgebra::DMatrix;
 
-/// Noise of networks that were trained without noise, as a share of the shapes' standard deviation. It keeps S_ss invertible.
+/// Noise that is assumed for networks trained without noise, as a share of the shapes' standard deviation. It keeps S_ss invertible.
 const LEAST_NOISE: f64 = 1e-6;
 
-/// Linear map from seen coordinates to all coordinates.
+/// Linear map from the measured coordinates to all coordinates.
 #[derive(Debug, Clone)]
 pub(super) struct Filling {
-    /// F, dimensionless: coordinates of the network x seen coordinates.
+    /// F, dimensionless: one row per coordinate of the network, one column per measured coordinate.
     pub(super) matrix: DMatrix<f64>,
-    /// Covariance of the difference between F d and the shape without noise, mm^2. Zero if all coordinates are seen.
+    /// Covariance of the difference between F d and the shape without noise, mm^2. Zero if all coordinates are measured.
     pub(super) missed: DMatrix<f64>,
 }
 
-/// The principal directions V as unit vectors, p x n.
+/// The principal directions V as unit vectors, p x n for p inputs and n coordinates.
 pub(super) fn directions(network: &Network) -> DMatrix<f64> {
     let mut directions = network.inputs.projection.clone();
     for mut row in directions.row_iter_mut() {
@@ -32,7 +31,7 @@ pub(super) fn directions(network: &Network) -> DMatrix<f64> {
     directions
 }
 
-/// Filling for the seen coordinates (indices), in their order. `None` if they do not determine the shapes without noise.
+/// Map for the measured coordinates `seen` (indices), in their order. `None` if these coordinates do not determine the shapes without noise.
 pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<Filling> {
     let n = network.inputs.coordinate_count();
     let mut matrix = DMatrix::zeros(n, seen.len());
@@ -52,7 +51,7 @@ pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<Filling> {
     for hidden in (0..n).filter(|coordinate| !seen.contains(coordinate)) {
         matrix.row_mut(hidden).copy_from(&filled.column(hidden).transpose());
     }
-    // F maps the seen part of a shape; the rest of the shape is missed.
+    // F maps the measured part of a shape; the error is the difference from the whole shape.
     let mut selection = DMatrix::zeros(seen.len(), n);
     for (row, &coordinate) in seen.iter().enumerate() {
         selection[(row, coordinate)] = 1.0;

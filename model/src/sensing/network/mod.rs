@@ -1,8 +1,8 @@
 //! Sensing by a neural network: its definition, its file, and its fast evaluation.
 //!
-//! A network maps measured displacements x (mm: ux, uy of each marker) to inputs z = P (x - mean), and the inputs to forces f (N). For
-//! [`ContactSet::Fixed`], f = skip z + MLP(z). For [`ContactSet::AnyOf`] with touching contacts S, the linear finger first gives ridge forces r = G_S x;
-//! then f_S = r_S + MLP_S([z, mask, r / prior]). Hidden layers of the MLP end in tanh, the last layer is linear.
+//! A network maps measured displacements x (mm: ux, uy of each marker) to inputs z = P (x - mean), and the inputs to forces f (N). For [`ContactSet::Fixed`], f
+//! = skip z + MLP(z). For [`ContactSet::AnyOf`] with forces at the contacts S, the linear finger first gives ridge forces r = G_S x; then f_S = r_S + MLP_S([z,
+//! mask, r / prior]). Hidden layers of the MLP end in tanh, the last layer is linear.
 
 mod card;
 mod error;
@@ -30,7 +30,8 @@ pub struct Inputs {
     pub mean: Vec<f64>,
     /// P, p x n, 1/mm. For [`Scaling::Principal`], orthogonal rows of length 1 / sqrt(variance_i + noise^2); otherwise diagonal.
     pub projection: DMatrix<f64>,
-    /// Variance of the training shapes without noise along the direction of each row, length p, mm^2.
+    /// Variance of the training shapes without noise along the direction of each row, length p, mm^2. Other scalings than [`Scaling::Principal`] have one
+    /// common squared scale.
     pub variances: Vec<f64>,
     /// Largest |z_i| in training, length p, dimensionless.
     pub largest: Vec<f64>,
@@ -63,15 +64,16 @@ pub struct Dense {
 
 /// A trained network.
 ///
-/// All fields are public. Functions that evaluate or store a network check it again.
+/// All fields are public, so functions that evaluate or store a network check it again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
     /// Purpose, training and errors of the network.
     pub card: NetworkCard,
     /// Conversion of displacements to inputs.
     pub inputs: Inputs,
-    /// Layers of the MLP, at least one, all but the last with tanh. The first layer takes the p inputs. For [`ContactSet::AnyOf`], a mask (0 or 1) and the
-    /// ridge force / prior of each contact follow. The last layer returns forces, N.
+    /// Layers of the MLP, at least one, all but the last with tanh. The first layer takes the p inputs. For [`ContactSet::AnyOf`], two further inputs per
+    /// contact follow. First come masks of all contacts (1 if a force acts there, else 0), then ridge forces of all contacts over the prior. The last layer
+    /// returns forces, N.
     pub layers: Vec<Dense>,
     /// Skip branch by rows, contacts x p, N. Empty without a skip branch, as for [`ContactSet::AnyOf`].
     pub skip: Vec<f32>,

@@ -1,11 +1,12 @@
-//! A network prepared for the touching contacts and the visible markers.
+//! A network prepared for the contacts at which forces act, and for the visible markers.
 
 use super::{ContactSet, Dense, Network};
 use crate::sensing::linear::Inverse;
 use nalgebra::DMatrix;
 
-/// Gain G (contacts x n, N/mm) of the ridge forces r = G x of the touching contacts: (C^T C + ridge^2)^-1 C^T. C has the columns of these contacts from the
-/// compliance (n x contacts, mm/N). Rows of other contacts are zero. `ridge` is the noise of a coordinate over the forces' standard deviation, mm/N.
+/// Gain G of ridge regression, contacts x n, N/mm. It maps displacements x to the forces r = G x at the contacts marked in `touching`: G = (C^T C + ridge^2)^-1
+/// C^T. C has the columns of these contacts from the compliance (n x contacts, mm/N). Rows of other contacts are zero. `ridge` is the noise of a coordinate
+/// over the forces' standard deviation, mm/N.
 pub fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> DMatrix<f64> {
     let those: Vec<usize> = (0..touching.len()).filter(|&i| touching[i]).collect();
     let inverse = Inverse::of(&compliance.select_columns(&those), ridge);
@@ -21,7 +22,7 @@ pub fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> D
 pub(super) struct Prepared {
     /// P, inputs x coordinates, 1/mm.
     pub(super) projection: DMatrix<f64>,
-    /// Vector added to P x.
+    /// Vector added to P x, dimensionless.
     pub(super) offset: Vec<f64>,
     /// The layers of the MLP.
     pub(super) layers: Vec<Dense>,
@@ -30,7 +31,8 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Prepares a network for some of its contacts, by their indices in its list: the touching ones if any may touch.
+    /// Prepares a network for the contacts `selected`, which are indices in the network's list. For [`ContactSet::AnyOf`] these are the contacts at which
+    /// forces act.
     ///
     /// The mask of these contacts is constant and becomes part of the bias of the first layer. Their ridge forces
     /// G_S x / prior, G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T, become further inputs with a skip to the outputs.
@@ -128,7 +130,7 @@ fn rows(matrix: &[f32], columns: usize, selected: &[usize]) -> Vec<f32> {
     selected.iter().flat_map(|&row| &matrix[row * columns..(row + 1) * columns]).copied().collect()
 }
 
-/// First layer for given touching contacts: its inputs [z, mask, ridge forces] become [z, ridge forces of these contacts].
+/// First layer for forces at the contacts `selected`: its inputs [z, mask, ridge forces] become [z, ridge forces of these contacts].
 fn with_mask(layer: &Dense, p: usize, contacts: usize, selected: &[usize]) -> Dense {
     let by_row = || layer.weights.chunks_exact(layer.inputs);
     let kept = |row: &[f32]| -> Vec<f32> {

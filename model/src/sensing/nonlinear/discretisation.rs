@@ -7,19 +7,19 @@ use crate::mesh::Mesh;
 use crate::sensing::{Contact, Pad, SensingError, Warning};
 use crate::statics::{Ladder, Statics};
 
-/// Number of parts of each element in the finer mesh. Members of a single element need more parts, because their errors do not yet decrease with the
+/// Number of parts of each element in the finer mesh: in general, and for members of a single element. The errors of the latter do not yet decrease with the
 /// square of the element length.
 const DIVISIONS: usize = 2;
 const DIVISIONS_OF_SINGLE: usize = 4;
-/// Largest differences at which a stored error is reused: of forces (share of the largest), positions (share of the plate) and directions. The error
-/// itself is known to about a third.
+/// A stored error is reused up to these differences: of forces (share of the largest force), of positions (share of the plate's length), and of directions
+/// (degrees). An error of the mesh is only accurate to about a third.
 const SAME_FORCE: f64 = 0.12;
 const SAME_POSITION: f64 = 0.02;
 const SAME_ANGLE_DEG: f64 = 3.0;
-/// Largest number of stored errors.
+/// The stored errors are cleared when they reach this number.
 const MOST_KEPT: usize = 256;
 
-/// Error of a mesh, by comparison with a finer one.
+/// Computes the error of estimated forces due to the mesh, by comparison with a finer mesh.
 ///
 /// # Requirements
 /// An estimator on a mesh of the same finger, and its last estimate.
@@ -31,7 +31,7 @@ const MOST_KEPT: usize = 256;
 #[derive(Debug, Clone)]
 pub struct Discretisation<'m> {
     finer: &'m Mesh,
-    /// Ratio of the whole error to the difference between the two meshes.
+    /// Ratio of the error of the mesh to the difference between the two meshes, dimensionless.
     extrapolated: f64,
     statics: Statics<Ladder<'m>>,
     /// Stored errors, N, with their forces and contacts.
@@ -46,7 +46,7 @@ struct Known {
 }
 
 impl<'m> Discretisation<'m> {
-    /// A mesh fine enough to show the error of another.
+    /// A refined mesh, fine enough to show the error of `mesh`.
     pub fn finer(mesh: &Mesh) -> Mesh {
         mesh.refined(if mesh.has_single_elements() { DIVISIONS_OF_SINGLE } else { DIVISIONS })
     }
@@ -63,7 +63,8 @@ impl<'m> Discretisation<'m> {
         }
     }
 
-    /// Adds the error of the mesh to the standard deviations of the estimator's last estimate. Warns if it exceeds the error due to noise.
+    /// Adds the error of the mesh to the standard deviations of the estimator's last estimate. Sets a warning if the error of the mesh exceeds the error due to
+    /// noise.
     ///
     /// # Errors
     /// [`SensingError`] if the finer mesh has no equilibrium under the estimated forces, or there is no last estimate.
@@ -103,7 +104,7 @@ impl<'m> Discretisation<'m> {
             && known.contacts.iter().zip(&state.contacts).all(same_contact)
     }
 
-    /// Error of each force at a state, N.
+    /// Error of each force due to the mesh, N.
     fn error(&mut self, pad: Pad, state: &mut State, measurement: &Measurement) -> Result<Vec<f64>, SensingError> {
         let contacts = state.contacts.iter().zip(&state.forces_n).zip(&state.plate_turns_rad);
         let loads = contacts.flat_map(|((c, f), turn_rad)| pad.loads(self.finer, c, *f, *turn_rad));

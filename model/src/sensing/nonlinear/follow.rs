@@ -1,18 +1,18 @@
-//! Follows a step through equilibria, from small shares of it to the whole.
+//! Follows a step of the search along equilibria, from small shares of the step to the whole step. The misfit is the sum of squared weighted residuals.
 
 use super::{NonlinearEstimator, Posed, State};
 use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::statics::StaticsError;
 
-/// Factor on the misfit of a step's start: an equilibrium on the path with a larger misfit ends the step.
+/// A step ends at an equilibrium whose misfit exceeds that at the start of the step by more than this factor.
 const WORSE: f64 = 2.0;
-/// Number of rejected shorter steps after which a step ends at the largest share that the finger carried.
+/// A step ends after this number of rejected shorter steps, at the largest share with an equilibrium.
 const MOST_REJECTED: usize = 2;
 
 /// Result of following a step.
 pub(super) struct Followed {
-    /// Misfit at the end of the step, mm^2, or else the share of the step that the finger carries.
+    /// `Ok`: misfit at the end of the step, mm^2. `Err`: share of the step (0 to 1) up to which equilibria exist.
     pub misfit_mm2: Result<f64, f64>,
     /// Equilibrium with the smallest misfit on the path.
     pub best: Option<OnTheWay>,
@@ -25,15 +25,17 @@ pub(super) struct OnTheWay {
     motion: FrameMotion,
 }
 
-/// A share of a step, and the state after it.
+/// A share of a step, and the state after this share.
 pub(super) struct PartOfStep {
+    /// Share of the step, 0 to 1.
     pub share: f64,
+    /// State after this share.
     pub state: State,
 }
 
 impl NonlinearEstimator<'_> {
-    /// Follows the equilibrium to the loads of the state `next`, which receives the motion. Misfits use the weights of the current state, whose misfit is
-    /// `current_mm2`: reweighting is not progress.
+    /// Follows the equilibrium from `state` to the loads of `next`, and stores the resulting motion in `next`. All misfits use the weights of `state`, whose
+    /// misfit is `current_mm2`, because new weights alone are no progress.
     pub(super) fn follow(
         &mut self,
         state: &State,
@@ -68,8 +70,8 @@ impl NonlinearEstimator<'_> {
         Followed { misfit_mm2, best }
     }
 
-    /// State after a share of the step, at the equilibrium near one on the path. `None` if no equilibrium is near, or if its misfit exceeds `current_mm2`,
-    /// that of the current state.
+    /// State after the share of the step that `on_the_way` states, iterated to equilibrium. `None` if no equilibrium is found, or if its misfit exceeds
+    /// `current_mm2`, the misfit of `state`.
     pub(super) fn part_of_step(
         &mut self,
         state: &State,

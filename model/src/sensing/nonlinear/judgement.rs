@@ -13,21 +13,22 @@ use crate::sensing::{
 };
 use nalgebra::DMatrix;
 
-/// Largest standard deviation of an identifiable direction, degrees, and of an identifiable position, as a share of the plate.
+/// A direction is not identifiable if its standard deviation exceeds this angle, degrees. A position is not identifiable if its standard deviation exceeds this
+/// share of the plate's length.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 const LARGEST_POSITION_SIGMA: f64 = 0.25;
-/// Another minimum explains the data equally well if its misfit, in squared standard deviations, exceeds the smallest by no more than this. It is another
-/// answer if a force differs by more than `ANOTHER_ANSWER_SIGMAS` standard deviations.
+/// Another minimum explains the data equally well if its misfit exceeds the smallest by at most this many squared standard deviations of the noise. Its forces
+/// count as different if one of them differs by more than `ANOTHER_ANSWER_SIGMAS` standard deviations.
 const AS_GOOD: f64 = 9.0;
 const ANOTHER_ANSWER_SIGMAS: f64 = 5.0;
-/// Without noise, forces are equal if they differ by no more than this share of the largest.
+/// Without noise, forces count as equal up to a difference of this share of the largest force.
 const SAME_ANSWER: f64 = 1e-3;
-/// Number of measured coordinates per force whose fit confirms an answer.
+/// An estimate is confirmed if it fits at least this number of measured coordinates per force.
 const CONFIRMING_COORDINATES: usize = 4;
 
 impl NonlinearEstimate {
-    /// Refuses an estimate that claims a force if zero force explains the data equally well. Near buckling, where a small force moves much, noise looks like
-    /// such a force.
+    /// Refuses an estimate with a significant force if zero forces explain the data equally well. Near buckling a small force causes large displacements, so
+    /// noise may look like a force. Both misfits are in mm^2.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`] for the first force that differs from zero.
@@ -40,7 +41,7 @@ impl NonlinearEstimate {
         claimed.map_or(Ok(()), |i| Err(SensingError::Ambiguous { contact: i + 1, force_n: forces_n[i], other_n: 0.0 }))
     }
 
-    /// Refuses an estimate if other forces, which need not be a minimum, explain the data equally well. On a linear finger, forces whose misfit is within
+    /// Refuses an estimate if other forces explain the data equally well, even if their misfit is no minimum. On a linear finger, forces whose misfit is within
     /// [`AS_GOOD`] are within three standard deviations. `others` holds misfits, mm^2, and forces, N.
     ///
     /// # Errors
@@ -56,11 +57,11 @@ impl NonlinearEstimate {
         Ok(())
     }
 
-    /// Refuses several forces without coordinates that confirm them, if they differ from the forces of the linear finger. Many equilibria may then explain the
-    /// measurement exactly. The first of `starts` has the linear forces, if the search started from them.
+    /// Refuses an estimate of several forces without redundant coordinates, if the forces differ from those of the linear finger. Many equilibria may then
+    /// explain the measurement exactly. The first of `starts` has the forces of the linear finger, if the search started from them.
     ///
     /// # Errors
-    /// [`SensingError::Unconfirmed`] for such forces.
+    /// [`SensingError::Unconfirmed`] if the estimate is refused.
     pub(super) fn check_unconfirmed(
         &self,
         coordinates: usize,
@@ -71,10 +72,11 @@ impl NonlinearEstimate {
         if count > 1 && coordinates <= count && is_far { Err(SensingError::Unconfirmed) } else { Ok(()) }
     }
 
-    /// Whether other forces, N, whose misfit is larger by `excess`, mm^2, are the same answer.
+    /// Whether the forces `other_n`, N, equal those of this estimate within its standard deviations. Their misfit exceeds that of this estimate by `excess`,
+    /// mm^2.
     ///
     /// # Errors
-    /// [`SensingError::Ambiguous`] if the other forces are another answer that explains the data equally well.
+    /// [`SensingError::Ambiguous`] if the other forces differ and explain the data equally well.
     fn is_confirmed_by(&self, other_n: &[f64], excess: f64) -> Result<bool, SensingError> {
         match self.other_answer(other_n) {
             Some(i) if excess <= AS_GOOD * self.forces.noise_mm.powi(2) => {
@@ -85,7 +87,7 @@ impl NonlinearEstimate {
         }
     }
 
-    /// Index of the first force that differs from this estimate's by more than its standard deviation allows.
+    /// Index of the first force in `other_n`, N, that differs from this estimate's force by more than its standard deviation allows.
     fn other_answer(&self, other_n: &[f64]) -> Option<usize> {
         let Estimate { forces_n, sigmas_n, .. } = &self.forces;
         let largest = forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
@@ -93,8 +95,8 @@ impl NonlinearEstimate {
         (0..forces_n.len()).find(|&i| (forces_n[i] - other_n[i]).abs() > same(i))
     }
 
-    /// Refuses an estimate if another minimum explains the data equally well. Also refuses one from few coordinates, far from the linear forces, to which only
-    /// one start leads. `minima` holds misfit, mm^2, and forces, N, of each minimum.
+    /// Refuses an estimate if another minimum explains the data equally well. Also refuses an estimate from few coordinates that is far from the forces of the
+    /// linear finger, if only one starting point leads to it. `minima` holds misfit, mm^2, and forces, N, of each minimum.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`] for another minimum, [`SensingError::Unconfirmed`] for an estimate that nothing confirms.
@@ -109,14 +111,14 @@ impl NonlinearEstimate {
         for (other_misfit, other_n) in minima {
             confirmations += usize::from(self.is_confirmed_by(other_n, other_misfit - misfit)?);
         }
-        // One of the minima is the estimate itself. Many coordinates that all fit confirm it as well.
+        // One of the minima is the estimate itself, so a confirmation needs a second one. A fit of many coordinates confirms the estimate as well.
         let confirmed =
             near || confirmations >= 2 || coordinates >= CONFIRMING_COORDINATES * self.forces.forces_n.len();
         if confirmed { Ok(()) } else { Err(SensingError::Unconfirmed) }
     }
 }
 
-/// An estimated contact with its given direction, if any, between -180 and 180 degrees.
+/// The estimated contact, with the given direction if it was known. The angle is reduced to -180 to 180 degrees.
 fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
     let angle_deg = match question.direction {
         Direction::Angle(angle_deg) => angle_deg,
@@ -126,8 +128,8 @@ fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
 }
 
 impl NonlinearEstimator<'_> {
-    /// An estimated lean. `covariance_n2` gives the covariance of each force with the force across the lean's contact, N^2, `variance_n2` the variance of the
-    /// latter.
+    /// Estimated lean (angle between force and normal) of a contact. `None` unless the direction is [`Direction::Leaning`]. `covariance_n2` returns the
+    /// covariance of each force with the force across the contact's direction, N^2. `variance_n2` is the variance of the latter.
     fn found_lean(
         &self,
         state: &State,
@@ -148,7 +150,7 @@ impl NonlinearEstimator<'_> {
         })
     }
 
-    /// Refuses positions and directions whose standard deviation is too large. `sigma` gives it for each unknown.
+    /// Refuses positions and directions whose standard deviation is too large. `sigma` returns the standard deviation of each unknown in its unit.
     fn require_determined(&self, forces_n: &[f64], sigma: impl Fn(usize) -> f64) -> Result<(), SensingError> {
         for (j, unknown) in self.unknowns.iter().enumerate() {
             let (what, contact, sigma, limit, unit) = match *unknown {
@@ -169,7 +171,7 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Computes the standard deviations of an estimate, and refuses estimates without identifiable unknowns.
+    /// Computes the standard deviations of an estimate, and refuses estimates whose unknowns are not identifiable.
     ///
     /// # Errors
     /// [`SensingError`] if an unknown is not identifiable, or the shape does not explain the measurement.

@@ -1,30 +1,30 @@
-//! Uncertainty of a force due to an uncertain lean, beyond the linearisation at the estimate.
+//! Uncertainty of a force due to an uncertain lean (angle between force and normal), beyond the linearisation at the estimate.
 //!
-//! Markers that barely constrain the direction let it trade off against contact position and magnitude. The effect grows with the lean; the tangent at the
-//! estimate may show only half of it.
+//! Markers that barely constrain the direction let it trade off against contact position and magnitude. This effect grows with the lean. The linearisation at
+//! the estimate may show only half of this effect.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::measurement::Measurement;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
 
-/// Distance from the estimate at which a lean is tried, in standard deviations: outer points of three-point Gauss-Hermite quadrature, and ends of a
-/// uniform distribution.
+/// Forces are evaluated for leans at this distance from the estimated lean on either side, in standard deviations. These are the outer points of three-point
+/// Gauss-Hermite quadrature, and the ends of a uniform distribution.
 pub(crate) const REACH: f64 = 1.732_050_807_568_877_2;
-/// Share of a standard deviation below which the contribution of a lean is negligible. Such a lean is not tried.
+/// An uncertain lean needs evaluation only if it contributes more than this share of a force's standard deviation.
 pub(crate) const COUNTS: f64 = 0.3;
 
 /// An estimated lean.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FoundLean {
-    /// Index of its contact, from 0.
+    /// Index of the contact whose force leans, from 0.
     pub contact: usize,
-    /// The lean and its standard deviation, degrees.
+    /// Lean, degrees. `sd_deg` is its standard deviation, degrees.
     pub lean_deg: f64,
     pub sd_deg: f64,
     /// Derivative of each force with respect to the lean, with all other unknowns at their optimum, N per degree.
     pub by_lean_n: Vec<f64>,
-    /// Contribution of second order, N^2, already in the variance of the force that leans.
+    /// Second-order part of the variance of the force that leans, N^2. The variance already includes this part.
     pub second_order_n2: f64,
 }
 
@@ -32,7 +32,7 @@ impl NonlinearEstimator<'_> {
     /// Widens standard deviations to the mean square difference between the estimate and the forces at both ends of an uncertain lean.
     ///
     /// # Errors
-    /// [`SensingError::Undetermined`] if neither end has an answer.
+    /// [`SensingError::Undetermined`] if the search finds forces at neither end.
     pub(super) fn widen_by_leans(
         &self,
         state: &State,
@@ -46,7 +46,7 @@ impl NonlinearEstimator<'_> {
             if !estimate.forces.sigmas_n.iter().enumerate().any(counts) {
                 continue;
             }
-            // If one end has no answer, the other counts alone.
+            // If the search fails at one end, the other end counts alone.
             let ends = [-REACH, REACH]
                 .map(|reach| self.leaning_at(state, &found, reach * found.sd_deg, measurement, noise_mm).ok());
             let answered = ends.iter().flatten().count();
@@ -66,7 +66,7 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Forces, N, that explain a measurement best if one of them leans by `more_deg` further.
+    /// Forces, N, that explain the measurement best if the lean `found` is larger by `more_deg`, degrees.
     ///
     /// # Errors
     /// [`SensingError`] if the search finds no such forces.
@@ -87,7 +87,7 @@ impl NonlinearEstimator<'_> {
         let mut estimator = self.asking(&questions)?;
         estimator.expect(measurement, noise_mm)?;
         let start = estimator.resumed(state, measurement, noise_mm)?;
-        // An empty history has no path at which the search could end.
+        // The history is empty, so the search cannot end at an earlier path.
         let found = estimator.minimum_near(start, measurement, noise_mm, &mut SearchHistory::default())?;
         Ok(found.ok_or(SensingError::NoContact)?.state.forces_n)
     }

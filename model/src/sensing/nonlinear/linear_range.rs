@@ -1,4 +1,4 @@
-//! Checks whether the finger linearised at the estimate gives valid standard deviations.
+//! Checks whether linearisation of the finger at the estimate gives valid standard deviations.
 
 use super::linearised::Posed;
 use super::minima::MANY_COORDINATES;
@@ -9,23 +9,24 @@ use crate::sensing::SensingError;
 use crate::statics::StaticsError;
 use nalgebra::DVectorView;
 
-/// Relative standard deviation up to which a force needs no check.
+/// A force with at most this relative standard deviation needs no check.
 const WELL_KNOWN: f64 = 0.3;
-/// Largest relative difference between nonlinear and linearised motion of the markers when a force changes by one standard deviation. See Bates and Watts,
-/// Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
+/// A force is changed by one standard deviation. It is refused if the nonlinear motion of the markers then differs from the linearised motion by more than this
+/// share. See Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
 const LARGEST_DEPARTURE: f64 = 0.5;
 
-/// Size of a confidence region, relative to the largest force, below which it needs no check. Without noise its ends differ only by rounding.
+/// An axis of the confidence region needs no check if its standard deviation is at most this share of the largest force. Without noise the ends of such an axis
+/// differ only by rounding.
 const STRAIGHT: f64 = 1e-6;
-/// Distance of the checked ends of a confidence region from the estimate, in standard deviations.
+/// The ends of the confidence region are checked at this distance from the estimate, in standard deviations.
 const REACH: f64 = 3.0;
-/// Smallest growth of the misfit at an end, in squared standard deviations, for which the force is identifiable. It is 9 for a linear
-/// finger.
+/// A force is not identifiable if the misfit grows by less than this towards an end of the confidence region, in squared standard deviations. For a linear
+/// finger it grows by 9.
 const LEAST_GROWTH: f64 = 1.0;
 
 impl NonlinearEstimator<'_> {
-    /// Widens standard deviations where the misfit grows less towards the ends of the confidence region than for a linear finger. For forces at known contacts
-    /// from few coordinates.
+    /// Widens standard deviations if the misfit grows less towards the ends of the confidence region than for a linear finger. Applies only to forces at known
+    /// contacts that are estimated from few coordinates.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] if the misfit hardly grows.
@@ -55,7 +56,7 @@ impl NonlinearEstimator<'_> {
             let mut widened = 0.0_f64;
             for reach in [-REACH, REACH] {
                 let forces_n: Vec<f64> = state.forces_n.iter().zip(&axis).map(|(f, a)| f + reach * sd_n * a).collect();
-                // Forces that the finger does not carry are impossible.
+                // Forces without an equilibrium are impossible.
                 let Some(end) = self.state_under(&state.contacts, &forces_n, Some(state)) else { continue };
                 let shape = Posed { nuisances: &state.nuisances, ..end.posed() };
                 // The region may be curved, with a smaller misfit beside the axis.
@@ -86,8 +87,8 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Refuses forces so uncertain that the finger responds nonlinearly, or not at all, within one standard deviation. A force along a plate is an example: it
-    /// moves nothing until the plate buckles.
+    /// Refuses forces so uncertain that the finger responds nonlinearly, or not at all, within one standard deviation. For example, a force along a plate moves
+    /// nothing until the plate buckles.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] for the first force that is so uncertain.
@@ -110,7 +111,7 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Whether the markers follow a change of a force, N, as the linearised finger predicts.
+    /// Whether the markers follow a change `change_n` of the force at `contact`, N, as the linearised finger predicts.
     fn answers_linearly(
         &mut self,
         state: &State,

@@ -13,25 +13,25 @@ use crate::optimise::{GramSchmidt, Prediction, SingularParts};
 use crate::sensing::{Contact, Direction, LARGEST_SPAN, SensingError};
 use nalgebra::{DMatrix, Point2, UnitComplex};
 
-/// Number of standard deviations beyond which a marker is down-weighted (Cauchy's weight).
+/// A marker is down-weighted if its residual exceeds this many standard deviations (Cauchy's weight).
 const OUTLIER_SIGMAS: f64 = 4.5;
 /// Ratio of the median of a Rayleigh distribution to the standard deviation of one coordinate.
 const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;
 
 const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 };
 
-/// Derivatives of the shape and weights of the markers, stored by key node so that they suit any set of markers.
+/// Derivatives of the shape, and weights of the markers. Both are stored by key node, so they suit any set of markers.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
     /// Point of the mesh to which each marker belongs.
     marker_points: Vec<MarkerPoint>,
-    /// Displacements of all key nodes per unit of each unknown, one unknown after the other.
+    /// Displacements of all key nodes, mm per unit of each unknown, one unknown after the other.
     rates: Vec<Vector>,
     /// Buffer for displacements of all key nodes.
     across: Vec<Vector>,
-    /// Robust weight of each marker beside its own: 1, or less for an outlier.
+    /// Robust factor on the weight of each marker: 1, or less for an outlier.
     weights: Vec<f64>,
-    /// The priors; `prior_rows` are their rows at the linearised state.
+    /// The priors. `prior_rows` has their rows of the least-squares problem at the linearised state.
     pub priors: Priors,
     prior_rows: Vec<PriorRow>,
     /// Conditions of contacts with an object at the linearised state.
@@ -42,7 +42,7 @@ pub(super) struct Linearised {
     forces: usize,
     /// The last step, in the units of the unknowns.
     pub step: Vec<f64>,
-    /// Buffer for the distances whose median is needed; `problem` is the least-squares problem of a step.
+    /// Buffer for the distances whose median is computed. `problem` is the least-squares problem of a step.
     distances: Vec<f64>,
     problem: GramSchmidt,
     /// Length of each column of the derivatives with respect to the scaled unknowns, mm.
@@ -62,18 +62,21 @@ struct MarkerPoint {
 /// A shape of the finger: its deformation, its forces, and the pose of its base.
 #[derive(Clone, Copy)]
 pub(super) struct Posed<'s> {
+    /// Displacements and rotations of the mesh.
     pub motion: &'s FrameMotion,
+    /// Force of each contact, N.
     pub forces_n: &'s [f64],
+    /// Base pose, leans, object pose and shared errors.
     pub nuisances: &'s Nuisances,
 }
 
-/// Measured minus computed displacement of a marker, times its own weight, mm.
+/// Measured minus computed displacement of a marker, times the marker's weight, mm.
 fn distance(points: &[MarkerPoint], marker: &Marker, shape: Posed) -> Vector {
     (marker.displacement - points[marker.node.0 - 1].displacement(shape)) * marker.weight
 }
 
 impl MarkerPoint {
-    /// Displacement of the marker, mm, as a measurement with the expected base shows it.
+    /// Displacement of the marker, mm, relative to the expected pose of the base.
     fn displacement(&self, shape: Posed) -> Vector {
         let base = &shape.nuisances.base;
         let displaced = shape.motion.displacements[self.node];
@@ -131,18 +134,19 @@ impl Linearised {
         self.prior_rows.extend(self.priors.rows(nuisances, forces_n));
     }
 
-    /// Displacement of a key node's marker in a shape, mm, as a measurement shows it.
+    /// Displacement of a key node's marker in a shape, mm, relative to the expected pose of the base.
     pub(super) fn seen_displacement(&self, key_node: usize, shape: Posed) -> Vector {
         self.marker_points[key_node].displacement(shape)
     }
 
-    /// Displacement of a key node per unit of an unknown.
+    /// Displacement of a key node, mm per unit of an unknown.
     pub(super) fn rate(&self, unknown: usize, key_node: usize) -> Vector {
         // There is one weight per key node.
         self.rates[unknown * self.weights.len() + key_node]
     }
 
-    /// Weights the markers by their distances: 1, or limit / distance beyond a limit (square root of Cauchy's weight for large distances).
+    /// Sets the robust factor of each marker from its distance to the computed position. It is 1, or limit / distance beyond a limit (square root of Cauchy's
+    /// weight for large distances).
     pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {
         let markers = measurement.markers();
         self.distances.clear();
@@ -165,7 +169,7 @@ impl Linearised {
         markers + self.priors.misfit(shape.nuisances, shape.forces_n)
     }
 
-    /// Misfit of the finger at rest to the markers, mm^2.
+    /// Misfit of the unloaded finger to the markers, mm^2.
     pub(super) fn misfit_at_rest(&self, measurement: &Measurement) -> f64 {
         let weighted = |m: &Marker| m.displacement * (m.weight * self.weights[m.node.0 - 1]);
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
@@ -190,7 +194,7 @@ impl Linearised {
         if squares > 0.0 { along * along / squares } else { 0.0 }
     }
 
-    /// Computes the Levenberg-Marquardt step for a damping. The prediction has its decrease in mm^2 and its reach in mm.
+    /// Computes the Levenberg-Marquardt step for a damping. The prediction states the decrease of the misfit, mm^2, and the motion of the markers, mm.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
@@ -229,12 +233,12 @@ impl Linearised {
         self.step.clear();
         self.step.extend(solution.iter().zip(&self.scales).map(|(x, scale)| x * scale));
         let reach_mm2: f64 = solution.iter().zip(&self.lengths_mm).map(|(x, length_mm)| (x * length_mm).powi(2)).sum();
-        // |b|^2 - |b - A x|^2, from the problem that has the rows of the damping at its end.
+        // |b|^2 - |b - A x|^2 without the damping, whose rows are the last rows of the problem.
         let decrease_mm2 = self.problem.explained() + damping * reach_mm2;
         Ok(Prediction { decrease: decrease_mm2, reach: reach_mm2.sqrt() })
     }
 
-    /// Changes of the unknowns, in their units, that best explain a further displacement of the key nodes, mm.
+    /// Changes of the unknowns, in their units, that best explain the further displacement `further` of each key node, mm.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
@@ -264,7 +268,7 @@ impl Linearised {
         Ok(SingularParts::of(triangle))
     }
 
-    /// Fills the columns of the derivatives: markers, priors, conditions of an object, and zero rows.
+    /// Fills the matrix of the derivatives with the rows of markers, priors and contact conditions, and `rows_below` zero rows.
     fn pose(&mut self, measurement: &Measurement, rows_below: usize) {
         let markers = measurement.markers();
         let coordinates = measurement.coordinate_count();
@@ -321,7 +325,7 @@ impl NonlinearEstimator<'_> {
                     let of_contact = self.pad.loads(self.mesh, &along, 1.0, plate_turns_rad[i]);
                     add_up(of_contact, rates, across, |load, out| ladder.added_load(motion, load, out))?;
                 }
-                // There is no such unknown without an object.
+                // This unknown exists only with an object.
                 Unknown::Object(_) => continue,
                 Unknown::Shared(k) => {
                     rates.copy_from_slice(&self.shared_errors[k]);
@@ -336,7 +340,7 @@ impl NonlinearEstimator<'_> {
                             BaseMotion::Turn => Vector::new(-position.y, position.x),
                         };
                     }
-                    // In the frame of the turned finger, a force of known direction turns the opposite way.
+                    // In the frame of the rotated base, a force of known direction rotates in the opposite sense.
                     let held =
                         self.questions.iter().enumerate().filter(|(_, q)| matches!(q.direction, Direction::Angle(_)));
                     for (i, _) in held.filter(|_| way == BaseMotion::Turn) {
@@ -359,7 +363,7 @@ impl NonlinearEstimator<'_> {
     }
 }
 
-/// Sums the effects of some loads on the key nodes. `room` is a buffer for one load.
+/// Sums the effects of the loads on the key nodes in `rates`. `room` is a buffer for one load.
 fn add_up(
     loads: impl Iterator<Item = Result<FrameLoad, LoadError>>,
     rates: &mut [Vector],

@@ -1,8 +1,8 @@
-//! Finds the minima of the misfit from several starts, and the smallest of them.
+//! Finds the minima of the misfit (sum of squared weighted residuals) from several starting points, and the smallest of them.
 //!
-//! Most measurements have one minimum, to which the first start leads. Few markers, few ribs and buckling plates cause several. The search then also starts
-//! from multiples of the linear forces. For forces at known contacts it starts from every minimum among all equilibria of the finger under such forces
-//! ([`scan`](super::scan)). It may miss minima between the curves of a surface.
+//! Most measurements have one minimum, to which the first starting point leads. Few markers, few ribs and buckling plates cause several minima. The search then
+//! also starts from multiples of the forces that fit the linear finger. For forces at known contacts it starts from every minimum among all equilibria of the
+//! finger under such forces ([`scan`](super::scan)). The scan may miss minima between the curves of a surface.
 
 use super::scan::{ScannedPoint, least};
 use super::search_history::SearchHistory;
@@ -12,16 +12,16 @@ use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
 
-/// Share of the displacements and number of standard deviations. A minimum whose residual exceeds both may be wrong: the search starts again from multiples
-/// of the linear forces, and the best minimum counts.
+/// A minimum may be wrong if its residual exceeds this share of the displacements and this many standard deviations of the noise. The search then also starts
+/// from multiples of the forces that fit the linear finger, and the best minimum counts.
 const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
 
-/// Number of measured coordinates from which a minimum counts as unique, for one force and for several. The minimum must explain all coordinates, and the
-/// first start must lead to it.
+/// A minimum counts as unique from this number of measured coordinates: for one force, and for several forces. The minimum must also explain all coordinates,
+/// and the first starting point must lead to it.
 pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
-/// Multiple of [`MANY_COORDINATES`] from which a minimum counts as unique if it explains all coordinates or two searches end in it. It applies if only
-/// forces are unknown. Of 8000 random fingers none had an undetected error (test `random_fingers`).
+/// From this multiple of [`MANY_COORDINATES`], a minimum counts as unique if it explains all coordinates or if two searches end in it. Applies if only forces
+/// are unknown. None of 8000 random fingers had an undetected error (test `random_fingers`).
 const VERY_MANY: usize = 2;
 
 /// The smallest minimum, and the other results of the searches.
@@ -31,7 +31,7 @@ pub(super) struct Minima {
     pub all: Vec<(f64, Vec<f64>)>,
     /// Forces, N, and shapes from which the searches started.
     pub starts: Vec<(Vec<f64>, FrameMotion)>,
-    /// Points of a scan by curve. Empty if nothing was scanned.
+    /// Points of the scan, one list per curve. Empty without a scan.
     pub scanned: Vec<Vec<ScannedPoint>>,
 }
 
@@ -48,15 +48,15 @@ struct Search<'s> {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Finds the minima of the misfit.
+    /// Finds the minima of the misfit for a measurement.
     ///
     /// # Errors
-    /// [`SensingError`] if there is no minimum, or the unknowns of a good one are not identifiable.
+    /// [`SensingError`] if there is no minimum, or the unknowns of a minimum that fits well are not identifiable.
     pub(super) fn minima(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Minima, SensingError> {
         let coordinates = measurement.coordinate_count();
         let moved: f64 = measurement.markers().iter().map(|m| m.displacement.norm_squared()).sum();
         let moved_rms_mm = (moved / coordinates as f64).sqrt();
-        // Priors depend on the noise, and leave several minima within a small share of the displacements.
+        // With priors, several minima may fit within a small share of the displacements, so only the noise limits the misfit.
         let share = if self.priors.count() == 0 { POOR_FIT } else { 0.0 };
         let poor = (share * moved_rms_mm).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
         let largest_misfit = poor * poor * coordinates as f64;
@@ -75,14 +75,14 @@ impl NonlinearEstimator<'_> {
         let is_at_hand = is_good(&best, self);
         let many = MANY_COORDINATES[usize::from(self.questions.len() > 1)];
         let has_many = coordinates >= many;
-        // Unknown positions, directions or a base make a scan coarse and its points numerous, which pays only for few markers.
+        // Unknown positions, directions or a base make a scan coarse and slow, so it is used only for few markers.
         let is_coarse = self.unknowns.len() > self.questions.len();
         let has_very_many = !is_coarse && !self.follows_plate() && coordinates >= VERY_MANY * many;
         let (failure, all) = (None, Vec::new());
         let mut search = Search { measurement, noise_mm, has_very_many, history, best, failure, all };
         let starts = self.search_from_starts(&mut search, largest_misfit)?;
         let fits = search.best.as_ref().is_some_and(|it| self.misfit(&it.state, measurement) <= largest_misfit);
-        // Many markers also show that a minimum is unique if searches agree that none explains the measurement.
+        // Many markers also show that a minimum is unique if two searches agree that no minimum explains the measurement.
         let is_only_one = has_very_many && (fits || search.history.agree())
             || has_many && (is_good(&search.best, self) || search.history.agree_on_none());
         let is_worth_it = !is_coarse || self.priors.count() == 0 && !has_many;
@@ -93,7 +93,8 @@ impl NonlinearEstimator<'_> {
         Ok(Minima { best, all, starts, scanned })
     }
 
-    /// Searches from multiples of the linear forces until a good minimum is found. Returns the forces and shapes of the starts.
+    /// Searches from multiples of the forces that fit the linear finger until a good minimum is found. Returns the forces, N, and shapes of the starting
+    /// points.
     fn search_from_starts(
         &mut self,
         search: &mut Search,
@@ -109,10 +110,10 @@ impl NonlinearEstimator<'_> {
                 if is_only_one || matches!(start, Start::Towards(_) | Start::FromMovedBase | Start::Held) {
                     break;
                 }
-                // A good explanation whose unknowns are not identifiable is a reason to refuse.
+                // The measurement is refused if the unknowns of a minimum that fits well are not identifiable.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
-            // The linear forces lead to no other minimum; other directions or another base may.
+            // Multiples of the forces of the linear finger then lead to no other minimum. Other directions or another base may.
             let are_settled = search.history.agree_on_none() || search.has_very_many && search.history.agree();
             if matches!(start, Start::Times(_)) && are_settled {
                 continue;
@@ -158,15 +159,15 @@ impl NonlinearEstimator<'_> {
         }
     }
 
-    /// Equilibrium at a point of the scan, linearised for a measurement.
+    /// State at a point of the scan, linearised for a measurement. `None` if no equilibrium is found.
     fn state_of(&mut self, point: &ScannedPoint, measurement: &Measurement, noise_mm: Option<f64>) -> Option<State> {
         let before = self.scan.as_ref()?.as_ref()?.state_before(point).clone();
         let state = self.state_under(&before.contacts, &point.forces_n, Some(&before))?;
         self.resumed(state, measurement, noise_mm).ok()
     }
 
-    /// Minimum nearest to a start, found by the trust-region search unless the start is near. `None` if the search meets a path of `history`. Adds the start's
-    /// forces and shape to `starts`.
+    /// Minimum nearest to a starting point, found by the trust-region search unless the starting point is near it. `None` if the search meets a path of
+    /// `history`. Adds forces and shape of the starting point to `starts`.
     pub(super) fn searched(
         &mut self,
         measurement: &Measurement,
@@ -183,7 +184,7 @@ impl NonlinearEstimator<'_> {
         self.minimum_near(start, measurement, noise_mm, history)
     }
 
-    /// Minimum nearest to a state, found by the trust-region search unless the state is near. `None` if the search meets a path of `history`.
+    /// Minimum nearest to a state, found by the trust-region search unless the state is near it. `None` if the search meets a path of `history`.
     pub(super) fn minimum_near(
         &mut self,
         start: State,

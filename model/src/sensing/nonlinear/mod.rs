@@ -45,10 +45,12 @@ use scan::Scan;
 use touching::Touching;
 use unknowns::Unknown;
 
-/// Turn of a deformed normal in one step, degrees, below which it has settled. It corresponds to 1e-6 of the force.
+/// A direction that follows the deformed plate has settled if it turns by at most this angle in a step, degrees. The corresponding change of a force is 1e-6 of
+/// the force.
 const SETTLED_ANGLE_DEG: f64 = 1e-4;
 
-/// Largest residual that a noise explains, mm, root mean square over the coordinates.
+/// Largest residual that noise and model error explain, mm, root mean square over the coordinates. `noise_mm` is the standard deviation of a coordinate,
+/// `moved_rms_mm` the root mean square displacement, both mm.
 fn largest_explained_rms_mm(noise_mm: f64, moved_rms_mm: f64) -> f64 {
     f64::max(UNEXPLAINED_SIGMAS * noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
 }
@@ -64,9 +66,9 @@ pub struct NonlinearEstimate {
     pub contacts: Vec<Contact>,
     /// Number of Gauss-Newton steps.
     pub steps: usize,
-    /// Errors that all markers share, in their standard deviations.
+    /// Estimated errors that all markers share, each in its standard deviations.
     pub shared_errors: Vec<f64>,
-    /// Estimated leans.
+    /// Estimated leans (angles between force and normal).
     leans: Vec<FoundLean>,
 }
 
@@ -79,7 +81,7 @@ impl NonlinearEstimate {
     }
 }
 
-/// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the last one, as suits a stream of camera
+/// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the estimate before it, which suits a stream of camera
 /// frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each, and give every thread a clone.
 ///
 /// # Requirements
@@ -106,17 +108,17 @@ pub struct NonlinearEstimator<'m> {
     held: Option<State>,
     /// Whether the minimum near the last estimate was chosen among all minima on a coarser mesh.
     is_chosen: bool,
-    /// Equilibria of all forces. The outer option is `None` until they are needed, the inner one where they cannot be scanned.
+    /// Equilibria under all forces at the contacts. The outer option is `None` before the scan, the inner option if these contacts cannot be scanned.
     scan: Option<Option<Scan>>,
 }
 
-/// Unknowns with their equilibrium and the problem linearised there.
+/// Values of the unknowns, the equilibrium for these values, and the problem linearised there.
 #[derive(Debug, Clone)]
 struct State {
     forces_n: Vec<f64>,
     contacts: Vec<Contact>,
     nuisances: Nuisances,
-    /// Turn of the plate under the pad at each contact, rad.
+    /// Rotation of the plate under the pad at each contact, rad.
     plate_turns_rad: Vec<f64>,
     /// Loads of the first contact, then of the second and so on. Each contact has `Pad::load_count` loads.
     loads: Vec<FrameLoad>,
@@ -157,7 +159,8 @@ impl State {
     }
 }
 
-/// A minimum and the number of steps to it. `near`: the start was near or the path straight, so the minimum is locally unique. Otherwise there may be others.
+/// A minimum and the number of steps to it. If `near`, the starting point was near or the path straight, so the minimum is locally unique. Otherwise there may
+/// be further minima.
 struct Found {
     state: State,
     steps: usize,
@@ -200,7 +203,7 @@ impl<'m> NonlinearEstimator<'m> {
         })
     }
 
-    /// This estimator with a pad between objects and the plate. It precedes [`with_object`](NonlinearEstimator::with_object).
+    /// This estimator with a pad between objects and the plate. Call it before [`with_object`](NonlinearEstimator::with_object).
     pub fn with_pad(mut self, pad: Pad) -> NonlinearEstimator<'m> {
         self.pad = pad;
         self.scan = None;
@@ -208,7 +211,7 @@ impl<'m> NonlinearEstimator<'m> {
         self
     }
 
-    /// Forgets the last estimate. The next one starts from the held estimate, or else from least squares.
+    /// Forgets the last estimate. The next estimate starts from the held estimate, or else from least squares.
     pub fn reset(&mut self) {
         self.last.clone_from(&self.held);
     }
@@ -219,21 +222,21 @@ impl<'m> NonlinearEstimator<'m> {
     }
 
     /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from it. Serves error bounds at known forces.
-    /// Holds nothing if positions or directions are unknown, or the finger does not carry the forces.
+    /// Holds nothing if positions or directions are unknown, or the finger has no equilibrium under the forces.
     pub fn hold_at(&mut self, forces_n: &[f64]) {
         let before = self.held.take();
         self.forget();
         self.held = self.state_at(forces_n, before);
     }
 
-    /// Starts at forces, N, that a coarser mesh has chosen among all minima. The estimator then seeks only the minimum near them.
+    /// Starts from forces, N, that were chosen among all minima on a coarser mesh. The estimator then seeks only the minimum near these forces.
     fn refine_from(&mut self, forces_n: &[f64]) {
         self.hold_at(forces_n);
         self.reset();
         self.is_chosen = self.held.is_some();
     }
 
-    /// State under known forces, N, followed from another state, or else from rest.
+    /// State under known forces, N, followed from another state, or else from rest. `None` without equilibrium, with unknown contacts or with an object.
     fn state_at(&mut self, forces_n: &[f64], from: Option<State>) -> Option<State> {
         self.object.is_none().then_some(())?;
         let contacts: Vec<Contact> = self.questions.iter().map(ContactQuestion::known).collect::<Option<_>>()?;
@@ -241,7 +244,7 @@ impl<'m> NonlinearEstimator<'m> {
         near.or_else(|| self.state_under(&contacts, forces_n, None))
     }
 
-    /// State under forces, N, at contacts, followed from another state. `None`: from rest.
+    /// State under forces, N, at contacts, followed from the state `from`, or from rest if there is none. `None` if no equilibrium is found.
     fn state_under(&mut self, contacts: &[Contact], forces_n: &[f64], from: Option<&State>) -> Option<State> {
         let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
         let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;
@@ -269,8 +272,8 @@ impl<'m> NonlinearEstimator<'m> {
         self.mesh.finger()
     }
 
-    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate, mm. If it is `None`, or if the residual contradicts it, it is estimated
-    /// from the residual.
+    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or if
+    /// the residual contradicts it.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, no equilibrium explains the measurement, or the search does not converge.
@@ -293,12 +296,12 @@ impl<'m> NonlinearEstimator<'m> {
         let mut estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
         estimate.check_against_nothing(least_misfit, state.linearised.misfit_at_rest(measurement))?;
         self.require_linear_range(&state, measurement, &estimate.forces.sigmas_n)?;
-        // With several unknown positions, answers may differ only in their order.
+        // With several unknown positions, two solutions may differ only in the order of the forces.
         if self.questions.iter().filter(|question| question.position.is_none()).count() <= 1 {
             let is_confirmed = near || !scanned.is_empty();
             estimate.check_unconfirmed(coordinates, &starts)?;
             estimate.check_rivals(least_misfit, &all, is_confirmed, coordinates)?;
-            // A start along the undeformed normal is no answer to a question about the deformed normal.
+            // A starting point has forces along the undeformed normal, so it cannot contradict forces along the deformed normal.
             if !self.follows_plate() {
                 let expected = Nuisances::expected(self.questions.len(), &self.shared_errors);
                 let starts = starts.iter().map(|(forces_n, motion)| {
@@ -338,7 +341,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// Lists the unknowns and forgets estimates of earlier ones.
+    /// Lists the unknowns, and forgets all estimates for an earlier list.
     fn list_unknowns(&mut self, is_base_sought: bool) {
         let object = self.object.as_ref().map(|touching| &touching.object);
         self.unknowns = Unknown::of(&self.questions, is_base_sought, object, self.shared_errors.len());

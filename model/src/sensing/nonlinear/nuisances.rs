@@ -1,9 +1,9 @@
 //! Nuisance parameters beside forces and positions: poses of the base and of an object, leans of forces, and errors that
 //! all markers share.
 //!
-//! Each has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected value, in
-//! standard deviations, times the noise of a coordinate. A compliant base is expected to turn with the forces, and the uncertainty of its turn grows with
-//! them.
+//! Each parameter has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected value, in
+//! standard deviations, times the noise of a coordinate. A compliant base is expected to turn with the forces, and the uncertainty of this turn grows with the
+//! forces.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;
@@ -18,7 +18,7 @@ pub(super) struct Nuisances {
     pub base: Isometry2<f64>,
     /// Difference between the lean of each force and the mean lean, degrees.
     pub further_leans_deg: Vec<f64>,
-    /// Deviation of the object from its stated pose: x, mm, y, mm, and turn, rad.
+    /// Deviation of the object from its stated pose: x (mm), y (mm) and rotation (rad).
     pub object: [f64; 3],
     /// Errors that all markers share, in standard deviations; `shared_mm` is their total displacement of each key node's marker, mm.
     pub shared: Vec<f64>,
@@ -68,9 +68,9 @@ struct Prior {
     /// Index among the unknowns.
     index: usize,
     unknown: Unknown,
-    /// Standard deviation of [`Nuisances::value`] without forces.
+    /// Standard deviation of [`Nuisances::value`] without forces, in the unit of the value.
     sd: f64,
-    /// Expected value per newton of the sum of all forces, and its standard deviation.
+    /// Expected value per newton of the sum of all forces. `sd_per_n` is the standard deviation of this rate.
     per_n: f64,
     sd_per_n: f64,
 }
@@ -118,7 +118,7 @@ pub(super) struct Priors {
 }
 
 impl Priors {
-    /// Priors of the unknowns of some questions, a measurement's base, an object, and errors that all markers share.
+    /// Priors of the unknowns of the contacts in `questions`, a measurement's base, an object, and errors that all markers share.
     pub fn new(
         unknowns: &[Unknown],
         questions: &[ContactQuestion],
@@ -168,7 +168,7 @@ impl Priors {
         self.priors.iter().map(|prior| off(prior).powi(2)).sum()
     }
 
-    /// Rows of the priors, below those of the markers.
+    /// Rows of the priors in the least-squares problem, below the rows of the markers.
     pub fn rows<'p>(&'p self, nuisances: &'p Nuisances, forces_n: &'p [f64]) -> impl Iterator<Item = PriorRow> + 'p {
         let sum_n = forces_n.iter().sum();
         self.priors.iter().map(move |prior| {

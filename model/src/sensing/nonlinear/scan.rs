@@ -1,8 +1,8 @@
-//! Scans the equilibria under all forces that the finger carries, to start a search near every minimum.
+//! Scans all equilibria of the finger under forces at the contacts, to start a search near every minimum of the misfit.
 //!
-//! One force of known position and direction has one curve of equilibria, through rest. Two forces have a surface, covered by curves of the second force from
-//! each point of the first force's curve. For one force of unknown position or direction, curves at several positions and directions pass near
-//! every minimum. Misfits between the points of a curve follow from the displacements and their derivatives at its points (cubic Hermite
+//! One force of known position and direction has one curve of equilibria, which passes through the unloaded finger. Two forces have a surface, covered by
+//! curves of the second force from each point of the first force's curve. For one force of unknown position or direction, curves at several positions and
+//! directions pass near every minimum. Misfits between the points of a curve follow from the displacements and their derivatives at its points (cubic Hermite
 //! interpolation).
 
 use super::{NonlinearEstimator, State};
@@ -15,21 +15,22 @@ use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 /// Largest change between points of a curve: of a displacement, as a share of the front plate, and of a rotation, rad. The first row is for the curve of a
 /// single force, the second for curves that cover a surface.
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
-/// Multiple of the largest change from which a step is repeated shorter.
+/// A step is repeated with half its length if its change exceeds the largest change by more than this factor.
 const TOO_LONG: f64 = 1.5;
-/// A curve ends at these displacements, as a share of the front plate, and rotations, rad, which exceed those of a grasping finger.
+/// A curve ends beyond these displacements (share of the front plate) and rotations (rad), which exceed those of a grasping finger.
 const ENDS: [f64; 2] = [0.5, 1.5];
-/// A step without equilibrium is repeated with this share of its length. [`Statics::tried`](crate::statics::Statics) has tried longer ones.
+/// A step without equilibrium is repeated with this share of its length. [`Statics::tried`](crate::statics::Statics) has already tried larger shares.
 const SHORTER: f64 = 0.125;
-/// Number of such failed steps in a row at which a curve ends.
+/// A curve ends after this number of steps without equilibrium in a row.
 const MOST_FAILED: usize = 2;
-/// Number of failed steps at which a curve ends at rest. The first step may be far too long: a plate pushed along its axis moves little until it buckles.
+/// A curve that starts at the unloaded finger ends after this number of first steps without equilibrium. The first step may be far too long: a plate pushed
+/// along its axis moves little until it buckles.
 const MOST_FAILED_AT_REST: usize = 5;
-/// Largest number of points of a curve on either side of its start.
+/// A curve ends after this number of points on either side of its start.
 const MOST_POINTS: usize = 200;
 /// Number of intervals between two points of a curve at which the misfit is evaluated.
 const BETWEEN: usize = 8;
-/// Scanned positions, as shares of the front plate, and directions, degrees, where these are unknown.
+/// Scanned positions, as shares of the front plate, and scanned directions, degrees, for contacts whose position or direction is unknown.
 const POSITIONS: [f64; 6] = [0.15, 0.35, 0.5, 0.65, 0.8, 0.95];
 const ANGLES_DEG: [f64; 3] = [0.0, -40.0, 40.0];
 
@@ -41,7 +42,7 @@ struct Curve {
     points: Vec<State>,
 }
 
-/// Curves of equilibria that cover all forces which the finger carries.
+/// Curves that together cover all equilibria of the finger under forces at its contacts.
 #[derive(Debug, Clone)]
 pub(super) struct Scan {
     curves: Vec<Curve>,
@@ -59,7 +60,7 @@ pub(super) struct ScannedPoint {
     before: usize,
 }
 
-/// Size of the change between two motions, relative to that of a step of full length.
+/// Change between two motions, as a multiple of the largest change `step` between points of a curve (displacement as a share of `length_mm`, rotation in rad).
 fn change(from: &FrameMotion, to: &FrameMotion, length_mm: f64, step: [f64; 2]) -> f64 {
     let moved = from.displacements.iter().zip(&to.displacements).map(|(a, b)| (b - a).norm_squared());
     let turned = from.rotations.iter().zip(&to.rotations).map(|(a, b)| (b - a).abs());
@@ -68,8 +69,8 @@ fn change(from: &FrameMotion, to: &FrameMotion, length_mm: f64, step: [f64; 2]) 
 }
 
 impl NonlinearEstimator<'_> {
-    /// Scans the equilibria of all forces at the contacts. `None` for more than two forces, for two of unknown position or direction, and for contacts with an
-    /// object.
+    /// Scans the equilibria under all forces at the contacts. `None` for more than two forces, for two forces of unknown position or direction, and for
+    /// contacts with an object.
     pub(super) fn scanned(&mut self) -> Option<Scan> {
         if self.object.is_some() {
             return None;
@@ -113,7 +114,7 @@ impl NonlinearEstimator<'_> {
         positions.into_iter().flat_map(at).collect()
     }
 
-    /// Curve through a point along which one force varies.
+    /// Curve of equilibria through `start`, along which the force with index `varying` changes.
     fn curve(&mut self, start: State, varying: usize, step: [f64; 2]) -> Curve {
         let [mut less, more] = [-1.0, 1.0].map(|sign| self.half_curve(&start, varying, sign, step));
         less.reverse();
@@ -205,7 +206,7 @@ fn interpolated(ends: &[State], varying: usize, key_node: usize, by_n: f64, shar
 }
 
 impl Scan {
-    /// All points with their misfits, by curve.
+    /// All points with their misfits, one list per curve.
     pub fn misfits(&self, measurement: &Measurement) -> Vec<Vec<ScannedPoint>> {
         self.curves.iter().enumerate().map(|(i, curve)| curve.misfits(measurement, i)).collect()
     }

@@ -1,4 +1,4 @@
-//! Search for the nearest minimum from any start: the Levenberg-Marquardt method with a trust region.
+//! Search for the nearest minimum of the misfit from any starting point: the Levenberg-Marquardt method with a trust region.
 //!
 //! The finger hardly responds to a force along a plate until the plate buckles. A step that suits the linearised finger may
 //! lead far away, or to no equilibrium. The trust region therefore limits steps to the range in which predictions held. A
@@ -12,19 +12,18 @@ use crate::optimise::{Convergence, Prediction, TrustRegion};
 use crate::sensing::SensingError;
 use crate::statics::StaticsError;
 
-/// Largest number of steps; a good start needs three.
+/// The search ends after this number of steps; from a good starting point it needs three.
 const MAX_STEPS: usize = 60;
 /// Steps have converged when they change every unknown by less than this share of its scale. They have also converged when
 /// every combination of unknowns is within a hundredth of its standard deviation of the optimum.
 const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, step: 1e-7 };
-/// Largest accepted change after [`MAX_STEPS`], as a share of each unknown's scale: no camera resolves it. If the finger does not explain the data, the
-/// weights of the markers change in every step and converge slowly.
+/// After [`MAX_STEPS`], the result is accepted if the last step changed every unknown by at most this share of its scale, which no camera resolves. If the
+/// finger does not explain the data, the weights of the markers change in every step and converge slowly.
 const SMALL_ENOUGH: f64 = 1e-5;
-/// Change of the unknowns by a step, as a share of their scales, below which the minimum may be near. If it is not, a tenth of that change is the next
-/// limit.
+/// The minimum may be near if a step changes the unknowns by at most this share of their scales. If it is not near, a tenth of that change is the next limit.
 const MAY_BE_NEAR: f64 = 0.03;
-/// Largest accepted relative increase of the misfit in a step: for rounding, and while directions follow a turning plate. A turning normal may make a
-/// good step look worse; the next step corrects its residual.
+/// A step is accepted if it increases the misfit by at most this share: by rounding, or while directions follow a turning plate. A turning normal may make a
+/// good step look worse, but the next step corrects the residual.
 const SETTLED_SLACK: f64 = 1e-12;
 const TURNING_SLACK: f64 = 0.5;
 
@@ -49,15 +48,15 @@ struct Search<'s, 'm> {
 
 /// End of a search.
 enum End {
-    /// At a minimum, after a number of further steps.
+    /// The search has reached a minimum, after this number of further steps.
     Minimum(usize),
-    /// On the path of another search.
+    /// The search has met the path of another search.
     Met,
 }
 
 impl NonlinearEstimator<'_> {
-    /// Searches by Gauss-Newton steps, each to its equilibrium, shortened where they do not help. The minimum is near if every step was complete and as good
-    /// as predicted. `None` if the search meets an earlier path of `history`.
+    /// Searches by Gauss-Newton steps, each to its equilibrium. Steps are shortened if they do not reduce the misfit. The minimum counts as near if every step
+    /// was complete and as good as predicted. `None` if the search meets an earlier path of `history`.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not converge.
@@ -128,7 +127,7 @@ impl Search<'_, '_> {
         self.estimator.misfit(&self.state, self.measurement)
     }
 
-    /// Whether the search ends at the current state. `next` predicts its next step.
+    /// End of the search at the current state. `None` if the search goes on. `next` predicts the next step.
     fn end_at(&mut self, misfit_mm2: f64, next: Prediction) -> Option<End> {
         if self.is_settled && self.history.ends_far(misfit_mm2, next.decrease) {
             self.history.reach(&self.state);
@@ -148,7 +147,7 @@ impl Search<'_, '_> {
         is_there.then_some(End::Minimum(0))
     }
 
-    /// Corrects forces and shape together, if the minimum is near enough.
+    /// Corrects forces and shape together. `None` if the minimum is not near enough.
     fn corrected(&mut self) -> Option<End> {
         let mut corrected = self.state.clone();
         let steps = self.estimator.correct(&mut corrected, self.measurement, self.noise_mm)?;
@@ -157,7 +156,7 @@ impl Search<'_, '_> {
         Some(End::Minimum(steps))
     }
 
-    /// Takes the next step or part of it, or rejects it and shrinks the trust region. `whole` predicts the step without damping.
+    /// Accepts the next step or a part of it, or rejects the step and shrinks the trust region. `whole` predicts the step without damping.
     fn step(&mut self, misfit_mm2: f64, whole: Prediction) -> Result<Option<End>, SensingError> {
         let prediction = self.within_reach(whole)?;
         let change = self.estimator.relative_change(&self.state);

@@ -1,26 +1,27 @@
 //! Paths of searches. A search that meets an earlier path ends there, because it would continue along this path.
 //!
-//! With known contacts and directions, forces alone describe the state of a search. With unknown ones, two searches may pass the same forces and end
-//! elsewhere, so their paths are not recorded.
+//! With known contacts and directions, forces alone describe the state of a search. With unknown contacts or directions, two searches may pass the same forces
+//! and end elsewhere, so their paths are not recorded.
 //!
-//! A minimum far from explaining the measurement does not need full accuracy. If two searches agree on it, the other multiples of the linear forces are
-//! skipped as starts.
+//! A minimum far from explaining the measurement does not need full accuracy. If two searches agree on such a minimum, the search does not start from further
+//! multiples of the forces of the linear finger.
 
 use super::State;
 use super::unknowns::Unknown;
 use crate::sensing::{ContactQuestion, Direction};
 
-/// Largest distance of each force from a path, as a share of the largest force, at which a search meets the path.
+/// A search meets a path if the distance of each force from the path is at most this share of the largest force.
 const MET: f64 = 0.01;
 
-/// Ratio of a minimum's residual to the largest explained one above which the minimum is far from explaining a measurement.
+/// A minimum is far from explaining a measurement if its residual exceeds the largest explained residual by more than this factor.
 const FAR: f64 = 1.25;
-/// Predicted decrease, as a share of the misfit, at which the search for such a minimum ends.
+/// A search far from explaining the measurement ends if the next step is predicted to decrease the misfit by at most this share.
 const NEARLY: f64 = 0.01;
-/// Largest relative difference of misfits, and of forces as a share of the largest, at which two searches agree.
+/// Two searches agree up to this relative difference of their misfits, and of their forces as a share of the largest force.
 const AGREE: f64 = 0.05;
 
-/// Path of a search: the forces of each step, N, and misfit, mm^2, and forces of the minimum at its end. `None`: it ended without a minimum.
+/// Path of a search: the forces of each step, N, and the minimum at its end with misfit, mm^2, and forces, N. `end` is `None` if the search ended without a
+/// minimum.
 #[derive(Debug, Clone)]
 struct SearchPath {
     points: Vec<Vec<f64>>,
@@ -36,24 +37,24 @@ pub(super) struct SearchHistory {
     current: Vec<Vec<f64>>,
     /// Index of the ended path that the current one has met.
     met: Option<usize>,
-    /// Misfit above which a minimum is far from explaining the measurement, mm^2; `None` if any may explain it.
+    /// Misfit above which a minimum is far from explaining the measurement, mm^2. `None` if any misfit may explain it.
     far_mm2: Option<f64>,
 }
 
 impl SearchHistory {
-    /// An empty history for the unknowns of some questions.
+    /// An empty history for a search of the unknowns at the contacts in `questions`.
     pub(super) fn of(unknowns: &[Unknown], questions: &[ContactQuestion]) -> SearchHistory {
         let forces_alone = unknowns.iter().all(|unknown| matches!(unknown, Unknown::Force(_)));
         let follows = |question: &ContactQuestion| matches!(question.direction, Direction::Leaning(_));
         SearchHistory { are_kept: forces_alone && !questions.iter().any(follows), ..SearchHistory::default() }
     }
 
-    /// This history with the largest misfit, mm^2, that explains the measurement. `None`: any misfit may explain it.
+    /// This history with the largest misfit, mm^2, that explains the measurement. `None` if any misfit may explain the measurement.
     pub(super) fn explaining_up_to(self, misfit_mm2: Option<f64>) -> SearchHistory {
         SearchHistory { far_mm2: misfit_mm2.map(|misfit_mm2| FAR * FAR * misfit_mm2), ..self }
     }
 
-    /// Whether a search may end at `misfit_mm2`, far from explaining the measurement, because it can only decrease by `decrease_mm2`.
+    /// Whether a search may end at `misfit_mm2`, which is far from explaining the measurement, because the next step would decrease it by only `decrease_mm2`.
     pub(super) fn ends_far(&self, misfit_mm2: f64, decrease_mm2: f64) -> bool {
         self.is_far(misfit_mm2) && decrease_mm2 <= NEARLY * misfit_mm2
     }
@@ -62,7 +63,7 @@ impl SearchHistory {
         self.far_mm2.is_some_and(|far_mm2| misfit_mm2 > far_mm2)
     }
 
-    /// Whether two searches agree on the best minimum so far, and it is far from explaining the measurement.
+    /// Whether two searches agree on the best minimum so far, and this minimum is far from explaining the measurement.
     pub(super) fn agree_on_none(&self) -> bool {
         self.best().is_some_and(|(misfit_mm2, _)| self.is_far(*misfit_mm2)) && self.agree()
     }
@@ -80,13 +81,13 @@ impl SearchHistory {
         self.ended.iter().filter_map(|way| way.end.as_ref())
     }
 
-    /// Starts another path.
+    /// Starts the path of another search.
     pub(super) fn begin(&mut self) {
         self.current.clear();
         self.met = None;
     }
 
-    /// Adds a state to the current path. Returns whether an earlier path passes it and ends at a minimum.
+    /// Adds a state to the current path. Returns whether an earlier path passes this state and ends at a minimum.
     pub(super) fn meets(&mut self, state: &State) -> bool {
         self.met = self.passing(&state.forces_n);
         self.reach(state);
@@ -100,13 +101,13 @@ impl SearchHistory {
         }
     }
 
-    /// Index of an ended path that passes some forces and ends at a minimum.
+    /// Index of an ended path that passes the forces `forces_n`, N, and ends at a minimum.
     fn passing(&self, forces_n: &[f64]) -> Option<usize> {
         let passes = |way: &SearchPath| way.points.windows(2).any(|ends| is_between(forces_n, [&ends[0], &ends[1]]));
         self.ended.iter().position(|way| way.end.is_some() && passes(way))
     }
 
-    /// Ends the current path. Returns its end, or the end of the path that it has met.
+    /// Ends the current path. Returns the minimum at its end, or the minimum at the end of the earlier path that it has met.
     pub(super) fn end(&mut self, end: Option<(f64, Vec<f64>)>) -> Option<(f64, Vec<f64>)> {
         let end = self.met.map_or(end, |met| self.ended[met].end.clone());
         self.ended.push(SearchPath { points: std::mem::take(&mut self.current), end: end.clone() });
@@ -114,14 +115,14 @@ impl SearchHistory {
     }
 }
 
-/// Whether two minima, each misfit and forces, agree.
+/// Whether two minima agree. Each has a misfit, mm^2, and forces, N.
 fn agree(one: &(f64, Vec<f64>), other: &(f64, Vec<f64>)) -> bool {
     let largest = other.1.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
     let mut forces = one.1.iter().zip(&other.1);
     (one.0 - other.0).abs() <= AGREE * other.0 && forces.all(|(a, b)| (a - b).abs() <= AGREE * largest)
 }
 
-/// Whether forces lie on the straight line between two others.
+/// Whether the forces `forces_n`, N, lie on the straight line from `from` to `to`, within [`MET`].
 fn is_between(forces_n: &[f64], [from, to]: [&[f64]; 2]) -> bool {
     let along = |n: &[f64]| n.iter().zip(from).zip(to).map(|((x, a), b)| (x - a) * (b - a)).sum::<f64>();
     let whole = along(to);

@@ -1,29 +1,30 @@
 //! Simultaneous correction of forces and shape, for a near minimum.
 //!
-//! Each step factors the tangent once. It corrects the shape by Newton's method, then the forces by the Gauss-Newton method
-//! with derivatives from the same tangent. These lag one correction behind; both methods still converge quadratically. A frame
-//! of a stream needs three or four linearisations instead of an equilibrium for every trial.
+//! Each step factors the tangent once. It corrects the shape by Newton's method, then the forces by the Gauss-Newton method with derivatives from the same
+//! tangent. These derivatives lag one correction behind, but both methods still converge quadratically. A frame of a stream needs three or four linearisations
+//! instead of an equilibrium for every trial.
 
 use super::{NonlinearEstimator, SETTLED_ANGLE_DEG, State};
 use crate::measurement::Measurement;
 
-/// Largest number of steps; from frame to frame there are three or four.
+/// The correction fails after this number of steps. From one camera frame to the next it needs three or four.
 const MAX_STEPS: usize = 12;
-/// Turn of a node in the first correction, rad, above which the minimum is not near.
+/// The minimum is not near if a node turns by more than this angle in the first correction, rad.
 const LARGEST_TURN: f64 = 0.3;
-/// Largest turn of nodes in all later corrections together, as a share of the first, as in a load step of the statics. The
-/// tangent predicts a smooth path, but not a snap to another branch.
+/// The minimum is not near if the nodes turn in all later corrections together by more than this share of the first turn. A load step of the statics has the
+/// same limit. The tangent predicts a smooth path, but not a snap to another branch.
 const LATER_TURNS: f64 = 0.5;
-/// Negligible turn in this comparison, rad.
+/// Later corrections may always turn nodes by this negligible angle, rad.
 const TURN_NOISE: f64 = 1e-4;
-/// Largest last step, as a share of each unknown's scale. The derivatives lag, so the step is wrong by about a hundredth.
+/// The unknowns have converged if the last step changes each by at most this share of its scale. The derivatives lag, so the step is wrong by about a
+/// hundredth.
 const SETTLED_STEP: f64 = 1e-8;
-/// Largest last correction of the shape, as a share of the largest rotation. The remaining error of the shape is of second
-/// order, and the derivatives lag by this correction.
+/// The shape has converged if its last correction is at most this share of the largest rotation. The remaining error of the shape is of second order, and the
+/// derivatives lag by this correction.
 const SETTLED_TURN: f64 = 1e-5;
 
 impl NonlinearEstimator<'_> {
-    /// Corrects a state with known derivatives, and returns the number of steps. `None` if the minimum is not near; the state is then arbitrary.
+    /// Corrects a state with known derivatives, and returns the number of steps. `None` if the minimum is not near; the state is then unusable.
     pub(super) fn correct(
         &mut self,
         state: &mut State,

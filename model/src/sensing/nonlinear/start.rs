@@ -1,4 +1,4 @@
-//! Starts of the search: least squares on the linear finger.
+//! Starting points of the search, from least squares on the linear finger.
 
 use super::linearised::Linearised;
 use super::nuisances::Nuisances;
@@ -14,7 +14,7 @@ use crate::statics::{Equilibrium, EquilibriumEquations, StaticsError};
 use nalgebra::{Isometry2, Point2, UnitComplex};
 use std::borrow::Cow;
 
-/// A start of the search.
+/// A starting point of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Start {
     /// The forces of the linear finger times a factor.
@@ -28,12 +28,12 @@ pub(super) enum Start {
 }
 
 const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(0.3), Start::Times(-0.3)];
-/// Unknown directions, degrees, that are tried as well if no multiple explains the measurement: forces nearly along a buckled
-/// plate.
+/// Further starting points for unknown directions, degrees, if no multiple of the linear finger's forces explains the measurement. They lead to forces nearly
+/// along a buckled plate.
 const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
 
 impl NonlinearEstimator<'_> {
-    /// Minimum near the last estimate, or near the estimate from markers alone for contacts with an object.
+    /// Minimum near the last estimate, or near the estimate from markers alone for contacts with an object. `None` without such a minimum.
     pub(super) fn minimum_at_hand(
         &mut self,
         measurement: &Measurement,
@@ -56,7 +56,7 @@ impl NonlinearEstimator<'_> {
         self.questions.iter().any(|question| matches!(question.direction, Direction::Leaning(_)))
     }
 
-    /// Starts in the order of the searches.
+    /// Starting points in the order in which the search uses them.
     pub(super) fn starts(&self, is_base_sought: bool) -> impl Iterator<Item = Start> + use<> {
         let is_direction_sought = self.questions.iter().any(|question| question.direction == Direction::Auto);
         let moved_base = is_base_sought.then_some(Start::FromMovedBase);
@@ -65,7 +65,7 @@ impl NonlinearEstimator<'_> {
         STARTS.into_iter().chain(moved_base).chain(by_direction).chain(held)
     }
 
-    /// A start by least squares on the linear finger, at the position along the plate that explains the measurement best.
+    /// Starting point by least squares on the linear finger. An unknown position is the contact node that explains the measurement best.
     pub(super) fn start(
         &mut self,
         measurement: &Measurement,
@@ -116,7 +116,7 @@ impl NonlinearEstimator<'_> {
             })
             .collect();
         let mut forces_n: Vec<f64> = estimate.forces_n.iter().map(|f| f * factor).collect();
-        // The finger may not carry the linear forces; they are halved until it does.
+        // The co-rotational finger may have no equilibrium under the forces of the linear finger. They are halved until it has one.
         let rest = self.statics.equations().at_rest();
         for _ in 0..30 {
             let loads = contacts.iter().zip(&forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
@@ -140,7 +140,7 @@ impl NonlinearEstimator<'_> {
         Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 0.0 }))
     }
 
-    /// A start with directions that do not follow the plate. A force that follows a strongly turning plate misleads the search more often.
+    /// Starting point with directions that do not follow the plate. With directions that follow a strongly turning plate, the search fails more often.
     fn held_start(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<State, SensingError> {
         let held = |question: &ContactQuestion| match question.direction {
             Direction::Leaning(lean) => ContactQuestion { direction: Direction::Angle(lean.angle_deg), ..*question },
@@ -151,11 +151,11 @@ impl NonlinearEstimator<'_> {
         estimator.expect(measurement, noise_mm)?;
         let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
         let found = estimator.searched(measurement, noise_mm, Start::Times(1.0), &mut starts, &mut history)?;
-        // An empty history has no path at which the search could end.
+        // The history is empty, so the search cannot end at an earlier path.
         self.resumed(found.ok_or(SensingError::NoContact)?.state, measurement, noise_mm)
     }
 
-    /// A state of an estimator with other unknowns, linearised for the unknowns of this one.
+    /// A state of an estimator with other unknowns, linearised for the unknowns of this estimator.
     ///
     /// # Errors
     /// [`SensingError`] if loads that follow an object have no equilibrium.
@@ -176,8 +176,8 @@ impl NonlinearEstimator<'_> {
         Ok(state)
     }
 
-    /// Linear least squares. An unknown direction has two components, which are then combined to one force and its angle, or the angle `towards_deg` if it is
-    /// given.
+    /// Contacts and forces by linear least squares. An unknown direction has two force components, which are combined to one force and its angle. If
+    /// `towards_deg` is given, unknown directions have this angle instead.
     fn linear_start(
         &self,
         positions: &[Option<ContactPosition>],
@@ -199,8 +199,8 @@ impl NonlinearEstimator<'_> {
             }
         }
         let estimator = LinearEstimator::new(finger, &components, measurement)?;
-        // If few markers hardly separate forces, large forces that cancel are a bad start. The prior is the force that alone would move the finger as far;
-        // it has little effect otherwise.
+        // If few markers hardly separate forces, large forces that cancel are a bad start. The standard deviation of the prior is the force that alone would
+        // move the finger as far. The prior has little effect on forces that the markers separate well.
         let moved: f64 = measurement.markers().iter().map(|m| (m.displacement * m.weight).norm_squared()).sum();
         let prior = Prior::Gaussian { force_n: moved.sqrt() / estimator.singular_values()[0] };
         let mut estimate = estimator.estimate(measurement, None, prior);
@@ -246,7 +246,7 @@ fn rigid_motion(finger: &Finger, measurement: &Measurement) -> Isometry2<f64> {
     Isometry2::from_parts((to - rotation * from).into(), rotation)
 }
 
-/// Displacements relative to another pose of the base, mm.
+/// The measurement with displacements, mm, relative to another pose `base` of the base.
 fn seen_from<'m>(finger: &Finger, measurement: &'m Measurement, base: &Isometry2<f64>) -> Cow<'m, Measurement> {
     if *base == Isometry2::identity() {
         return Cow::Borrowed(measurement);

@@ -5,7 +5,7 @@
 pub(super) struct TouchRows {
     /// Violation of each condition in its standard deviations, times the noise, mm.
     pub misses_mm: Vec<f64>,
-    /// Derivatives with respect to the unknowns, one unknown after the other.
+    /// Derivatives of the violations with respect to the unknowns, mm per unit of the unknown, one unknown after the other.
     by_unknown: Vec<f64>,
 }
 
@@ -15,19 +15,19 @@ impl TouchRows {
         self.misses_mm.len()
     }
 
-    /// Sets the violations, and their derivatives to zero.
+    /// Sets the violations to `misses_mm`, and their derivatives with respect to `unknowns` unknowns to zero.
     pub fn reset(&mut self, misses_mm: Vec<f64>, unknowns: usize) {
         self.by_unknown.clear();
         self.by_unknown.resize(misses_mm.len() * unknowns, 0.0);
         self.misses_mm = misses_mm;
     }
 
-    /// Derivatives with respect to an unknown.
+    /// Derivatives of the violations with respect to an unknown, mm per unit of the unknown.
     pub fn by_unknown(&self, unknown: usize) -> &[f64] {
         &self.by_unknown[unknown * self.count()..][..self.count()]
     }
 
-    /// Derivatives with respect to an unknown, to be set.
+    /// Mutable derivatives of the violations with respect to an unknown, mm per unit of the unknown.
     pub fn by_unknown_mut(&mut self, unknown: usize) -> impl Iterator<Item = &mut f64> {
         let count = self.count();
         self.by_unknown[unknown * count..][..count].iter_mut()

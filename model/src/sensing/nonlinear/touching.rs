@@ -1,7 +1,7 @@
 //! Contacts with an object of known shape: the plate, or the pad on it, touches the object's outline tangentially.
 //!
-//! Each contact adds two rows below the markers and the priors. The outline's point that faces the plate must be at the contact, both off the plate and
-//! along it. The rows determine position and direction as accurately as the object's pose is known.
+//! Each contact adds two rows below the markers and the priors. The point of the outline that faces the plate must coincide with the contact, both
+//! perpendicular to the plate and along it. The rows determine position and direction as accurately as the object's pose is known.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
@@ -13,15 +13,16 @@ use crate::sensing::{Contact, ContactQuestion, Direction, Lean, Normal, SensingE
 use crate::statics::StaticsError;
 use nalgebra::Point2;
 
-/// Standard deviation of a closed contact off the plate and along it, mm: far more accurate than outlines, but not more than a mesh.
+/// Assumed standard deviation of a closed contact, mm: perpendicular to the plate, and along it. It is far smaller than the error of outlines, but not smaller
+/// than the error of a mesh.
 const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
-/// Step of differences, as a share of each unknown's scale. The differenced quantities are linear in the step except for turns.
+/// Step of the difference quotients, as a share of each unknown's scale. The quantities are linear in the step except for turns.
 const STEP: f64 = 1e-5;
 /// Number of times that loads are updated for the bent shape, which determines their directions and levers.
 const FOLLOWED: usize = 3;
-/// Largest number of updates until a state has settled. Each removes most of the remaining change.
+/// Settling (iteration to loads that fit the shape) ends after this number of updates. Each update removes most of the remaining change.
 const SETTLINGS: usize = 12;
-/// Number of standard deviations from which a gap is no contact.
+/// A gap of more than this many standard deviations is no contact.
 const LARGEST_GAP_SIGMAS: f64 = 6.0;
 /// Uncertainty of the plate's shape between markers, as a multiple of the markers' noise.
 const OPEN_BETWEEN_MARKERS: f64 = 2.0;
@@ -53,7 +54,7 @@ impl Touching {
         2 * self.contacts.len()
     }
 
-    /// Violations of the contact conditions by a shape, in their standard deviations, times the noise, mm.
+    /// Violations of the contact conditions by a shape. Each is divided by its standard deviation and multiplied by the noise, mm.
     fn misses_mm<'t>(
         &'t self,
         mesh: &'t Mesh,
@@ -74,7 +75,7 @@ impl Touching {
         self.misses_mm(mesh, contacts, shape, noise_mm).map(|missed_mm| missed_mm * missed_mm).sum()
     }
 
-    /// Distance of the plate at a position from the outline's facing point, mm: the gap, and the distance along the plate.
+    /// Distance between the plate at position `s_mm` and the point of the outline that faces it, mm: the gap, and the distance along the plate.
     fn missed_mm(&self, mesh: &Mesh, s_mm: f64, shape: Posed) -> Result<[f64; 2], LoadError> {
         let Posed { motion, nuisances, .. } = shape;
         let turn_deg = mesh.normal_turn(motion, &Load::at_position(s_mm, Vector::zeros()), 0.0)?.to_degrees();
@@ -102,7 +103,7 @@ impl<'m> NonlinearEstimator<'m> {
         self
     }
 
-    /// An estimator with the same mesh, pad and object for other questions.
+    /// An estimator for the contacts in `questions`, with the same mesh, pad and object.
     pub(super) fn asking(&self, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
         let object = self.object.as_ref().map(|touching| &touching.object);
         Ok(NonlinearEstimator::new(self.mesh, questions)?.with_pad(self.pad).with_object(object))
@@ -131,8 +132,8 @@ impl<'m> NonlinearEstimator<'m> {
         state.misfit(measurement) + touched
     }
 
-    /// As [`differentiate`](NonlinearEstimator::differentiate), by differences of states to first order. Directions follow the object, and the differences
-    /// include the effect of this on the shape.
+    /// Computes the same derivatives as [`differentiate`](NonlinearEstimator::differentiate), but by first-order differences of states. Directions follow the
+    /// object, and the differences include the effect of this on the shape.
     ///
     /// # Errors
     /// [`SensingError::Statics`] if the tangent is not that of an equilibrium.
@@ -158,7 +159,8 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// State after a step of one unknown (index and change), with the shape by the tangent and loads that follow it. `None`: no step.
+    /// State after a step of one unknown (index and change). The shape follows from the tangent, and the loads follow the shape. If `step` is `None`, no
+    /// unknown changes.
     fn followed(&mut self, state: &State, step: Option<(usize, f64)>) -> Result<State, SensingError> {
         let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
         let mut state = state.clone();
@@ -193,7 +195,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// An estimator for the same questions without the object. Normals are those of the plate.
+    /// An estimator for the same contacts without the object. Directions refer to the normal of the plate.
     fn without_object(&self) -> Result<NonlinearEstimator<'m>, SensingError> {
         let plain = |question: &ContactQuestion| match question.direction {
             Direction::Leaning(lean) if lean.from == Normal::Object => {
@@ -206,7 +208,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(NonlinearEstimator::new(self.mesh, &questions)?.with_pad(self.pad))
     }
 
-    /// The estimate from markers alone, as a start. `None` if they do not identify the unknowns.
+    /// The estimate from markers alone, as a starting point. `None` if the markers do not identify the unknowns.
     ///
     /// # Errors
     /// [`SensingError::NotTouching`] if the object cannot touch the plate.
@@ -224,7 +226,7 @@ impl<'m> NonlinearEstimator<'m> {
         self.resumed(state, measurement, noise_mm).map(Some)
     }
 
-    /// The nearest minimum of the problem without the object, as a start.
+    /// The nearest minimum of the problem without the object, as a starting point.
     pub(super) fn searched_without_object(
         &mut self,
         measurement: &Measurement,
@@ -239,7 +241,7 @@ impl<'m> NonlinearEstimator<'m> {
         self.resumed(found.state, measurement, noise_mm)
     }
 
-    /// Refuses an object farther from the plate, or deeper in it, than its uncertainty allows.
+    /// Refuses an object that is farther from the plate, or deeper in it, than its uncertainty allows.
     fn require_touch(&self, state: &State, measurement: &Measurement, noise_mm: f64) -> Result<(), SensingError> {
         let Some(touching) = &self.object else { return Ok(()) };
         let length_mm = self.finger().plate_length_mm(Plate::Front);

@@ -6,23 +6,25 @@ use crate::mesh::LoadError;
 use crate::sensing::{ContactPosition, ContactQuestion, Direction, Normal, TouchedObject};
 use nalgebra::{Translation2, UnitComplex};
 
-/// Largest change of a position in one step, as a share of the plate.
+/// A position changes by at most this share of the plate's length in one step.
 const LONGEST_MOVE: f64 = 0.2;
-/// Smallest distance of a position from the base, as a share of the plate. Closer positions are indistinguishable from the clamp.
+/// A position stays at least this share of the plate's length away from the base. Closer positions are indistinguishable from the clamp.
 const NEAREST_TO_BASE: f64 = 0.01;
-/// Scale of a turn of the base, rad: it moves the tip about as far as a unit of force does.
+/// Scale of a rotation of the base, rad. It moves the tip about as far as a force of 1 N does.
 const TURN_UNIT: f64 = 0.01;
 
-/// One unknown, with the index of its contact or error.
+/// One unknown. The number is the index of its contact or of its shared error, from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unknown {
+    /// Force along its direction, N.
     Force(usize),
+    /// Position along the front plate, mm.
     Position(usize),
-    /// Component of a force across its current direction, N. It turns the direction.
+    /// Component of a force across its current direction, N. It changes the direction.
     Across(usize),
     /// Motion of the base from its measured pose.
     Base(BaseMotion),
-    /// Motion of the object from its stated pose. It turns about its own origin.
+    /// Motion of the object from its stated pose. The object turns about its own origin.
     Object(BaseMotion),
     /// Error that all markers share, in its standard deviations.
     Shared(usize),
@@ -40,7 +42,7 @@ pub(super) enum BaseMotion {
 }
 
 impl Unknown {
-    /// All unknowns of some questions, of an uncertain base, of an object, and of `shared_errors` errors that all markers share.
+    /// All unknowns: of the contacts in `questions`, of an uncertain base, of an object, and of `shared_errors` errors that all markers share.
     pub(super) fn of(
         questions: &[ContactQuestion],
         is_base_sought: bool,
@@ -68,7 +70,7 @@ impl Unknown {
             .collect()
     }
 
-    /// Index of the contact to which it belongs, if any.
+    /// Index of the contact to which the unknown belongs, if any.
     pub(super) fn contact(self) -> Option<usize> {
         match self {
             Unknown::Force(i) | Unknown::Position(i) | Unknown::Across(i) => Some(i),
@@ -78,7 +80,8 @@ impl Unknown {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Sets the scale of each unknown: 1 N, or for a position a length that moves the finger about as far.
+    /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm or one standard deviation for other errors. The scale of a position
+    /// moves the finger about as far as 1 N does.
     pub(super) fn rescale(&self, state: &mut State) {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
@@ -95,7 +98,8 @@ impl NonlinearEstimator<'_> {
         }
     }
 
-    /// Largest relative change of an unknown by the state's step: of forces to the largest force, of positions to the plate.
+    /// Largest relative change of an unknown by the state's step. Forces count relative to the largest force, positions relative to the plate's length,
+    /// rotations in rad.
     pub(super) fn relative_change(&self, state: &State) -> f64 {
         let largest = state.forces_n.iter().fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
         let length = self.finger().plate_length_mm(Plate::Front);

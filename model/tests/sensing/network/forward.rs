@@ -145,7 +145,7 @@ fn other_fingers_contacts_and_markers_are_refused() {
     let tilted = Contact { angle_deg: 10.0, ..at_node(20, 0.0) };
     for contacts in [vec![at_node(19, 0.0)], vec![at_node(19, 0.0), at_node(21, 0.0)], vec![at_node(19, 0.0), tilted]] {
         let error = new(&paper(), &contacts).expect_err("other contacts");
-        assert!(error.to_string().contains("exactly 19@0, 20@0"), "{error}");
+        assert!(error.to_string().contains("exactly the contacts 19@0, 20@0"), "{error}");
     }
     // The node by its position is the same contact.
     let position_mm = paper().front_position_mm(NodeId(19)).expect("on the front plate");
@@ -153,5 +153,5 @@ fn other_fingers_contacts_and_markers_are_refused() {
     let any = random_network(1, &[18, 19, 20], ContactSet::AnyOf, &[3], 4);
     assert!(NetworkEstimator::new(&any, &paper(), &[at_node(20, 0.0)], &all).is_ok());
     let error = NetworkEstimator::new(&any, &paper(), &[at_node(14, 0.0)], &all).expect_err("not among them");
-    assert!(error.to_string().contains("any of 18@0, 19@0, 20@0, not for 14@0"), "{error}");
+    assert!(error.to_string().contains("any of the contacts 18@0, 19@0, 20@0, not for 14@0"), "{error}");
 }

@@ -1,4 +1,4 @@
-//! Claims of sections IV-B and VI: the camera's position error.
+//! Claims of the paper's sections IV-B and VI: the camera's position error.
 
 use super::criteria::simulated;
 use super::{Claim, ClaimError, ClaimVerdict, Words};
@@ -6,7 +6,7 @@ use crate::experiments::camera::CameraStudy;
 use minijinja::context;
 use std::f64::consts::SQRT_2;
 
-/// Largest position error of the paper's vision system, mm.
+/// Largest position error of the vision system as stated by the paper, mm.
 const LARGEST_MM: f64 = 0.2;
 
 /// Claim on the position error. The paper measured a real finger with a camera; here images are rendered with known light, lens and pose.
@@ -21,7 +21,7 @@ pub fn position_error(camera: Option<&CameraStudy>, words: &Words) -> Result<Cla
     let Some((row, shapes, largest_mm, rms_mm)) = tested else {
         return words.claim("position-untested", ClaimVerdict::NotTested, context! {});
     };
-    // Upper bound: both coordinates have their largest error.
+    // Upper bound of a distance: both coordinates have their largest error.
     let position_mm = SQRT_2 * largest_mm;
     let verdict =
         if row.found == row.markers { simulated(position_mm, LARGEST_MM) } else { ClaimVerdict::NotReproduced };

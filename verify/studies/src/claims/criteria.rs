@@ -1,4 +1,4 @@
-//! From figures to verdicts: one small function for each criterion, with its reason.
+//! Criteria that turn computed figures into verdicts: one small function for each criterion, with its reason.
 
 use super::ClaimVerdict::{
     self, Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced,
@@ -14,13 +14,13 @@ pub fn figure(same: bool) -> ClaimVerdict {
     if same { Reproduced } else { NotReproduced }
 }
 
-/// Verdict on an error on a simulated finger with known model, against one measured on a real finger. A smaller error shows the potential of
-/// sensing with a correct model, and does not contradict the measurement.
+/// Verdict on a relative error: `ours` on a simulated finger whose model is known, `paper` measured on a real finger. A smaller error of ours shows
+/// the potential of sensing with a correct model, and does not contradict the measurement.
 pub fn simulated(ours: f64, paper: f64) -> ClaimVerdict {
     if ours < paper { LessInSimulation } else { NotReproduced }
 }
 
-/// Verdict on pairs of errors, ours and the paper's; without pairs the claim is not tested.
+/// Combined verdict over pairs of errors, ours and the paper's. Without pairs the claim is not tested.
 pub fn all_simulated(pairs: &[(f64, f64)]) -> ClaimVerdict {
     match pairs {
         [] => NotTested,
@@ -34,7 +34,7 @@ pub fn in_simulation(holds: bool) -> ClaimVerdict {
     if holds { InSimulation } else { NotReproduced }
 }
 
-/// Combined verdict over several assumptions, because the paper does not state which holds.
+/// Combined verdict over several assumptions, because the paper does not state which assumption holds.
 pub fn over_assumptions(verdicts: &[ClaimVerdict]) -> ClaimVerdict {
     match verdicts {
         [] => NotTested,
@@ -43,32 +43,32 @@ pub fn over_assumptions(verdicts: &[ClaimVerdict]) -> ClaimVerdict {
     }
 }
 
-/// Evaluates a qualitative statement about nodes: the number of nodes at which it holds, and whether they are more than half.
+/// Number of nodes at which a qualitative statement holds, and whether they are the majority.
 pub fn at_most_nodes(figures: &[f64], holds: impl Fn(f64) -> bool) -> (usize, bool) {
     let count = figures.iter().filter(|figure| holds(**figure)).count();
     (count, 2 * count > figures.len())
 }
 
-/// Largest relative difference of displacements that the paper calls negligible (sec. III).
+/// Displacements agree if they differ by less than this, relative (paper, sec. III: "negligible").
 pub const NEGLIGIBLE_SHARE: f64 = 0.015;
-/// Relative difference between meshes at which the paper considers a finer mesh unnecessary (sec. III).
+/// A finer mesh is unnecessary if it changes displacements by less than this, relative (paper, sec. III).
 pub const MESH_SHARE: f64 = 0.0026;
-/// Upper rounding limit of the paper's "about 2.4%", as a share.
+/// Upper rounding limit of the paper's "about 2.4%", dimensionless.
 pub const DIRECTION_SHARE: f64 = 0.0245;
-/// Relative force error that the paper calls negligible (sec. V-C, on the direction); also applied to torques.
+/// A relative force error up to this is negligible (paper, sec. V-C, on the direction). Also applied to torques.
 pub const NEGLIGIBLE_FORCE_SHARE: f64 = 0.024;
-/// Relative error above which a loss of accuracy counts as large: the lighter shade of the paper's Table I begins here.
+/// A loss of accuracy counts as large above this relative error, from which the paper's Table I is shaded.
 pub const MUCH_SHARE: f64 = 0.10;
-/// Standard deviation up to which a force component counts as well estimated, N: a tenth of the gripper tests' largest force, 3 N.
+/// A force component counts as well estimated up to this standard deviation, N: a tenth of the gripper tests' largest force, 3 N.
 pub const WELL_N: f64 = 0.3;
-/// Difference up to which single errors of Table I count as equal, as a share: the scatter of the six errors at node 14.
+/// Single errors of Table I count as equal up to this difference, dimensionless: the scatter of the six errors at node 14.
 pub const SAME_ERROR: f64 = 0.05;
-/// Share of an error above which a cause accounts for it.
+/// A cause accounts for an error if it explains more than this share of the error.
 pub const MOST_OF: f64 = 0.5;
 /// Range of Young's modulus of TPU quoted by the paper (sec. II), MPa.
 pub const TPU_MPA: [f64; 2] = [10.0, 1000.0];
 
-/// Whether a cause gives most of every error; the pairs hold our error and the paper's, and must not be empty.
+/// Whether a cause produces most of every error. The pairs hold our error and the paper's, and must not be empty.
 pub fn accounts_for(pairs: &[(f64, f64)]) -> bool {
     !pairs.is_empty() && pairs.iter().all(|(ours, paper)| *ours > MOST_OF * paper)
 }

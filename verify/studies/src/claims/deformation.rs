@@ -1,4 +1,4 @@
-//! Claims of sections I and III: deformation under a force.
+//! Claims of the paper's sections I and III: deformation under a force.
 
 use super::criteria::{MESH_SHARE, MUCH_SHARE, NEGLIGIBLE_SHARE, at_most_nodes, over_assumptions, statement};
 use super::experiments::{self, range_of};
@@ -10,10 +10,10 @@ use minijinja::context;
 
 /// Force at which the linear model is assessed, N: the largest of the gripper tests.
 const FORCE_N: f64 = 3.0;
-/// Ratio of stiffnesses at the nodes, smallest and largest: a plane-strain continuum over the beam frame. An independent finite-element program,
+/// Stiffness of a plane-strain continuum divided by the beam frame's, smallest and largest over the nodes. An independent finite-element program,
 /// which is not included, computed it with Poisson's ratio 0.45 and rods as stiff discs of 3 mm radius.
 const CONTINUUM: [f64; 2] = [1.61, 1.71];
-/// Poisson's ratio and rigid arms (mm) with which the beam frame represents the continuum.
+/// Poisson's ratio and length of the rigid arms (mm) with which the beam frame is as stiff as the continuum.
 const AS_A_CONTINUUM: (f64, f64) = (0.45, 1.25);
 
 pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimError> {

@@ -5,23 +5,22 @@ use crate::prelude::*;
 use finray_model::finger::FingerDescription;
 use finray_model::scene::ROD_RADIUS_MM;
 
-/// Elements a member where rotations are large.
+/// Elements per member for shapes with large rotations.
 const ELEMENTS: usize = 8;
 
-/// Smallest and largest of some figures.
+/// `[smallest, largest]` of some figures, in their unit.
 pub type Range = [f64; 2];
 
-/// Contact nodes except the tip, which the paper does not load.
+/// Contact nodes without the tip, because the paper does not load the tip.
 fn loaded(finger: &Finger) -> impl Iterator<Item = NodeId> {
     finger.contact_nodes().skip(1)
 }
 
-/// A figure at each loaded node, from tip to base.
 fn by_node(finger: &Finger, figure: impl Fn(NodeId) -> Result<f64, SensingError>) -> Result<Vec<f64>, SensingError> {
     loaded(finger).map(figure).collect()
 }
 
-/// Smallest and largest of some figures; NaN without figures.
+/// `[smallest, largest]` of some figures, in their unit; NaN without figures.
 pub fn range_of(figures: &[f64]) -> Range {
     Span::of(figures.iter().copied()).map_or([f64::NAN; 2], Span::ends)
 }
@@ -34,7 +33,7 @@ pub fn sensed_n(finger: &Finger, node: NodeId, load: Load) -> Result<f64, Sensin
     Ok(estimator.estimate(&seen, Some(0.0), Prior::None).forces_n[0])
 }
 
-/// Relative error of a force sensed along the normal but acting `off_deg` (degrees) towards the tip, by node; linear finger.
+/// Relative error by node on the linear finger if a force is sensed along the normal but acts `off_deg` (degrees) towards the tip.
 ///
 /// # Errors
 /// [`SensingError`] if the force at a node cannot be sensed.
@@ -42,8 +41,8 @@ pub fn wrong_direction(finger: &Finger, off_deg: f64) -> Result<Vec<f64>, Sensin
     by_node(finger, |node| Ok(sensed_n(finger, node, Load::at_node(node, finger.direction(off_deg)))? - 1.0))
 }
 
-/// Relative error of a normal force caused by the friction moment on its rod, by node. `friction` is the coefficient, dimensionless. The friction
-/// force itself is omitted.
+/// Relative error by node if a normal force is sensed and the friction moment on its rod neglected. `friction` is the coefficient, dimensionless.
+/// The friction force itself is omitted.
 ///
 /// # Errors
 /// [`SensingError`] if the force at a node cannot be sensed.
@@ -54,7 +53,8 @@ pub fn neglected_torque(finger: &Finger, friction: f64) -> Result<Vec<f64>, Sens
     })
 }
 
-/// Largest difference of linear and co-rotational shape under `force_n` (N), relative to the largest displacement, by node with equilibrium.
+/// Largest difference of linear and co-rotational shape under `force_n` (N), relative to the largest displacement, by node. Nodes without
+/// equilibrium are omitted.
 ///
 /// # Errors
 /// [`SensingError`] if the linear finger cannot be solved.
@@ -71,16 +71,16 @@ pub fn linearisation(finger: &Finger, force_n: f64) -> Result<Vec<f64>, SensingE
     Ok(differences)
 }
 
-/// Linear least squares for forces at all contact nodes together.
+/// Result of linear least squares for forces at all contact nodes together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AllForces {
-    /// Condition number: largest over smallest singular value.
+    /// Condition number: ratio of largest to smallest singular value, dimensionless.
     pub span: f64,
     /// Standard deviations of the forces under the camera's noise, N, by node.
     pub sigmas_n: Vec<f64>,
 }
 
-/// Senses forces at all contact nodes together, under noise of `noise_mm` (standard deviation of a coordinate, mm).
+/// Estimates forces at all contact nodes together from markers with noise of `noise_mm` (standard deviation of a coordinate, mm).
 ///
 /// # Errors
 /// [`SensingError`] if the linear estimator cannot be built.
@@ -107,13 +107,13 @@ pub(crate) fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f6
 /// Change of the co-rotational shape when the forces at two nodes are exchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exchanged {
-    /// Largest difference of a displacement, relative to the largest displacement.
+    /// Largest difference of a displacement, relative to the largest displacement, dimensionless.
     pub share: f64,
     /// Euclidean norm of the difference over all markers, divided by the noise of one coordinate: the Mahalanobis distance, dimensionless.
     pub distance: f64,
 }
 
-/// Exchanges 1 N and 4 N at two nodes, with noise of `noise_mm` (standard deviation of a coordinate, mm).
+/// Exchanges forces of 1 N and 4 N at two nodes. `noise_mm` is the standard deviation of a coordinate, mm.
 ///
 /// # Errors
 /// [`SensingError`] if the finger has no equilibrium under these forces.
@@ -130,8 +130,8 @@ pub fn redistributed(finger: &Finger, nodes: [NodeId; 2], noise_mm: f64) -> Resu
     Ok(Exchanged { share: difference(&one, &other), distance: squares.sqrt() / noise_mm })
 }
 
-/// Largest root mean square force sensed at an unloaded node, N. One of nodes 16 to 20 is unloaded; the others carry `force_n` (N) along the
-/// normal. Linear least squares senses all five on the co-rotational finger, under noise of `noise_mm` (mm).
+/// Largest root mean square force sensed at an unloaded node, N. Each of nodes 16 to 20 is unloaded in turn; the others carry `force_n` (N) along
+/// the normal. Linear least squares senses all five on the co-rotational finger, under noise of `noise_mm` (mm).
 ///
 /// # Errors
 /// [`SensingError`] if the finger has no equilibrium, or its forces cannot be sensed.
@@ -151,11 +151,11 @@ pub fn zero_force(finger: &Finger, force_n: f64, noise_mm: f64) -> Result<f64, S
     Ok(worst(errors))
 }
 
-/// Ratio of stiffnesses against a normal force with and without two changes, smallest and largest over the nodes; linear finger. The changes are
-/// plane-strain bending with `poissons_ratio`, and members that are shorter by rigid arms of `rod_arm_mm` (mm) at the rods.
+/// Factors by which two changes stiffen the linear finger against a normal force, smallest and largest over the nodes. The changes are plane-strain
+/// bending with `poissons_ratio`, and members that are shorter by rigid arms of `rod_arm_mm` (mm) at the rods.
 ///
 /// # Errors
-/// [`SensingError`] if a finger cannot be solved. An impossible finger gives NaN.
+/// [`SensingError`] if a finger cannot be solved. If the changed finger is invalid, the factors are NaN.
 pub fn stiffened(finger: &Finger, poissons_ratio: f64, rod_arm_mm: f64) -> Result<Range, SensingError> {
     let description = FingerDescription { poissons_ratio, rod_arm_mm, ..finger.description().clone() };
     let Ok(stiff) = Finger::new(description) else { return Ok([f64::NAN; 2]) };

@@ -1,4 +1,4 @@
-//! Claims of sections V-C and V-D: Table II on the moving gripper, and grasps of objects (Figs. 11, 14 and 16).
+//! Claims of the paper's sections V-C and V-D: Table II on the moving gripper, and grasps of objects (Figs. 11, 14 and 16).
 
 use super::criteria::{MUCH_SHARE, in_simulation};
 use super::gripper::OfGroup;
@@ -45,7 +45,7 @@ fn on_the_gripper(
     Ok(each.into_iter().chain(sum.transpose()?.flatten()).collect())
 }
 
-/// Motor angles, degrees, at which the second force begins and at which it exceeds the first one: the sequence of Fig. 11(a).
+/// Motor angles, degrees, at which the second force begins and then exceeds the first one: the sequence of Fig. 11(a).
 pub fn order(test: &ModuleTest) -> [Option<f64>; 2] {
     let at =
         |holds: &dyn Fn(&[f64]) -> bool| test.steps.iter().find(|step| holds(&step.true_n)).map(|step| step.turned_deg);
@@ -54,7 +54,7 @@ pub fn order(test: &ModuleTest) -> [Option<f64>; 2] {
     [begins, at(&|true_n| true_n[0] > true_n[1]).filter(|_| begins.is_some())]
 }
 
-/// Claim that one force begins alone and the other later exceeds it.
+/// Claim that one force begins alone and the other force later exceeds it.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.
@@ -69,7 +69,7 @@ pub fn crossing(test: Option<&ModuleTest>, words: &Words) -> Result<Claim, Claim
 /// Claim that the sensed total forces of both fingers agree.
 ///
 /// # Errors
-/// [`ClaimError`] as in [`crossing`].
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn left_right(observed: Option<&Observations>, words: &Words) -> Result<Claim, ClaimError> {
     let objects = objects(observed, |totals| Some(totals.left_right[0]));
     let verdict = judged(&objects, |difference| difference <= MUCH_SHARE);
@@ -85,7 +85,7 @@ pub fn left_right(observed: Option<&Observations>, words: &Words) -> Result<Clai
 /// Claim on forces sensed at nodes without contact.
 ///
 /// # Errors
-/// [`ClaimError`] as in [`crossing`].
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn untouched(observed: Option<&Observations>, words: &Words) -> Result<Claim, ClaimError> {
     let of = |id| observed?.untouched.iter().find(|(estimator, _)| *estimator == id).map(|(_, found)| *found);
     let (nonlinear, linear) = (of(EstimatorId::Nonlinear), of(EstimatorId::LeastSquares));
@@ -102,10 +102,10 @@ pub fn untouched(observed: Option<&Observations>, words: &Words) -> Result<Claim
     words.claim("untouched", verdict, numbers)
 }
 
-/// Claim that forces while opening equal those while closing.
+/// Claim that a finger has equal forces while opening and closing.
 ///
 /// # Errors
-/// [`ClaimError`] as in [`crossing`].
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn pick_and_place(observed: Option<&Observations>, words: &Words) -> Result<Claim, ClaimError> {
     let objects = objects(observed, |totals| totals.opening_at_nodes);
     let totals = self::objects(observed, |totals| totals.opening);
@@ -118,7 +118,6 @@ pub fn pick_and_place(observed: Option<&Observations>, words: &Words) -> Result<
     words.claim("pick-and-place", verdict, numbers)
 }
 
-/// Name of each object, with one of its figures.
 fn objects(
     observed: Option<&Observations>,
     figure: impl Fn(&crate::experiments::grasp::observations::Totals) -> Option<f64>,

@@ -1,4 +1,4 @@
-//! Claims of section V-C: the gripper of Table II.
+//! Claims of the paper's section V-C: the gripper of Table II.
 
 use super::criteria::{figure, over_assumptions, simulated};
 use super::{Claim, ClaimError, Words};
@@ -10,7 +10,7 @@ use finray_model::estimators::EstimatorId;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 
-/// Upper bound of the resultant's relative error, and lower bound of each of two forces' relative errors, by the paper (sec. VII).
+/// Bounds of relative errors in the paper's conclusion (sec. VII): upper bound for the sum of two forces, lower bound for each of them.
 const SUM_BOUND: f64 = 0.08;
 const EACH_BOUND: f64 = 0.30;
 
@@ -38,7 +38,6 @@ fn listed(sets: &[&[usize]]) -> String {
     sets.collect::<Vec<_>>().join("; ")
 }
 
-/// Quotation of the paper with the figure.
 fn quoted(group: &ContactGroup, quantity: &str) -> &'static str {
     match (group.name, quantity) {
         ("one node", _) => "\"the average relative error is 6.5% when the grasping forces vary from 0.3 to 3 N\"",
@@ -51,7 +50,7 @@ fn quoted(group: &ContactGroup, quantity: &str) -> &'static str {
     }
 }
 
-/// Claim on the paper's own method: its error on the simulated finger against the paper's measured error.
+/// Claim on the paper's own method: its error on the simulated finger against the error that the paper measured.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.
@@ -76,10 +75,10 @@ pub fn of_the_papers_network(
     words.claim("papers-network", over_assumptions(&verdicts), numbers)
 }
 
-/// Claims of the paper's conclusion, for network inputs scaled by the largest displacement and by their spread, with noise `noise_mm` (mm).
+/// Claims of the paper's conclusion, for two scalings of network inputs: by the largest displacement, and by the spread. Noise `noise_mm` in mm.
 ///
 /// # Errors
-/// [`ClaimError`] as in [`of_the_papers_network`].
+/// [`ClaimError`] if a number in the claim's text has no value.
 pub fn in_the_conclusion(
     largest: &[Figure],
     spread: &[Figure],
@@ -104,7 +103,7 @@ pub fn in_the_conclusion(
     ])
 }
 
-/// Claims for the same nodes with estimators that use the simulated finger's own model.
+/// Claims on the nodes of Table II, tested with estimators that know the simulated finger's model.
 fn with_the_model(
     two: &TableTwo,
     group: &ContactGroup,

@@ -1,4 +1,4 @@
-//! Claims on limits of sensing (sec. IV-A, V-C, V-D and VI).
+//! Claims of the paper on limits of sensing (sec. IV-A, V-C, V-D and VI).
 
 use super::criteria::{
     DIRECTION_SHARE, MUCH_SHARE, NEGLIGIBLE_FORCE_SHARE, WELL_N, at_most_nodes, over_assumptions, statement,
@@ -10,9 +10,9 @@ use crate::prelude::*;
 use crate::study::Study;
 use minijinja::context;
 
-/// Range of friction coefficients for neglected torques: plastic on steel, to rubber on most materials.
+/// Assumed range of friction coefficients for neglected torques: plastic on steel, to rubber on most materials.
 const FRICTIONS: [f64; 2] = [0.2, 0.5];
-/// Ratio of a displacement's noise to a coordinate's: exact undeformed positions, or undeformed positions measured in an image too (sec. V-B).
+/// Noise of a displacement divided by the noise of a coordinate, for undeformed positions that are exact or measured in an image (sec. V-B).
 const NOISE_OF_IMAGES: [f64; 2] = [1.0, std::f64::consts::SQRT_2];
 /// Pairs of nodes of the paper's Fig. 12, by increasing distance.
 const EXCHANGED: [[usize; 2]; 4] = [[18, 19], [18, 20], [17, 20], [17, 21]];
@@ -24,7 +24,7 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     let mut claims = vec![all_at_once(finger, words)?];
     claims.extend(exchanged(finger, words)?);
     claims.extend([unknown_direction(finger, words)?, wrong_direction(finger, words)?, torque(finger, words)?]);
-    // Grasps, if there are any, test this claim better; only one row tests each sentence.
+    // Grasps test this claim better, and each claim has only one row.
     if study.observations.is_none() {
         claims.push(zero_force(finger, words)?);
     }
@@ -69,7 +69,7 @@ fn exchanged(finger: &Finger, words: &Words) -> Result<[Claim; 2], ClaimError> {
 /// Claim on the loss of accuracy with a force of unknown direction.
 ///
 /// # Errors
-/// [`ClaimError`] as in [`all_at_once`].
+/// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.
 pub fn unknown_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let across = experiments::unknown_direction(finger, CAMERA_NOISE_MM)?;
     let fails = NOISE_OF_IMAGES.map(|images| at_most_nodes(&across, |sigma_n| images * sigma_n > WELL_N));
@@ -84,7 +84,7 @@ pub fn unknown_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimE
 /// Claim on the loss of accuracy with a direction 12.5 degrees wrong to either side.
 ///
 /// # Errors
-/// [`ClaimError`] as in [`all_at_once`].
+/// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.
 pub fn wrong_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let errors = |off_deg| -> Result<Vec<f64>, SensingError> {
         Ok(experiments::wrong_direction(finger, off_deg)?.into_iter().map(f64::abs).collect())
@@ -101,7 +101,7 @@ pub fn wrong_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimErr
 /// Claim on the loss of accuracy with a neglected torque.
 ///
 /// # Errors
-/// [`ClaimError`] as in [`all_at_once`].
+/// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.
 pub fn torque(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let [low, high] = FRICTIONS.map(|friction| experiments::neglected_torque(finger, friction));
     let (low, high) = (low?, high?);

@@ -1,8 +1,8 @@
 //! Claims: the paper's statements and figures compared one by one with computed figures.
 //!
-//! The texts are in `words.toml`; each file here computes the numbers and verdicts for a part of the paper. Every verdict follows from a computed
-//! figure by a named [criterion](criteria), or states that nothing was tested. All figures are computed on models of the finger. They can
-//! reproduce an error measured on the real finger or not, but cannot refute it.
+//! The texts are in `words.toml`; each file here computes the numbers and verdicts for a part of the paper. A verdict follows from a computed figure
+//! by a named [criterion](criteria), or states that nothing was tested. All figures are computed on models of the finger. Such a figure can
+//! reproduce a measured error or differ from it, but cannot refute the measurement.
 
 pub mod camera;
 pub mod criteria;
@@ -20,7 +20,7 @@ use crate::problems::ProblemError;
 use crate::study::Study;
 pub use words::Words;
 
-/// Verdict on a claim.
+/// Verdict on a claim of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimVerdict {
@@ -28,7 +28,7 @@ pub enum ClaimVerdict {
     Reproduced,
     /// The computation, on a model of the finger, does not give the paper's measured figure.
     NotReproduced,
-    /// Holds on a simulated finger; no experiment supports it.
+    /// The claim holds on a simulated finger; no experiment supports it.
     InSimulation,
     /// The error on a simulated finger with known model is smaller than the paper's on a real finger.
     LessInSimulation,
@@ -88,10 +88,10 @@ pub enum ClaimError {
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// The shipped texts are not valid TOML.
-    #[error("words of the claims: {0}")]
+    #[error("cannot read the texts of the claims: {0}")]
     File(#[from] toml::de::Error),
     /// A number in a text has no value.
-    #[error("words of a claim: {0}")]
+    #[error("cannot complete the text of a claim: {0}")]
     Words(#[from] minijinja::Error),
 }
 

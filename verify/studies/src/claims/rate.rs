@@ -6,11 +6,11 @@ use crate::experiments::speed_error::SpeedErrorPoint;
 use crate::experiments::speed_error::recommendation::recommended;
 use minijinja::context;
 
-/// Frame time at the paper's largest rate of 25 Hz, s (sec. IV-B and VI); it covers vision only.
+/// Frame time at the paper's largest rate of 25 Hz, s (sec. IV-B and VI). In this time the paper only processes images.
 const FRAME_S: f64 = 0.04;
 
-/// Claim on the rate of sensing. The paper's rate is that of its image processing on its own computer. Here images are rendered and processed on
-/// this computer, so the comparison is limited to whether force estimation leaves that time for vision.
+/// Claim on the rate of sensing. The paper states the rate of image processing on its own computer. Therefore the test is only whether forces are
+/// estimated within a frame time on this computer.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.

@@ -1,4 +1,4 @@
-//! Claims of sections V-A and V-B: the single finger of Table I.
+//! Claims of the paper's sections V-A and V-B: the single finger of Table I.
 
 use super::criteria::{
     MUCH_SHARE, SAME_ERROR, TPU_MPA, accounts_for, all_simulated, figure, in_simulation, over_assumptions,
@@ -36,7 +36,6 @@ fn listed<'r>(rows: impl IntoIterator<Item = &'r TableOneRow>, of: impl Fn(&Tabl
     rows.into_iter().map(|row| format!("{} at {}", percent(of(row)), row.node)).collect::<Vec<_>>().join(", ")
 }
 
-/// The paper's mean relative error of a row.
 fn papers(row: &TableOneRow) -> f64 {
     row.paper_mean_error
 }
@@ -67,7 +66,7 @@ fn over_angles(tables: &[TableOne], same: impl Fn(&TableOne) -> bool) -> ClaimVe
     over_assumptions(&tables.iter().map(|table| figure(same(table))).collect::<Vec<_>>())
 }
 
-/// Text with the finding for each of these directions.
+/// Text that lists the finding for each assumed direction of the weights.
 fn by_angle(tables: &[TableOne], found: impl Fn(&TableOne) -> String) -> String {
     let at = |table: &TableOne| format!("{} deg: {}", table.angle_deg, found(table));
     tables.iter().map(at).collect::<Vec<_>>().join("; ")
@@ -145,7 +144,7 @@ fn noise(study: &Study, table: &TableOne, words: &Words) -> Result<Option<Claim>
     words.claim("poor-ends", all_simulated(&pairs), numbers).map(Some)
 }
 
-/// Claims on the paper's conclusions from its errors, for a finger fitted to these errors.
+/// Claims on the paper's conclusions from its errors, tested on the digital twin: a finger fitted to these errors.
 fn on_the_twin(table: &TableOne, twin: &TwinStudy, words: &Words) -> Result<[Claim; 3], ClaimError> {
     let moduli = moduli_mpa(&twin.finger);
     let mean = |rows: &[&TableOneRow], factor: f64| {

@@ -1,4 +1,4 @@
-//! Texts of all claims: templates for the computed numbers.
+//! Texts of all claims: templates that the computed numbers complete.
 
 use super::{Claim, ClaimError, ClaimVerdict};
 use crate::templates::templates;
@@ -6,7 +6,7 @@ use minijinja::{Environment, Value};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// The shipped texts, one table for each claim.
+/// Texts of the claims that ship with the program, one table for each claim.
 pub struct Words {
     templates: Environment<'static>,
     untested: Vec<Untested>,
@@ -71,7 +71,6 @@ impl Words {
     }
 }
 
-/// Formats a share in per cent.
 pub(super) fn percent(share: f64) -> String {
     match 100.0 * share.abs() {
         0.0 => "0 %".to_owned(),

@@ -1,4 +1,4 @@
-//! Sensing with an assumed contact, whose position and direction have errors that a user may make.
+//! Sensing with an assumed contact, whose position and direction are as wrong as a user's may be.
 
 use super::Context;
 use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
@@ -34,8 +34,8 @@ pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> 
     Ok(accuracy_maps(finger, context.corotational, &[&assumed], &request, &|| context.progress.step()).pop())
 }
 
-/// An estimator whose given contacts are off by [`POSITION_OFF_MM`] and [`DIRECTION_OFF_DEG`], to each side in turn. Positions off the plate are
-/// left out.
+/// An estimator that gets wrong contacts: they are off by [`POSITION_OFF_MM`] and [`DIRECTION_OFF_DEG`], to each side in turn. Positions off the
+/// plate are left out.
 pub struct AssumedContact<'e> {
     /// The estimator that gets the wrong contacts.
     pub informed: &'e dyn Estimator,
@@ -78,7 +78,6 @@ impl Estimator for AssumedContact<'_> {
     }
 }
 
-/// Estimators that answer in turn.
 struct InTurn<'a> {
     sides: Vec<Box<dyn PreparedEstimator + 'a>>,
     next: usize,

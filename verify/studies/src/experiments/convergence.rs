@@ -1,4 +1,4 @@
-//! Mesh refinement: co-rotational solutions on successively finer meshes against the converged one.
+//! Mesh refinement: co-rotational solutions on successively finer meshes against the converged solution.
 //!
 //! Every member is divided into 1, 2, 4, ... elements. The differences between the three finest solutions give the observed order p. Richardson
 //! extrapolation of the last two gives the converged solution, and Roache's grid convergence index bounds the error of the finest mesh.
@@ -15,16 +15,16 @@ const CHECKED_FORCE_N: f64 = ReportForces::PAPER.drawn_n();
 const LOADED_NODES: usize = 12;
 /// Factor of safety of the grid convergence index for three meshes (Roache 1994).
 const SAFETY: f64 = 1.25;
-/// Admissible range of the observed order; an order outside it results from rounding or chance.
+/// Observed orders are limited to this range. An order outside it results from rounding or chance.
 const ORDERS: [f64; 2] = [0.5, 4.0];
-/// Largest errors on three meshes of the paper's finger, relative to the largest displacement.
+/// Tolerances of the errors on three meshes of the paper's finger, relative to the largest displacement.
 const KEY_NODES_TOLERANCE: f64 = 1e-2;
 const TWO_ELEMENTS_TOLERANCE: f64 = 6e-3;
 const FINE_MESH_TOLERANCE: f64 = 1e-4;
-/// Largest error of the reference, relative to the largest displacement: a tenth of the smallest tolerance.
+/// Tolerance of the reference's error, relative to the largest displacement: a tenth of the smallest tolerance.
 const REFERENCE_TOLERANCE: f64 = 0.1 * FINE_MESH_TOLERANCE;
 
-/// A mesh of the study.
+/// A mesh of the refinement study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeshSize {
     /// Number of nodes.
@@ -33,14 +33,14 @@ pub struct MeshSize {
     pub elements_a_member: Option<usize>,
 }
 
-/// Solutions under one load on all meshes.
+/// Errors of the solutions under one load on all meshes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refinement {
     /// Largest difference of a key node's displacement from the converged one, relative to the largest displacement, by mesh.
     pub errors: Vec<f64>,
     /// Observed order of convergence in the element length; `None` if the differences do not shrink.
     pub order: Option<f64>,
-    /// Grid convergence index: estimated error of the finest mesh, relative to the largest displacement.
+    /// Grid convergence index: estimated error of the finest mesh, relative to the largest displacement, dimensionless.
     pub left: f64,
 }
 
@@ -64,7 +64,6 @@ pub struct Convergence {
     pub loads: Vec<RefinedLoad>,
 }
 
-/// One error, as a row of the CSV file.
 #[derive(Debug, Serialize)]
 pub struct ConvergenceRow {
     load_node: NodeId,
@@ -82,7 +81,6 @@ impl Evidence for Convergence {
     }
 }
 
-/// Refinement study of the finger.
 pub(crate) fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
     context.progress.part("convergence", loaded_nodes(context.finger).len());
     let (first, most_nodes) = context.effort.choose((3, 2500), (0, 5000));
@@ -90,11 +88,8 @@ pub(crate) fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
     convergence(context.finger, forces_n, most_nodes, &|| context.progress.step())
 }
 
-/// Solves ascending forces (N) on meshes of up to `most_nodes` nodes; loads without equilibrium leave gaps. `progress` is called after each
-/// loaded node.
-///
-/// # Errors
-/// [`MeshSizeError`] if the fine mesh cannot be built.
+/// Solves ascending forces (N) on meshes of up to `most_nodes` nodes; loads without equilibrium leave gaps. `progress` is called after each loaded
+/// node. Fails if the fine mesh cannot be built.
 pub(crate) fn convergence(
     finger: &Finger,
     forces_n: &[f64],
@@ -135,7 +130,7 @@ pub fn loaded_nodes(finger: &Finger) -> Vec<NodeId> {
     nodes.iter().copied().step_by(nodes.len().div_ceil(LOADED_NODES)).collect()
 }
 
-/// Meshes with 1, 2, 4, ... elements a member, up to `most_nodes` nodes, but at least the three that an order requires.
+/// Meshes with 1, 2, 4, ... elements per member, up to `most_nodes` nodes, but at least the three that an order requires.
 fn doubled_meshes(finger: &Finger, most_nodes: usize) -> Vec<(Option<usize>, Mesh)> {
     let mut meshes: Vec<(Option<usize>, Mesh)> = Vec::new();
     let mut elements = 1;
@@ -203,14 +198,14 @@ impl Convergence {
         (!left.is_empty()).then(|| worst(left))
     }
 
-    /// Smallest and largest observed order over the loaded nodes under `force_n` (N); `None` if there is no order.
+    /// Smallest and largest observed order over the loaded nodes under `force_n` (N); `None` if no load has an order.
     pub fn orders(&self, force_n: f64) -> Option<[f64; 2]> {
         let orders: Vec<f64> = self.refinements(force_n).filter_map(|refinement| refinement.order).collect();
         let smallest = orders.iter().copied().reduce(f64::min)?;
         Some([smallest, worst(orders)])
     }
 
-    /// Number of nodes at which some mesh has no equilibrium under `force_n` (N).
+    /// Number of nodes at which at least one mesh has no equilibrium under `force_n` (N).
     pub fn gaps(&self, force_n: f64) -> usize {
         self.loads.iter().filter(|load| load.force_n == force_n && load.refinement.is_none()).count()
     }
@@ -245,10 +240,10 @@ impl Convergence {
         let left = self.left(CHECKED_FORCE_N).unwrap_or(f64::NAN);
         vec![
             check("key nodes alone", error(mesh(|m| m.elements_a_member == Some(1))), KEY_NODES_TOLERANCE),
-            check("two elements a member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
+            check("two elements per member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
             check("684 nodes", error(mesh(|m| m.elements_a_member.is_none())), FINE_MESH_TOLERANCE),
             on(&format!("{finest} nodes"), "grid convergence index").vanishes(
-                "what may be left / largest displacement",
+                "estimated error / largest displacement",
                 left,
                 REFERENCE_TOLERANCE,
             ),

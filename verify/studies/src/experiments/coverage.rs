@@ -1,7 +1,7 @@
 //! Coverage of stated intervals over positions, directions and forces, by finger and estimator.
 //!
-//! On the finger that equals the estimators' model, every cell has independent noise samples. Maps share their samples between cells, which is a
-//! poor test of coverage. On the finger with softer ends the model's error dominates, so its maps are counted.
+//! On the finger that equals the estimators' model, every cell has independent noise samples, because samples that cells share (as in maps) test
+//! coverage poorly. On the finger with softer ends the model's error dominates, so the cells of its maps are counted.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -14,20 +14,22 @@ use std::ops::Add;
 
 /// Nominal coverage: probability of a normal variable within 1.96 standard deviations.
 const NOMINAL: f64 = 0.95;
-/// Tolerance of the coverage without a warning: at 93 to 97 %, a stated standard deviation is correct within 10 %.
+/// Tolerance of the coverage of answers without a warning. At 93 to 97 %, a stated standard deviation is correct within 10 %.
 const TOLERANCE: f64 = 0.02;
 /// Allowance for chance beside the tolerance, in standard deviations of a share.
 const CHANCE: f64 = 3.0;
-/// Largest share of refused samples on the paper's finger; about one in 10 000 is refused next to a limit load. One further sample is allowed.
+/// At most this share of samples may be refused on the paper's finger, and one more. About one in 10 000 is refused next to a limit load.
 const REFUSED: f64 = 0.001;
-/// Largest share of refused samples on another finger, where forces may be too small to sense. With more, coverage remains untested.
+/// At most this share of samples may be refused on another finger, whose forces may be too small to sense. Else coverage remains untested.
 const REFUSED_OF_ANOTHER: f64 = 0.5;
-/// Largest ratio of rms sigma to rms error for answers with a warning: a larger sigma would cover the error but carry no information.
+/// For answers with a warning, rms sigma may be at most this multiple of the rms error. A larger sigma would cover the error but carry no
+/// information.
 const LARGEST_SIGMA: f64 = 3.0;
-/// True finger on which estimators must cover; on others (softer ends) their model is wrong, and they warn.
+/// True finger on which stated intervals must contain the true force. On others (softer ends) the estimators' model is wrong, and the estimators
+/// warn.
 pub const TRUTH: TruthId = TruthId::Corotational;
 
-/// Coverage on one finger by one estimator.
+/// Coverage of the intervals that one estimator states on one finger.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CoverageRow {
     /// The true finger.
@@ -46,15 +48,15 @@ pub struct CoverageRow {
     pub warned: usize,
     /// Number of answers without a warning.
     pub without_warning: usize,
-    /// Share of answers without a warning whose interval contains the true force; `None` without such answers.
+    /// Among answers without a warning: the share whose interval contains the true force; `None` without such answers.
     pub covered_without_warning: Option<f64>,
-    /// Share of answers with a warning whose interval contains the true force; `None` without such answers.
+    /// Among answers with a warning: the share whose interval contains the true force; `None` without such answers.
     pub covered_with_warning: Option<f64>,
-    /// Rms error over rms stated sigma of the answers with a warning, dimensionless; `None` without such answers, or for a counted map.
+    /// For answers with a warning: rms error divided by rms stated sigma, dimensionless. `None` without such answers, or if the row counts a map's
+    /// cells.
     pub error_over_sigma_with_warning: Option<f64>,
 }
 
-/// Seed of the noise samples.
 const SEED: u64 = 5;
 
 impl Evidence for CoverageRow {
@@ -64,7 +66,7 @@ impl Evidence for CoverageRow {
 }
 
 /// Coverage on the co-rotational finger: over positions and directions, and for networks at the contact nodes. Includes maps of the finger with
-/// softer ends, which no estimator's model has. Empty without noise.
+/// softer ends, whose stiffness no estimator knows. Empty without noise.
 pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, Infallible> {
     let &Context { finger, noise_mm, forces, effort, is_paper, .. } = context;
     if noise_mm == 0.0 {
@@ -105,7 +107,7 @@ fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
     let stated = |cell: &MapCell| Some([cell.warned?, cell.covered?, cell.covered_warned?]);
     map.cells.iter().find_map(stated)?;
     let counts = map.cells.iter().map(|cell| {
-        // A cell with every sample refused states nothing.
+        // A cell with every sample refused states no interval.
         let [warned, covered, covered_warned] = stated(cell).unwrap_or_default();
         Counts {
             samples: cell.samples,
@@ -119,7 +121,6 @@ fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
     Some(CoverageRow { error_over_sigma_with_warning: None, ..counts.row(of) })
 }
 
-/// Counts of samples.
 #[derive(Debug, Clone, Copy, Default)]
 struct Counts {
     samples: usize,
@@ -144,8 +145,8 @@ impl Add for Counts {
     }
 }
 
-/// Senses every contact and force of a grid by each estimator, with as many independent noise samples as the grid requests. Returns one row for
-/// each estimator. `progress` is called after each contact. The result does not depend on the number of threads.
+/// Senses every contact and force of a grid by each estimator. Each contact and force has independent noise samples, as many as the grid requests.
+/// Returns one row per estimator. `progress` is called after each contact. The result does not depend on the number of threads.
 pub fn coverage(
     finger: &Finger,
     truth: &dyn Truth,
@@ -205,7 +206,7 @@ impl Counts {
         }
     }
 
-    /// Adds one sample; an estimator that does not support the contact refuses.
+    /// Adds one sample. It counts as refused if the estimator does not support the contact.
     fn sense(
         &mut self,
         prepared: Option<&mut (dyn PreparedEstimator + '_)>,
@@ -239,7 +240,7 @@ impl CoverageRow {
     }
 
     /// Checks on the finger that equals the estimators' model. Nearly all samples are answered, and coverage is 93 to 97 % without a warning. With a
-    /// warning it is at least 93 %, with a sigma close to the error.
+    /// warning, coverage is at least 93 %, with a sigma close to the error.
     pub fn checks(&self, is_paper: bool) -> Vec<Check> {
         if self.truth != TRUTH {
             return Vec::new();

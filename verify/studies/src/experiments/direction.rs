@@ -1,4 +1,4 @@
-//! Forces of unknown direction at a known position: cells where direction and magnitude are identifiable.
+//! Forces of unknown direction at a known position: finds the cells in which direction and magnitude are identifiable.
 //!
 //! The paper excludes unknown directions ("will not work", Fig. 13), because forces of other directions give nearly equal shapes. Camera noise
 //! decides whether they can be distinguished. Each position of the front plate is pushed in many directions. The nonlinear estimator knows only
@@ -18,18 +18,18 @@ use finray_model::sensing::NonlinearEstimate;
 
 /// Forces on the paper's finger, N.
 pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];
-/// Largest root mean square error of a direction that counts as identified, degrees.
+/// A direction counts as identified up to this root mean square error, degrees.
 pub const IDENTIFIED_DEG: f64 = 10.0;
-/// Largest relative root mean square error of a force that counts as identified.
+/// A force counts as identified up to this relative root mean square error.
 pub const IDENTIFIED_FORCE: f64 = 0.10;
-/// Smallest share of answered samples of a cell that counts as identified.
+/// A cell counts as identified if at least this share of its samples is answered.
 pub const IDENTIFIED_ANSWERED: f64 = 0.9;
-/// Resolution in a report: approximate number of positions, step of the directions (degrees), noise samples a cell. Refusals dominate the time.
+/// Resolution in a report: approximate number of positions, step of the directions (degrees), noise samples per cell. Refusals dominate the time.
 const POSITIONS: usize = 12;
 const STEP_DEG: f64 = 20.0;
 const SAMPLES: usize = 8;
 
-/// Request of a direction study.
+/// Parameters of a study of unknown directions.
 #[derive(Debug, Clone, Copy)]
 pub struct DirectionRequest<'m> {
     /// Mesh of the estimator.
@@ -48,22 +48,22 @@ pub struct DirectionRequest<'m> {
     pub seed: u64,
 }
 
-/// Results by position and direction, and for frictionless pushes.
+/// Results by position and direction, and for pushes without friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DirectionStudy {
     /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Number of noise samples a cell.
+    /// Number of noise samples per cell.
     pub samples: usize,
     /// Forces, N, ascending.
     pub forces_n: [f64; 3],
     /// Cells by position, then direction, then force.
     pub cells: Vec<DirectionCell>,
-    /// Pushes along the deformed normal, by node, force and assumption of the estimator.
+    /// Results for pushes along the deformed normal, by node, force and assumption of the estimator.
     pub without_friction: Vec<FrictionlessPush>,
 }
 
-/// One force at one position and direction.
+/// Results for one force at one position and direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionCell {
     /// Position on the front plate, mm from the base.
@@ -72,7 +72,7 @@ pub struct DirectionCell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Answers of the estimator.
+    /// Answers of the estimator to the noise samples.
     pub answers: Answers,
     /// Cramer-Rao bound: smallest standard deviation of the direction for an unbiased estimator, degrees.
     pub angle_bound_deg: Option<f64>,
@@ -87,11 +87,11 @@ pub struct Answers {
     pub samples: usize,
     /// Number of answered samples.
     pub answered: usize,
-    /// Error of the force, relative to it.
+    /// Root mean square error of the force, relative to the true force.
     pub force_error: Option<f64>,
-    /// Stated standard deviation of the force, relative to it.
+    /// Root mean square of the stated standard deviation of the force, relative to the true force.
     pub force_sigma: Option<f64>,
-    /// Error of the direction, degrees.
+    /// Root mean square error of the direction, degrees.
     pub angle_error_deg: Option<f64>,
 }
 
@@ -103,7 +103,6 @@ impl Answers {
             && self.force_error.is_some_and(|error| error <= IDENTIFIED_FORCE)
     }
 
-    /// Senses every noise sample of a measurement with the same question.
     fn of(
         estimator: &mut NonlinearEstimator,
         seen: &Measurement,
@@ -187,7 +186,7 @@ impl DirectionStudy {
         contacts(finger, request).len() + frictionless::nodes(finger).len()
     }
 
-    /// Numbers of identified cells and of all cells with equilibrium, for one force (N).
+    /// Number of identified cells, and number of all cells with equilibrium, for one force (N).
     pub fn identified(&self, force_n: f64) -> [usize; 2] {
         let carried = self.cells.iter().filter(|cell| cell.force_n == force_n && cell.answers.samples > 0);
         carried

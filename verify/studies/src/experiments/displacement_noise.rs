@@ -1,8 +1,8 @@
 //! Effect of the origin of the undeformed positions on noise floors: Cramer-Rao bounds, and a Monte Carlo study.
 //!
-//! The report's other studies draw an independent error for each displacement coordinate, as if the undeformed positions were exact. Here the
-//! same camera measures them too, or they follow from the motor angle ([`DisplacementNoise`]). A generalised least-squares estimator knows the
-//! covariance; an ordinary one assumes independent errors.
+//! The report's other studies draw an independent error for each displacement coordinate, as if the undeformed positions were exact. Here the same
+//! camera measures the undeformed positions too, or they follow from the motor angle ([`DisplacementNoise`]). A generalised least-squares estimator
+//! knows the covariance; an ordinary one assumes independent errors.
 
 use super::{Context, Evidence};
 use crate::experiments::table_two::contact_sets;
@@ -17,7 +17,7 @@ use finray_numerics::optimise::{FromFunction, LevenbergMarquardt, Refusal, covar
 /// Standard deviation of the finger base's position along each axis, mm, if it is computed from the motor angle. The value is assumed, because the
 /// paper gives the offsets of motor and camera only in figures.
 pub const TRANSLATION_SD_MM: f64 = 0.05;
-/// Standard deviation of the finger base's rotation, degrees; assumed for the same reason.
+/// Standard deviation of the finger base's rotation, degrees, if it is computed from the motor angle. The value is assumed.
 pub const ROTATION_SD_DEG: f64 = 0.1;
 /// Number of frames averaged in the second bound: one second of the paper's camera.
 pub const FRAMES: usize = 25;
@@ -25,10 +25,10 @@ pub const FRAMES: usize = 25;
 const MAX_STEPS: usize = 20;
 /// Allowance for chance in a root mean square, in standard errors.
 const STANDARD_ERRORS: f64 = 4.0;
-/// Rounding difference of two computations of the same bound, relative.
+/// Tolerance between two computations of the same bound, relative: rounding.
 const SAME_BOUND: f64 = 1e-9;
 
-/// Results for one set of contacts under one noise model; for several forces, root mean squares over them.
+/// Results for one set of contacts under one noise model. For several forces, figures are root mean squares over the forces.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DisplacementNoiseRow {
     /// Contact nodes, separated by spaces.
@@ -47,7 +47,7 @@ pub struct DisplacementNoiseRow {
     pub generalised_rms_n: f64,
     /// Root mean square error of ordinary least squares, N.
     pub ordinary_rms_n: f64,
-    /// Cramer-Rao bound by a second method, N: sqrt(2) times that of one image, or with the base's motion as further unknowns with a prior.
+    /// Cramer-Rao bound by a second method, N: sqrt(2) times the bound of one image, or with the base's motion as additional unknowns with a prior.
     #[serde(skip)]
     pub other_way_n: f64,
 }
@@ -77,7 +77,7 @@ pub fn models(image_sd_mm: f64) -> [(&'static str, DisplacementNoise); 3] {
     ]
 }
 
-/// Cramer-Rao bound of forces: the covariance (J^T S^-1 J)^-1, N^2. J holds derivatives (mm/N, two rows a node, one column a force). S is the
+/// Cramer-Rao bound of forces: the covariance (J^T S^-1 J)^-1, N^2. J holds derivatives (mm/N, two rows per node, one column per force). S is the
 /// covariance of the mean of `frames` frames. `None` if the forces are not identifiable.
 pub fn bound_n2(
     noise: &DisplacementNoise,
@@ -121,7 +121,7 @@ pub fn bound_with_base_as_unknown_n2(
     }
 }
 
-/// Deformed positions of the marked nodes, mm, finger frame.
+/// Deformed positions of the marked nodes in the finger frame, mm.
 fn positions_mm(finger: &Finger, displacements_mm: &DVector<f64>) -> Vec<Vector> {
     let displaced = |(i, node): (usize, NodeId)| {
         finger.position(node) + Vector::new(displacements_mm[2 * i], displacements_mm[2 * i + 1])
@@ -216,7 +216,7 @@ impl DisplacementNoiseStudy {
         for (name, _) in models(self.image_sd_mm) {
             let rows: Vec<_> = self.rows.iter().filter(|row| row.noise == name).collect();
             let answered: usize = rows.iter().map(|row| row.cases - row.refused).sum();
-            // A row without an answer is NaN, and fails.
+            // A row without an answer is NaN, so its check fails.
             let squares = rows.iter().map(|row| {
                 (row.generalised_rms_n / row.bound_n).powi(2) * (row.cases - row.refused) as f64 / answered as f64
             });

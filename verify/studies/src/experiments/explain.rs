@@ -1,8 +1,8 @@
 //! Explanation of an accuracy map: noise floors of forces, and errors caused by wrong directions and positions.
 //!
-//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j, one
-//! across the load gives c, and a shift of the load along the plate gives m. They are columns of the co-rotational finger's tangent compliance in
-//! its loaded shape. The stiffness of the deformed finger differs from that at rest.
+//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j, a
+//! small force across the load gives c, and a shift of the load along the plate gives m. They are columns of the co-rotational finger's tangent
+//! compliance in its loaded shape, because the deformed finger has another stiffness than the finger at rest.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -10,7 +10,7 @@ use crate::sampling::map::MapRequest;
 use finray_model::sensing::{LARGEST_SPAN, marker_coordinates};
 use finray_model::statics::Ladder;
 
-/// Limits of sensing one force at one position and direction; all `None` if the finger has no equilibrium.
+/// Limits of sensing one force at one position and direction. Every limit is `None` if the finger has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Explanation {
     /// Position on the front plate, mm from the base.
@@ -25,11 +25,12 @@ pub struct Explanation {
     pub bound_unknown_direction: Option<f64>,
     /// Cramer-Rao bound of the direction, degrees; `None` if the two components are not identifiable.
     pub direction_sigma_deg: Option<f64>,
-    /// Condition number: motion of the markers by the best observed force component, over that by the worst observed one.
+    /// Condition number, dimensionless: motion of the markers by the best observed force component, over that by the worst observed one.
     pub condition: Option<f64>,
-    /// |d (sensed / true) / d angle|, per degree of error in the assumed direction.
+    /// Size of the relative force error per degree of error in the assumed direction: |d (sensed / true) / d angle|, 1/degree.
     pub error_per_deg: Option<f64>,
-    /// |d (sensed / true) / d position|, per mm of error in the assumed position. At a rib the plate's strain jumps, and the value is one-sided.
+    /// Size of the relative force error per mm of error in the assumed position: |d (sensed / true) / d position|, 1/mm. At a rib the plate's strain
+    /// jumps, so the value is one-sided.
     pub error_per_mm: Option<f64>,
 }
 
@@ -50,15 +51,12 @@ pub struct ExplanationMap {
 
 impl Evidence for ExplanationMap {}
 
-/// Explains sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
-///
-/// # Errors
-/// [`LoadError`] for a position off the front plate.
+/// Explains sensing of the drawn force on the co-rotational finger. Without noise the bounds are 0.
 pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
     let (positions, step_deg, _) = effort.coarse_resolution();
-    // An explanation needs only one shape a cell, so directions can be fine.
+    // An explanation needs only one shape per cell, so directions can be fine.
     let (positions_mm, angles_deg) = match effort {
         Effort::Quick => {
             let coarse = MapRequest::grid(finger, positions, step_deg).0.len();
@@ -100,7 +98,7 @@ impl ExplanationMap {
         })
     }
 
-    /// One quantity by direction, then position.
+    /// A quantity of all cells, by direction, then position.
     pub fn values(&self, of: impl Fn(&Explanation) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let directions = self.angles_deg.len();
         let row = |angle: usize| self.cells.iter().skip(angle).step_by(directions).map(&of).collect();
@@ -150,12 +148,12 @@ impl Sensitivity {
         Ok(Some(Sensitivity { along, across, moved }))
     }
 
-    /// Least-squares coefficient of another motion of the markers on that of the force: j+ x.
+    /// Least-squares coefficient of another motion of the markers on the motion by the force: j+ x.
     fn projected(&self, motion: &DVector<f64>) -> f64 {
         self.along.dot(motion) / self.along.norm_squared()
     }
 
-    /// Largest over smallest singular value of (j, c). It is equal for (normal, tangential), which is a rotation of (j, c).
+    /// Largest over smallest singular value of (j, c). The value is the same for (normal, tangential), which is a rotation of (j, c).
     fn condition(&self) -> f64 {
         let values = DMatrix::from_columns(&[self.along.clone(), self.across.clone()]).singular_values();
         values.max() / values.min()
@@ -168,9 +166,9 @@ fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
 }
 
 impl Explanation {
-    /// Formulas, with noise s and force F: the bound is s / (F |j|). With unknown direction it is s / (F |j - c c+ j|), and that of the direction
-    /// s / (F |c - j j+ c|). An error of one degree in the direction acts like a force F (pi / 180) c, of which least squares attributes j+ c to the
-    /// force. An error of one mm in the position acts like m.
+    /// Formulas, with noise s and force F: the bound is s / (F |j|). With unknown direction the bound is s / (F |j - c c+ j|), and the bound of the
+    /// direction is s / (F |c - j j+ c|). An error of one degree in the direction acts like a force F (pi / 180) c, of which least squares
+    /// attributes j+ c to the force. An error of one mm in the position acts like m.
     fn of(s_mm: f64, angle_deg: f64, force_n: f64, noise_mm: f64, sensitivity: Option<&Sensitivity>) -> Explanation {
         let condition = sensitivity.map(Sensitivity::condition);
         let told_apart = sensitivity.filter(|_| condition.is_some_and(|condition| condition <= LARGEST_SPAN));

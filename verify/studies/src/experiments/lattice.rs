@@ -1,4 +1,4 @@
-//! Study of the lattice: its error with the causes, its computation time, and sensing of its shapes.
+//! Study of the lattice: its error and the causes of the error, its computation time, and sensing of its shapes.
 
 use super::contact_scene::objects::Objects;
 use super::contact_scene::study::SceneStudy;
@@ -17,30 +17,30 @@ use std::ops::RangeInclusive;
 
 /// Forces under which axial springs are compared, N; rotations are negligible under the first.
 const AXIAL_FORCES_N: [f64; 3] = [0.1, 2.0, 5.0];
-/// Largest fineness with settling; finer lattices need many seconds.
+/// Lattices are settled up to this fineness, because finer lattices need many seconds.
 const SETTLED_FINENESS: usize = 4;
-/// Largest difference of sensed / true between lattice and beams. The maps' lattice (four segments a member) is within 1.2e-4 of the displacements
-/// under 3 N. Linear sensing turns it into a force error of at most twice that for one force.
+/// Tolerance of sensed / true between lattice and beams. The maps' lattice (four segments per member) is within 1.2e-4 of the displacements under 3
+/// N. Linear sensing of one force at most doubles this error.
 const MAP_TOLERANCE: f64 = 2.6e-4;
-/// Largest error of the nonlinear estimator on the lattice: four elements a member have 4e-4 under 3 N, and the lattice adds its own error.
+/// Tolerance of the nonlinear estimator's error on the lattice. Four elements per member have 4e-4 under 3 N, and the lattice adds its own error.
 const NONLINEAR_TOLERANCE: f64 = 5.3e-4;
 
 /// All results of the lattice for a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeStudy {
-    /// Error and time by fineness; only a full study settles, at the coarser finenesses.
+    /// Error and time by fineness. Only a full study settles lattices, at the coarser finenesses.
     pub rows: Vec<FinenessRow>,
-    /// Loads of the rows for Newton's method, and for settling.
+    /// Loads under which the rows were computed: by Newton's method, and by settling.
     pub loads: [LoadGrid; 2],
-    /// Errors with axial springs of a beam and with others, for [`FINENESS`] segments a member.
+    /// Errors with axial springs of a beam and with other ones, for [`FINENESS`] segments per member.
     pub axial: Vec<AxialRow>,
     /// Forces at which axial springs are compared, N.
     pub axial_forces_n: Vec<f64>,
-    /// Errors by setting of settling, for [`FINENESS`] segments a member; empty in a quick study.
+    /// Errors by settings of settling, for [`FINENESS`] segments per member; empty in a quick study.
     pub settling: Vec<SettlingRow>,
     /// Loads under which settings of settling are compared.
     pub settled: LoadGrid,
-    /// Largest unbalanced force after rounding the equilibrium to single precision, relative to the load.
+    /// Largest unbalanced force after rounding the equilibrium to single precision, relative to the load, dimensionless.
     pub out_of_balance: f64,
     /// Checks of [`problems::lattice`]; empty in a quick study.
     pub problem_checks: Vec<Check>,
@@ -52,7 +52,7 @@ pub struct LatticeStudy {
     pub sensing: LatticeSensing,
 }
 
-/// Maps of sensing from the lattice's displacements; only `others` have noise.
+/// Maps of sensing from the lattice's displacements. Only maps in `others` include noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSensing {
     /// Map by linear least squares.
@@ -74,7 +74,7 @@ pub struct MapDifference {
     pub largest: f64,
     /// Cell with the largest difference, from the first map.
     pub at: Option<MapCell>,
-    /// Number of cells with an equilibrium in only one of the maps.
+    /// Number of cells with an equilibrium in only one of the two maps.
     pub in_one_alone: usize,
 }
 
@@ -107,7 +107,8 @@ struct Extent {
     /// Loads by fineness and for the axial springs: every `nodes`-th node, and directions in degrees.
     nodes: usize,
     angles_deg: &'static [f64],
-    /// Positions and step of the directions (degrees), for least squares and nonlinear; both are subsets of the co-rotational map's.
+    /// Positions and step of the directions (degrees), for least squares and for the nonlinear estimator. Both grids are parts of the co-rotational
+    /// map's grid.
     maps: [(usize, f64); 2],
 }
 
@@ -134,8 +135,8 @@ impl Evidence for LatticeStudy {
     }
 }
 
-/// The lattice of the paper's finger, in parallel with objects that are pressed, because both settle long on a single thread. `maps` includes the
-/// map of least squares on the co-rotational finger without noise.
+/// Studies the lattice of the paper's finger in parallel with pressed objects, because each of them settles for long on a single thread. `maps`
+/// includes the map of least squares on the co-rotational finger without noise.
 pub(crate) fn run_beside_objects(
     context: &Context,
     maps: &[AccuracyMap],
@@ -183,7 +184,7 @@ impl LatticeStudy {
         let settled = LoadGrid { nodes: few.nodes[..1].to_vec(), forces_n: vec![largest], ..few };
         let finenesses: Vec<usize> = extent.finenesses.clone().collect();
 
-        // Timed rows run on one core in parallel with the other computations.
+        // These computations are timed on one core, in parallel with the other computations of the study.
         let settles = |fineness| (full && fineness <= SETTLED_FINENESS).then(|| one.clone());
         let rows = || study(finger, &finenesses, &all, settles).inspect(|_| step());
         let problem = || if full { problems::lattice::checks(finger).inspect(|_| step()) } else { Ok(Vec::new()) };
@@ -217,7 +218,7 @@ impl LatticeStudy {
         })
     }
 
-    /// All checks; those of sensing apply only to the paper's forces.
+    /// All checks. Checks of sensing apply only to the paper's forces.
     pub fn checks(&self, forces: ReportForces) -> Vec<Check> {
         let mut checks = self.problem_checks.clone();
         if forces == ReportForces::PAPER {
@@ -258,7 +259,7 @@ impl LatticeSensing {
         Ok(LatticeSensing { least_squares, nonlinear: exact, others: linear, difference })
     }
 
-    /// The two maps without noise that are compared with the co-rotational finger's.
+    /// The two maps without noise that are compared with the co-rotational finger's maps.
     pub fn maps(&self) -> [&AccuracyMap; 2] {
         [&self.least_squares, &self.nonlinear]
     }
@@ -278,7 +279,8 @@ impl LatticeSensing {
         worst(self.nonlinear.cells.iter().map(|cell| cell.mean_error.unwrap_or(f64::NAN)))
     }
 
-    /// Checks that least squares has equal errors on the lattice and on the co-rotational finger, and the nonlinear estimator a small error.
+    /// Checks that least squares has equal errors on the lattice and on the co-rotational finger, and that the nonlinear estimator has a small
+    /// error.
     pub fn checks(&self) -> [Check; 3] {
         let forces: Vec<String> = self.least_squares.request.forces_n.iter().map(f64::to_string).collect();
         let forces = forces.join(", ");

@@ -1,4 +1,4 @@
-//! Accuracy maps for every truth and estimator.
+//! Accuracy maps for every true finger and estimator.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -7,15 +7,14 @@ use crate::truths::{Truth, TruthError, TruthId};
 
 impl Evidence for AccuracyMap {}
 
-/// A map to compute.
 struct Plan {
     truth: TruthId,
     estimator: EstimatorId,
     request: MapRequest,
 }
 
-/// A map for each truth and estimator. Scenes other than the paper's have only truths of their own beams. Maps on the spring lattice are part of
-/// [its own study](super::lattice), except those of networks.
+/// Computes a map for each true finger and estimator. For scenes other than the paper's, true fingers consist of the scene's own beams only. Maps on
+/// the spring lattice are part of [its own study](super::lattice), except maps of networks.
 pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     let finger = context.finger;
     let ids: Vec<TruthId> =
@@ -41,7 +40,8 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     Ok(plans.iter().flat_map(map).collect())
 }
 
-/// Grid of the map of an estimator on a truth: coarser for slow estimators, and for maps that vary little. `None` if another study covers the pair.
+/// Grid of the map of an estimator on a true finger: coarser for slow estimators, and for maps that vary little. `None` if another study covers the
+/// pair.
 fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<Option<Plan>, TruthError> {
     let is_asked = if estimator.at_nodes() { context.is_paper } else { !truth.id().has_study() };
     if !is_asked {

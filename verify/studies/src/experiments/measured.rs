@@ -1,6 +1,6 @@
-//! Images of a finger under measured forces: the force sensed in each, and the benefit of each piece of prior knowledge.
+//! Images of a finger under measured forces: the force sensed in each image, and the benefit of each piece of prior knowledge.
 //!
-//! The scene is used unchanged. It does not record whether these images served for its calibration.
+//! The scene is used unchanged. The scene does not record whether these images served for its calibration.
 
 mod knowledge;
 mod lens;
@@ -15,7 +15,7 @@ use image::RgbImage;
 use knowledge::{KNOWLEDGE, Knowledge};
 use picture::Picture;
 
-/// The force sensed in an image, or the reason of its refusal.
+/// The force sensed in an image, or the reason why no force was sensed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasuredForce {
     /// Name of the image.
@@ -80,7 +80,7 @@ pub enum MeasuredError {
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
     /// The image was not located, or has no measured force.
-    #[error("image {name:?} is not among those that were located and whose force was measured")]
+    #[error("image {name:?} needs located markers and a measured force, but lacks at least one of them")]
     NotLocated {
         /// Name of the image.
         name: String,
@@ -91,7 +91,7 @@ pub enum MeasuredError {
 }
 
 impl MeasuredStudy {
-    /// Prior knowledge in the order of the study, with the sensed forces.
+    /// Sensed forces by prior knowledge, in the order of the study.
     pub fn by_knowledge(&self) -> impl Iterator<Item = (&'static str, &[MeasuredForce])> {
         self.forces.chunk_by(|a, b| a.known == b.known).map(|forces| (forces[0].known, forces))
     }
@@ -148,7 +148,7 @@ pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result
     Ok(MeasuredStudy { images: measured.len(), forces, residuals, pictures })
 }
 
-/// Senses the force in one image; `None` if the direction is not available as this prior knowledge requires.
+/// Senses the force in one image; `None` if this prior knowledge requires a direction that is not available.
 fn sensed(
     scene: &Scene,
     finger: &Finger,

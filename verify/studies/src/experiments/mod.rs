@@ -1,6 +1,6 @@
-//! Experiments on fingers, estimators and models: one file each, with its own type of results.
+//! Experiments on fingers, estimators and models: one file for each, with its own type of results.
 //!
-//! Those of the report `run` on the [`Context`] and on earlier results; [`study`](crate::study) lists them.
+//! Experiments of the report `run` on the [`Context`] and on earlier results; [`study`](crate::study) lists them.
 
 pub mod assumed;
 pub mod camera;
@@ -42,7 +42,7 @@ pub struct Context<'c> {
     pub given: &'c SceneWithOutline,
     /// The finger of the scene.
     pub finger: &'c Finger,
-    /// Whether the finger is the paper's; reference values exist for that finger alone.
+    /// Whether the finger is the paper's finger, for which alone reference values exist.
     pub is_paper: bool,
     /// Standard deviation of the camera noise of one coordinate, mm.
     pub noise_mm: f64,
@@ -61,12 +61,12 @@ pub struct Context<'c> {
 }
 
 impl Context<'_> {
-    /// Forces of studies whose checks and claims hold for fixed forces.
+    /// Forces of the parts that have fixed reference figures.
     pub fn checked_forces(&self) -> ReportForces {
         self.forces.checked(self.is_paper)
     }
 
-    /// Noise levels, mm: 0, and the camera's if it has noise.
+    /// Noise levels, mm: 0, and the camera's noise if it is above 0.
     pub fn noise_levels_mm(&self) -> Vec<f64> {
         if self.noise_mm > 0.0 { vec![0.0, self.noise_mm] } else { vec![0.0] }
     }
@@ -84,7 +84,7 @@ pub enum ExperimentError {
     /// A lattice has no equilibrium.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
-    /// A finger with other zones or another modulus is impossible.
+    /// A change of zones or modulus makes the finger invalid.
     #[error(transparent)]
     Finger(#[from] ImpossibleFinger),
     /// A contact is not on the finger.
@@ -107,7 +107,7 @@ pub enum ExperimentError {
     #[error(transparent)]
     Train(#[from] finray_train::TrainError),
     /// A shipped scene cannot be read.
-    #[error("a scene that ships: {0}")]
+    #[error("cannot read a shipped scene: {0}")]
     Scene(#[from] SceneError),
     /// A grasp cannot be set up.
     #[error(transparent)]
@@ -122,7 +122,7 @@ pub enum ExperimentError {
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// A study of a pressed object failed.
-    #[error("contact scene: {0}")]
+    #[error("cannot study a pressed object: {0}")]
     Object(#[from] SceneStudyError),
     /// The finger has no equilibrium under a weight.
     #[error("the finger cannot carry {weight_g} g at node {node}")]

@@ -6,28 +6,29 @@ use crate::prelude::*;
 use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow, scatter_controlled};
 use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
 
-/// Largest mean relative error of one force at nodes 14 to 24. The Cramer-Rao bound is largest at node 24, 1.2 %.
+/// Tolerance of the mean relative error of one force at nodes 14 to 24. The Cramer-Rao bound is largest at node 24, 1.2 %.
 const ONE_FORCE_TOLERANCE: f64 = 0.013;
-/// Number of drawn cases from which checks at nodes apply. With it, mean relative errors over their bound are known to 3 %, a third of their
-/// tolerance. Drawn cases count, not answered ones, so that refusals cannot remove a check.
+/// Checks at nodes require at least this number of drawn cases. Mean relative errors over their bound are then known to 3 %, a third of their
+/// tolerance. Refused cases count as drawn, so that they cannot remove a check.
 const ENOUGH_CASES: usize = 1000;
-/// Number of drawn cases from which a pair's tolerance has no allowance for chance. With fewer, two standard errors are allowed, because the bound
-/// of neighbours is just below the tolerance. Relative errors of uniformly drawn forces have a standard deviation of `MEAN_SCATTER` times their mean.
+/// With at least this number of drawn cases, a pair's tolerance has no allowance for chance. With fewer, two standard errors are allowed, because
+/// the bound of neighbours is just below the tolerance. Relative errors of uniformly drawn forces have a standard deviation of `MEAN_SCATTER` times
+/// their mean.
 const ENOUGH_PAIR_CASES: usize = 2000;
 const MEAN_SCATTER: f64 = 1.1;
 const MEAN_STANDARD_ERRORS: f64 = 2.0;
 /// Contact nodes with checked errors.
 pub const CHECKED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
-/// Pairs of contact nodes with the limit of their mean relative error, averaged over both forces.
+/// Pairs of contact nodes, each with the tolerance of its mean relative error, averaged over both forces.
 pub const CHECKED_PAIRS: [([usize; 2], f64); 4] =
     [([19, 20], 0.03), ([16, 17], 0.03), ([18, 20], 0.012), ([16, 20], 0.012)];
-/// Largest relative difference from the Cramer-Rao bound: of mean errors at nodes and of sums, and of root mean squares of every pair.
+/// Tolerance of the relative difference from the Cramer-Rao bound: for mean errors at nodes and of sums, and for root mean squares of every pair.
 pub const BOUND_TOLERANCE: f64 = 0.10;
-/// Largest standard error of a figure checked with [`BOUND_TOLERANCE`]. Chance then does not hide an error of twice the tolerance (four
-/// standard errors). Neighbours have 2 %, distant nodes a few tenths of a per cent.
+/// Tolerance of the standard error of a figure that is checked with [`BOUND_TOLERANCE`]. Chance then does not hide an error of twice that tolerance
+/// (four standard errors). Neighbours have 2 %, distant nodes a few tenths of a per cent.
 pub const BOUND_STANDARD_ERROR: f64 = BOUND_TOLERANCE / 4.0;
 
-/// Results on random forces sensed under noise.
+/// Results of sensing random forces under camera noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseStudy {
     /// Standard deviation of a coordinate's noise, mm.
@@ -39,7 +40,7 @@ pub struct NoiseStudy {
     pub pairs: Vec<ScatterRow>,
     /// Results of every pair with the same samples, by linear least squares.
     pub linear_pairs: Vec<ScatterRow>,
-    /// Condition number of the linear finger's compliance (largest over smallest singular value), by `pairs`.
+    /// Condition number of the linear finger's compliance (largest over smallest singular value), one for each of `pairs`.
     pub condition_numbers: Vec<f64>,
     /// Results of the checked pairs of the paper's finger, by the nonlinear estimator, with more cases.
     pub checked: Vec<ScatterRow>,
@@ -91,7 +92,7 @@ impl NoiseStudy {
         progress.part("noise", singles.len() + pairs.len() + checked.len());
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
         let nonlinear = BeamEstimator::nonlinear(&model);
-        // For pairs only errors are shown, so the model's share of the stated deviations is not computed.
+        // For pairs only errors are shown, so the model's share of the stated standard deviations is not computed.
         let of_pairs = [BeamEstimator::nonlinear, BeamEstimator::least_squares]
             .map(|estimator| estimator(&model).of_noise_alone());
         let noise_levels_mm = [noise_mm];
@@ -128,7 +129,7 @@ impl NoiseStudy {
         })
     }
 
-    /// Checks of the paper's finger under the camera's noise. The number of drawn cases decides which apply; a refused case fails its check.
+    /// Checks of the paper's finger under the camera's noise. The number of drawn cases decides which checks apply; a refused case fails its check.
     pub fn checks(&self) -> Vec<Check> {
         if self.noise_mm != CAMERA_NOISE_MM {
             return Vec::new();
@@ -199,7 +200,7 @@ impl NoiseStudy {
         ]
     }
 
-    /// Checks that all pairs reach the bound within 10 %, and that the standard errors are small enough; empty without pairs.
+    /// Checks that all pairs reach the bound within 10 %, and that standard errors are small enough; empty without pairs.
     fn bound_checks(&self) -> Vec<Check> {
         if self.pairs.is_empty() {
             return Vec::new();
@@ -218,8 +219,8 @@ impl NoiseStudy {
         let chance = over_all(|found| found.standard_error);
         let rows: Vec<&ScatterRow> = self.pairs.iter().collect();
         let at = format!("{} pairs of nodes", self.pairs.len());
-        let farthest = "root mean square error / bound less one, forces and sums, farthest".to_owned();
-        let standard_error = "standard error of these figures, largest".to_owned();
+        let farthest = "largest difference of (root mean square error / bound) from 1, forces and sums".to_owned();
+        let standard_error = "largest standard error of these ratios".to_owned();
         vec![
             self.check(&at, BOUND, farthest, [0.0, off, BOUND_TOLERANCE], &rows),
             self.check(&at, BOUND, standard_error, [0.0, chance, BOUND_STANDARD_ERROR], &rows),

@@ -12,15 +12,15 @@ impl Evidence for BentFinger {}
 /// A deformed finger, for drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BentFinger {
-    /// Text on load and kinematics.
+    /// Label that states load and kinematics.
     pub label: String,
     /// Kinematics of the solution.
     pub kinematics: Kinematics,
-    /// Force vector, N, finger frame.
+    /// Force vector in the finger frame, N.
     pub force: Vector,
-    /// Deformed position of the force, mm, finger frame.
+    /// Deformed position at which the force acts, in the finger frame, mm.
     pub at: Vector,
-    /// Deformed positions of the nodes along every member, mm, finger frame.
+    /// Deformed positions of the nodes along every member, in the finger frame, mm.
     pub lines: Vec<Vec<Vector>>,
     /// Validity of the beam model in this shape.
     pub validity: Validity,
@@ -44,7 +44,7 @@ impl Evidence for TouchedFinger {}
 /// Step of the directions of [`touched`], degrees.
 const TOUCHED_STEP_DEG: f64 = 20.0;
 
-/// The co-rotational finger under the drawn force at 13 or fewer contact nodes, in all directions with equilibrium.
+/// The co-rotational finger under the drawn force at up to 13 contact nodes, in all directions with equilibrium.
 pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
     let (finger, force_n) = (context.finger, context.forces.drawn_n());
     let every = finger.contact_nodes().len().div_ceil(13);

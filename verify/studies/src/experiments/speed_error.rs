@@ -21,7 +21,7 @@ use crate::settings::TWO_FORCES_N;
 use sensing::{neighbours, singles};
 use std::fmt;
 
-/// Task of a timed point.
+/// Task whose time and error a point states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Task {
@@ -51,9 +51,9 @@ impl Task {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub enum TimedBy {
-    /// The report, which computes the point.
+    /// The report, which also computes the point.
     Report,
-    /// Criterion, in the project's benches.
+    /// Criterion, with the project's benches.
     Criterion,
     /// A script that runs another program.
     OtherProgram {
@@ -80,20 +80,20 @@ impl From<TimedBy> for String {
     }
 }
 
-/// Starting point of an answer.
+/// Starting point of an iterative solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
-    /// No starting point: a direct solution, or a start from rest.
+    /// No starting point: a direct solution, or iterations from rest.
     None,
     /// Least squares on the linear finger, as for an unrelated measurement.
     Cold,
-    /// The answer to the previous frame.
+    /// The answer for the previous frame.
     Warm,
 }
 
 impl Start {
-    /// Suffix of a setting in words.
+    /// Suffix that states the starting point in a setting.
     pub fn suffix(self) -> &'static str {
         match self {
             Start::None => "",
@@ -103,7 +103,7 @@ impl Start {
     }
 }
 
-/// Time and error of one method.
+/// Time and error of one method for one task.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeedErrorPoint {
     /// Task of the point.
@@ -113,13 +113,13 @@ pub struct SpeedErrorPoint {
     /// The estimator; `None` for other programs and for models.
     #[serde(skip)]
     pub estimator: Option<EstimatorId>,
-    /// Setting in words, including the start.
+    /// Setting in words, including the starting point.
     pub setting: String,
     /// Starting point of each answer.
     pub start: Start,
-    /// Median time of an answer, s.
+    /// Median computation time per answer, s.
     pub seconds: f64,
-    /// 95th percentile of the time of an answer, s; `None` if only a median is given.
+    /// 95th percentile of the computation time per answer, s; `None` if only a median is given.
     pub seconds_95: Option<f64>,
     /// Median preparation time for a new contact, s; only for sensing that was timed by the report.
     pub preparation_seconds: Option<f64>,
@@ -127,7 +127,7 @@ pub struct SpeedErrorPoint {
     pub error: f64,
     /// Largest error for frames without noise, in standard deviations of the noise: the error of the model and its mesh.
     pub bias_sigmas: Option<f64>,
-    /// Number of answers that were refused or had no equilibrium; all other figures exclude them.
+    /// Number of answers that were refused or had no equilibrium. All other figures exclude these answers.
     pub failed: usize,
     /// Number of requested answers.
     pub asked: usize,
@@ -138,16 +138,16 @@ pub struct SpeedErrorPoint {
 }
 
 impl SpeedErrorPoint {
-    /// The setting without its start.
+    /// The setting without the starting point.
     pub fn mesh(&self) -> &str {
         self.setting.trim_end_matches(self.start.suffix())
     }
 }
 
-/// Largest number of nodes along the front plate at which forces are requested: all nodes that the paper loads on its finger.
+/// Forces are requested at up to this number of nodes along the front plate: all nodes that the paper loads on its finger.
 pub const ASKED_NODES: usize = 11;
 
-/// Load cases of a task on a finger.
+/// Load cases of a task on a finger: nodes and forces.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Asked {
     /// Loaded nodes, as a range `14-24`, or separated by spaces.
@@ -156,7 +156,7 @@ pub struct Asked {
     pub forces_n: String,
 }
 
-/// Load cases of a task's points.
+/// Load cases (nodes and forces) for which the points of a task are computed.
 pub fn asked(finger: &Finger, forces: ReportForces, task: Task) -> Asked {
     let sets = match task {
         Task::SenseNeighbours => neighbours(finger),

@@ -45,7 +45,7 @@ pub struct TableOneRow {
     pub errors: Vec<f64>,
     /// Mean of |sensed / true - 1| over the weights.
     pub mean_error: f64,
-    /// The paper's mean relative error.
+    /// Mean relative error that the paper states for this node, dimensionless.
     pub paper_mean_error: f64,
 }
 
@@ -71,7 +71,7 @@ pub struct TableOne {
 
 impl Evidence for TableOne {}
 
-/// Table I for each assumed direction, on the co-rotational finger; empty unless the finger is the paper's.
+/// Results for Table I by assumed direction, on the co-rotational finger; empty unless the finger is the paper's.
 pub(crate) fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
     if !context.is_paper {
         return Ok(Vec::new());
@@ -85,11 +85,11 @@ pub(crate) fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
     TABLE_ONE_ANGLES_DEG.into_iter().map(table).collect()
 }
 
-/// Runs the protocol: calibrates the modulus on the truth, then senses each weight at each node without noise. `angle_deg` is the direction of the
-/// weights, degrees.
+/// Runs the protocol: calibrates the modulus on the true finger, then senses each weight at each node without noise. `angle_deg` is the direction of
+/// the weights, degrees from the inward normal.
 ///
 /// # Errors
-/// [`ExperimentError`] if the truth has no equilibrium under a weight, or a weight cannot be sensed.
+/// [`ExperimentError`] if the true finger has no equilibrium under a weight, or a weight cannot be sensed.
 pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<TableOne, ExperimentError> {
     let forces_n = WEIGHTS_G.map(weight_n);
     let modulus_factor = modulus_factor(finger, truth, angle_deg, &CALIBRATION_NODES)?;
@@ -113,7 +113,7 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
     Ok(TableOne { truth: truth.id(), angle_deg, modulus_factor, rows })
 }
 
-/// Ratio of calibrated to assumed Young's modulus: eq. (11), from the truth's shapes under the weights at some nodes.
+/// Ratio of calibrated to assumed Young's modulus: eq. (11), from shapes of the true finger under the weights at some nodes.
 pub(crate) fn modulus_factor(
     finger: &Finger,
     truth: &dyn Truth,
@@ -145,7 +145,7 @@ pub fn weighed(finger: &Finger, truth: &dyn Truth, nodes: &[NodeId], weights_n: 
     nodes.iter().flat_map(under).collect()
 }
 
-/// Shapes of the truth under all weights at a node and direction (degrees).
+/// Shapes of the true finger under all weights at a node and direction (degrees).
 fn shapes(truth: &dyn Truth, node: NodeId, angle_deg: f64) -> Result<(Contact, Vec<FingerShape>), ExperimentError> {
     let contact = Contact { position: ContactPosition::Node(node), angle_deg };
     let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));

@@ -37,7 +37,7 @@ pub fn contact_sets() -> Vec<&'static [usize]> {
     CONTACT_GROUPS.iter().flat_map(|group| group.sets).copied().collect()
 }
 
-/// A set of contacts at which training recipes are compared.
+/// A set of contacts at which recipes for training networks are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedSet {
     /// Short name of the set.
@@ -56,23 +56,22 @@ pub const COMPARED_SETS: [ComparedSet; 3] = [
 /// Range of each force, N (sec. V-C).
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 
-/// Largest number of cases of each set for the nonlinear estimator on the linear finger. No co-rotational finger fits its shapes. The search then
-/// tries every start, often refuses, and takes a hundred times as long.
+/// Largest number of cases per set for the nonlinear estimator on the linear finger, whose shapes no co-rotational finger fits. The search then
+/// tries every starting point, often refuses, and takes a hundred times as long.
 pub const CASES_WITHOUT_FIT: usize = 20;
-/// Largest part of the cases for the nonlinear estimator on the linear finger: one case in this many.
+/// On the linear finger, the nonlinear estimator senses at most one case in this number.
 const SHARE_WITHOUT_FIT: usize = 4;
-/// Largest number of cases of each set for the nonlinear estimator, which takes as long as everything else together. A mean error over the sets of a
-/// group is then known to 4 %, because relative errors have a standard deviation of 1.1 times their mean.
+/// Largest number of cases per set for the nonlinear estimator, which takes as long as all other computations together. A mean error over the sets
+/// of a group is then known to 4 %, because relative errors have a standard deviation of 1.1 times their mean.
 pub const MOST_FITS: usize = 500;
 /// Number of progress calls: four runs with one call for each set of contacts.
 pub const STEPS: usize = 4 * {
     let [one, neighbours, apart] = CONTACT_GROUPS;
     one.sets.len() + neighbours.sets.len() + apart.sets.len()
 };
-/// Seed of the forces and the noise.
 const SEED: u64 = 1;
 
-/// Results of Table II on two fingers.
+/// Results for Table II on two fingers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableTwo {
     /// Number of random cases for each set of contacts. The nonlinear estimator senses the first [`MOST_FITS`] of them; on the linear finger it senses
@@ -84,7 +83,7 @@ pub struct TableTwo {
     pub fingers: Vec<TableTwoFinger>,
 }
 
-/// Results of Table II on one finger.
+/// Results for Table II on one finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableTwoFinger {
     /// The true finger.
@@ -178,7 +177,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<TableTwo>, EstimatorError>
     table_two(context.fine, &context.noise_levels_mm(), cases, &[&sensing], &step).map(Some)
 }
 
-/// Runs the protocol on the linear finger and on `fine`, the mesh of the co-rotational one, at the given noise levels (mm). Estimators are least
+/// Runs the protocol on the linear finger and on `fine`, the mesh of the co-rotational finger, at the given noise levels (mm). Estimators are least
 /// squares, ridge, `further` ones and the nonlinear one. `progress` is called after each set of contacts, [`STEPS`] times in all.
 ///
 /// # Errors

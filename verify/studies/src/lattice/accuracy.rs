@@ -2,7 +2,7 @@
 
 use crate::prelude::*;
 
-/// Elements a member of converged beams: doubling them changes the paper's finger under 5 N by a share of 1e-6 at most.
+/// Elements per member of converged beams. Doubling this number changes the paper's finger under 5 N by at most 1e-6, relative.
 pub const CONVERGED_ELEMENTS: usize = 32;
 
 /// Grid of loads under which lattice and beams are compared.
@@ -17,7 +17,7 @@ pub struct LoadGrid {
 }
 
 impl LoadGrid {
-    /// All contact nodes except the tip, -60 to 60 degrees, 0.1 to 5 N.
+    /// All contact nodes except the tip, directions from -60 to 60 degrees, forces from 0.1 to 5 N.
     pub fn full(finger: &Finger) -> LoadGrid {
         LoadGrid {
             nodes: finger.contact_nodes().skip(1).collect(),
@@ -26,7 +26,7 @@ impl LoadGrid {
         }
     }
 
-    /// A few loads at other directions than the full grid, for slow computations.
+    /// A few loads for slow computations, in other directions than those of the full grid.
     pub fn few(finger: &Finger) -> LoadGrid {
         let nodes: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
         let every = nodes.len().div_ceil(3).max(1);
@@ -37,13 +37,13 @@ impl LoadGrid {
         }
     }
 
-    /// Every pair of node and direction (degrees), in the order in which the shapes of a grid are listed.
+    /// Every pair of node and direction (degrees). Shapes over a grid of loads are listed in this order.
     pub fn directions(&self) -> Vec<(NodeId, f64)> {
         self.nodes.iter().flat_map(|&node| self.angles_deg.iter().map(move |&angle_deg| (node, angle_deg))).collect()
     }
 }
 
-/// Shapes of the converged beam finger over a grid of loads, indexed by node and direction, then force.
+/// Shapes of converged beams over a grid of loads, indexed by node and direction, then force.
 pub(crate) fn beam_shapes(
     finger: &Finger,
     grid: &LoadGrid,
@@ -79,7 +79,7 @@ pub(super) fn load(finger: &Finger, &(node, angle_deg): &(NodeId, f64), force_n:
     Load::at_node(node, finger.direction(angle_deg) * force_n)
 }
 
-/// Largest difference of a key node's displacement between two shapes, relative to the reference's largest displacement.
+/// Largest difference of a key node's displacement between two shapes, relative to the reference's largest displacement, dimensionless.
 pub fn difference(reference: &FingerShape, other: &FingerShape) -> f64 {
     let pairs = reference.motions().iter().zip(other.motions());
     worst(pairs.map(|(a, b)| (a.displacement - b.displacement).norm())) / reference.largest_displacement_mm()
@@ -102,22 +102,22 @@ pub struct FinenessRow {
     pub springs: usize,
     /// Forces, N.
     pub forces_n: Vec<f64>,
-    /// Largest difference of the lattice's equilibrium from converged beams, relative to the largest displacement, by force.
+    /// Largest difference of the lattice's equilibrium from converged beams, relative to the largest displacement; one entry per force.
     pub errors: Vec<f64>,
-    /// Mean time of Newton's method for all forces at one node and direction, ms, on one core.
+    /// Mean time of Newton's method for all forces at one node and direction, ms on one core.
     pub newton_ms: f64,
-    /// Error and time of settling, if requested.
+    /// Error and time of settling (simulation until rest by the physics engine); `None` if not requested.
     pub settling: Option<SettlingCost>,
 }
 
 /// Error of a settled lattice against its own equilibrium, and its computation time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SettlingCost {
-    /// Largest difference of a settled lattice from its own equilibrium, relative to the largest displacement.
+    /// Largest difference of a settled lattice from its own equilibrium, relative to the largest displacement, dimensionless.
     pub error: f64,
     /// Largest number of steps to rest under one load.
     pub steps: usize,
-    /// Mean time under one load, ms, on one core.
+    /// Mean time of settling under one load, ms on one core.
     pub ms: f64,
 }
 
@@ -132,7 +132,7 @@ pub enum AccuracyError {
     Beams(#[from] StaticsError),
 }
 
-/// Error and time by fineness: Newton's method over `grid`; settling over the loads that `settled` returns for a fineness, if any.
+/// Computes error and time by fineness: Newton's method solves `grid`, and settling uses the loads that `settled` returns for a fineness.
 ///
 /// Times hold for one core: the timed computations run in sequence on one thread.
 ///

@@ -1,4 +1,4 @@
-//! Causes of the lattice's error against beams: the same comparison with one property changed at a time.
+//! Causes of the lattice's error against beams: lattice and beams are compared with one property changed at a time.
 
 use super::accuracy::{AccuracyError, LoadGrid, beam_shapes, difference, lattice_shapes, load, worst_by_force};
 use crate::prelude::*;
@@ -6,10 +6,10 @@ use finray_lattice::energy::{BodyMotion, Energy};
 use finray_lattice::settling::{Precision, SWEEPS, Settling};
 use finray_lattice::springs::AxialSprings;
 
-/// Stiffness factor at which axial springs count as rigid: 100 times more changes the paper's finger by a share of 1e-3.
+/// Stiffness factor at which axial springs count as rigid. A factor 100 times as large changes the paper's finger by 1e-3, relative.
 pub const AS_GOOD_AS_RIGID: f64 = 1e3;
 
-/// Axial springs to compare, with their names; those of a beam are first.
+/// Axial springs to compare, with their names. The springs of a beam are first.
 pub const AXIAL_SPRINGS: [(&str, AxialSprings); 4] = [
     ("as a beam's", AxialSprings::OF_A_BEAM),
     ("fixed at the segments' ends", AxialSprings { inset: 0.0, ..AxialSprings::OF_A_BEAM }),
@@ -24,7 +24,7 @@ pub struct AxialRow {
     pub name: &'static str,
     /// The axial springs.
     pub axial: AxialSprings,
-    /// Largest difference from converged beams, relative to the largest displacement, by force; `None` without equilibrium.
+    /// Largest difference from converged beams per force, relative to the largest displacement; `None` if a load has no equilibrium.
     pub errors: Option<Vec<f64>>,
 }
 
@@ -46,7 +46,7 @@ pub fn axial(finger: &Finger, fineness: usize, grid: &LoadGrid) -> Result<Vec<Ax
     AXIAL_SPRINGS.par_iter().map(row).collect()
 }
 
-/// Settings of settling to compare, as sweeps a step and precision of positions. The default number of sweeps is `SWEEPS`.
+/// Settings of settling to compare: sweeps over the springs per step, and precision of the positions. The default number of sweeps is `SWEEPS`.
 pub const SETTLINGS: [(usize, Precision); 5] = [
     (8, Precision::Double),
     (16, Precision::Double),
@@ -54,23 +54,23 @@ pub const SETTLINGS: [(usize, Precision); 5] = [
     (2 * SWEEPS, Precision::Double),
     (SWEEPS, Precision::Single),
 ];
-/// Number of steps after which a lattice counts as not settled: several times the number that the paper's finger needs.
+/// A lattice counts as not settled after this number of steps, several times the number that the paper's finger needs.
 const MOST_STEPS: usize = 20_000;
 
-/// Error of one setting of settling against the lattice's own equilibrium.
+/// Error of settling with one setting, against the lattice's own equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettlingRow {
     /// Sweeps over the springs in one step.
     pub sweeps: usize,
     /// Floating-point precision of the positions.
     pub positions: Precision,
-    /// Largest difference from the equilibria, relative to the largest displacement; `None` if a load does not settle.
+    /// Largest difference from the equilibria, relative to the largest displacement; `None` if the lattice does not settle under a load.
     pub error: Option<f64>,
-    /// Largest number of steps to rest; `None` if a load does not settle.
+    /// Largest number of steps to rest; `None` if the lattice does not settle under a load.
     pub steps: Option<usize>,
 }
 
-/// Settles a lattice with each of [`SETTLINGS`] under all loads of a grid.
+/// Settles a lattice (simulates it until rest) with each of [`SETTLINGS`] under all loads of a grid.
 ///
 /// # Errors
 /// [`LatticeError`] if a load has no equilibrium or settling fails for another reason than too many steps.

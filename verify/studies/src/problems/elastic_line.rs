@@ -4,14 +4,14 @@
 use super::ProblemError;
 use nalgebra::{DMatrix, DVector};
 
-/// Integration steps for each straight segment. The error falls with the fourth power of their length and is below 1e-10.
+/// Number of integration steps for each straight segment. The error falls with the fourth power of the step length and is below 1e-10.
 const STEPS: usize = 200;
 /// Step of central differences, relative to the scale of each unknown. Truncation and rounding errors both stay below 1e-9.
 const DIFFERENCE_STEP: f64 = 1e-5;
-/// Correction, relative to the scale of each unknown, below which the search has converged; second differences allow no smaller one. To first
-/// order, an error of the position on the path does not change the limit load.
+/// The search has converged if the correction, relative to the scale of each unknown, is below this value. Second differences allow no smaller
+/// value. To first order, an error of the position on the path does not change the limit load.
 const CORRECTION_TOLERANCE: f64 = 1e-7;
-/// Largest number of corrections; a search that needs more started too far away.
+/// Largest number of corrections. A search that needs more started too far from the limit load.
 const MAX_CORRECTIONS: usize = 40;
 
 /// Rigidities of a beam, in the consistent units of its problem.
@@ -64,11 +64,8 @@ impl Section {
     }
 }
 
-/// The limit load next to `start`. The vector holds the unknowns and, last, the load. At the limit load the N conditions `miss` are zero and
-/// their derivative with respect to the unknowns is singular. `scale` holds the magnitude of each entry.
-///
-/// # Errors
-/// [`ProblemError`] if the search does not converge.
+/// The limit load next to `start`. The vector holds the unknowns and, last, the load. At the limit load the N conditions `miss` are zero and their
+/// derivative with respect to the unknowns is singular. `scale` holds the magnitude of each entry. Fails if the search does not converge.
 pub(crate) fn limit_load<const N: usize, const M: usize>(
     miss: impl Fn(&[f64; M]) -> [f64; N],
     start: [f64; M],
@@ -92,7 +89,7 @@ pub(crate) fn limit_load<const N: usize, const M: usize>(
     for _ in 0..MAX_CORRECTIONS {
         let (missed, by) = (miss(&at), derivative(&at));
         let value = DVector::from_fn(M, |i, _| if i < N { missed[i] } else { singular(&at) });
-        // The determinant holds differences already, so its differences need longer steps.
+        // The determinant already holds differences, so differences of the determinant need longer steps.
         let step = 100.0 * DIFFERENCE_STEP;
         let by_singular: [f64; M] =
             std::array::from_fn(|i| (singular(&moved(&at, i, step)) - singular(&moved(&at, i, -step))) / (2.0 * step));

@@ -7,12 +7,11 @@ use crate::prelude::*;
 use finray_model::frame::{NodeIndex, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
 
-/// Number of elements of the cantilever.
 const ELEMENTS: usize = 400;
 /// EA L^2 / EI, large because the reference beam is inextensible; 1e6 would cause an error of 8e-6.
 const AXIAL_RIGIDITY: f64 = 1e9;
-/// Largest error of a deflection (relative to the length) or rotation (rad): the accuracy of the reference. Discretisation and stretching
-/// cause smaller errors.
+/// Tolerance of a deflection (relative to the length) or rotation (rad): the accuracy of the reference. Errors of discretisation and stretching are
+/// smaller.
 pub const TOLERANCE: f64 = 1e-7;
 
 /// One row of the reference: load and tip displacements, dimensionless; angles in degrees and rad.
@@ -36,7 +35,7 @@ pub(super) fn cantilever(elements: usize, axial_rigidity_n: f64) -> (PlaneFrame,
     (frame, nodes)
 }
 
-/// Deflection w across and shortening u along the beam (both relative to its length), and rotation of its end (rad). `load` is P L^2 / EI.
+/// Returns deflection w across and shortening u along the beam (both relative to its length), and rotation of its end (rad). `load` is P L^2 / EI.
 pub(super) fn solve(
     load: f64,
     angle_deg: f64,

@@ -12,11 +12,12 @@ use crate::prelude::*;
 
 /// Factor of safety for three meshes (Roache).
 const SAFETY: f64 = 1.25;
-/// Order that both strains reach on any mesh; the index uses no higher order.
+/// The grid convergence index uses at most this order, which both strain measures reach on any mesh.
 const FORMAL_ORDER: f64 = 2.0;
-/// Tolerance of the order for an inextensible cantilever: the next term of the error on 4 to 16 elements.
+/// Tolerance of the observed order (dimensionless) for an inextensible cantilever: the next term of the error on 4 to 16 elements.
 pub const CANTILEVER_TOLERANCE: f64 = 0.1;
-/// Tolerance of the order for the finger at 3 N. Its elements differ in length, and the term of second order begins to matter.
+/// Tolerance of the observed order (dimensionless) for the finger at 3 N. Its elements differ in length, and the term of second order begins to
+/// matter.
 pub const FINGER_TOLERANCE: f64 = 0.25;
 /// Load of the cantilever, P L^2 / EI, perpendicular to its axis.
 const CANTILEVER_LOAD: f64 = 2.0;
@@ -24,13 +25,13 @@ const CANTILEVER_LOAD: f64 = 2.0;
 const FORCE_N: f64 = 3.0;
 /// Loaded nodes: beside the tip, in the middle, near the base.
 const NODES: [usize; 3] = [14, 19, 24];
-/// Elements a member of the three meshes whose index is checked.
+/// Elements per member of the three meshes whose index is checked.
 const ELEMENTS: [usize; 3] = [4, 8, 16];
 /// Numbers of nodes: the paper's two meshes, and a finer one as reference for the index.
 const NODE_COUNTS: [usize; 3] = [25, 684, 5000];
-/// Largest error of the displacement on 684 nodes, relative to the displacement.
+/// Tolerance of the displacement on 684 nodes, relative to the displacement.
 pub const FINE_MESH_TOLERANCE: f64 = 1e-4;
-/// Largest index on 5000 nodes, relative to the displacement: small against [`FINE_MESH_TOLERANCE`].
+/// Tolerance of the index on 5000 nodes, relative to the displacement: small against [`FINE_MESH_TOLERANCE`].
 pub const FINEST_MESH_TOLERANCE: f64 = 1e-6;
 
 /// Figures on three meshes, the coarsest first, and their extrapolation to the mesh-independent solution.
@@ -42,12 +43,12 @@ pub struct GridConvergence {
     pub sizes: [f64; 3],
     /// Figure under study on each mesh, in its own unit.
     pub values: [f64; 3],
-    /// Observed order of convergence; NaN if the values do not differ.
+    /// Observed order of convergence, dimensionless; NaN if the values do not differ.
     pub order: f64,
     /// Mesh-independent value by Richardson extrapolation, in the unit of the values.
     pub extrapolated: f64,
-    /// Grid convergence index: error of the finest mesh with a factor of safety of 1.25, relative to its value. It uses the observed order, but at
-    /// most 2, which the errors reach on any mesh.
+    /// Grid convergence index: error of the finest mesh with a factor of safety of 1.25, relative to the value on that mesh. It uses the observed
+    /// order, but at most 2, which errors reach on any mesh.
     pub index: f64,
 }
 
@@ -113,7 +114,7 @@ pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
             ("cantilever", of_cantilever(kinematics)?, CANTILEVER_TOLERANCE),
             ("paper finger, 3 N at node 19", on_finger, FINGER_TOLERANCE),
         ] {
-            let problem = format!("{what}, {name}, 4, 8, 16 elements a member");
+            let problem = format!("{what}, {name}, 4, 8, 16 elements per member");
             let subject = Kind::Analytical.on(problem, "error terms");
             checks.push(subject.is("order of convergence", order, convergence.order, tolerance));
         }

@@ -1,4 +1,5 @@
-//! The camera on the gripper: positions of the undeformed fingers in its images as the gripper closes. Displacements are relative to them.
+//! The camera on the gripper: positions of the undeformed fingers in its images as the gripper closes. Displacements are relative to these
+//! positions.
 //!
 //! Source: Xu et al. (IEEE T-RO 2021), eq. (10), and the joint of rocker and link by Newton's method. Lens, pose and lengths are assumed.
 
@@ -20,7 +21,7 @@ const FOCAL_PX: f64 = 1360.0;
 const SIZE_PX: [u32; 2] = [1600, 1400];
 /// Height of the markers above the plane of the beams, towards the camera, mm.
 const HEIGHT_MM: f64 = 2.0;
-/// Steps of Newton's method, which converges quadratically.
+/// Largest number of Newton steps; the method converges quadratically.
 const MOST_STEPS: usize = 20;
 
 /// Checks of the finger frames in the camera's frame, and of undeformed nodes in its images.
@@ -123,7 +124,7 @@ fn key_nodes(finger: &Finger) -> impl Iterator<Item = Vector> + '_ {
     (1..=finger.key_node_count()).map(|node| finger.position(finray_model::NodeId(node)))
 }
 
-/// Position of the joint of rocker and link, mm, mechanism frame, for each motor angle (degrees). The search starts at the angle nearest to 0
+/// Position of the joint of rocker and link in the mechanism frame, mm, for each motor angle (degrees). The search starts at the angle nearest to 0
 /// with the rocker outwards, and continues to both ends.
 fn joints(gripper: &Gripper, angles: &[f64]) -> Vec<Vector> {
     let begin = angles.iter().position(|motor_deg| *motor_deg >= 0.0).unwrap_or(angles.len() - 1);
@@ -138,7 +139,7 @@ fn joints(gripper: &Gripper, angles: &[f64]) -> Vec<Vector> {
     joints
 }
 
-/// Position of the joint at the rocker's length from the fixed joint and the link's length from the nut, mm, by Newton's method from `near`.
+/// Position of the joint, mm, at the rocker's length from the fixed joint and the link's length from the nut. Newton's method starts at `near`.
 fn joint(gripper: &Gripper, motor_deg: f64, near: Vector) -> Vector {
     let description = gripper.description();
     let [rocker_mm, link_mm] = description.link_mm;

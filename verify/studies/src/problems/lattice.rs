@@ -1,25 +1,26 @@
 //! The finger as rigid bodies and springs, settled by the physics engine rapier, against beams.
 //!
-//! The springs have EA / l, 12 EI / l^3 and EI / l of the beams' own sections, and no parameter is fitted. So the lattice verifies solver and
-//! co-rotational kinematics, not Euler-Bernoulli theory.
+//! The springs have the stiffnesses EA / l, 12 EI / l^3 and EI / l of the beams' own sections, and no parameter is fitted. So the lattice verifies
+//! solver and co-rotational kinematics, not Euler-Bernoulli theory.
 
 use super::ProblemError;
 use crate::check::SETTLED_LATTICE;
 use crate::lattice::accuracy::{LoadGrid, beam_shapes, lattice_shapes, settled_shapes, worst_by_force};
 use crate::prelude::*;
 
-/// Source of rows whose shapes minimise the energy of finray's springs by finray's Newton method, without rapier.
+/// Source of checks whose shapes minimise the energy of finray's springs by finray's Newton method, without rapier.
 pub const NEWTON: &str = "spring lattice, Newton";
-/// Quantity of all rows.
+/// Quantity of all checks.
 const QUANTITY: &str = "largest displacement difference / largest displacement";
-/// Number of segments of a plate member.
+/// Number of segments per plate member.
 pub const FINENESS: usize = 2;
-/// Discretisation error of the lattice against beams, relative. Its segments bend only at their middles, which is exact for small rotations.
-/// The relative difference is odd in the rotations, so it grows as a F + b F^3. Two segments a plate member have a = 2.5e-4 / N and
-/// b = 2.4e-5 / N^3 from 0.1 to 5 N, within 5 %. Both fall with the third to fourth power of the segments' length. The constants allow 25 % more.
+/// Discretisation error of the lattice against beams, relative. Its segments bend only at their middles, which is exact for small rotations. The
+/// relative difference is odd in the rotations, so it grows as a F + b F^3. Two segments per plate member have a = 2.5e-4 / N and b = 2.4e-5 / N^3
+/// from 0.1 to 5 N, within 5 %. Both fall with the third to fourth power of the segments' length. The constants allow 25 % more.
 const COARSENESS_PER_N: f64 = 3.1e-4;
 const COARSENESS_PER_N3: f64 = 3e-5;
-/// Error of settling, relative to the largest displacement: 6e-5 from 32 sweeps a step (by the study of sweeps), and 2e-5 from the criterion of rest.
+/// Error of settling, relative to the largest displacement: 6e-5 from 32 sweeps per step (by the study of sweeps), and 2e-5 from the criterion of
+/// rest.
 const SETTLING_TOLERANCE: f64 = 1e-4;
 /// A tiny force, N. Co-rotational terms change displacements by a share of at most 0.12 per newton (MuJoCo: the same at 0.01 N).
 const TINY_FORCE_N: f64 = 1e-4;
@@ -31,7 +32,7 @@ const TINY_FORCE_TOLERANCE: f64 = 0.13 * TINY_FORCE_N;
 /// [`ProblemError`] if a load has no equilibrium or the lattice does not settle.
 pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let lattice = Lattice::new(finger, FINENESS)?;
-    let name = |what: &str| format!("{what}, {FINENESS} segments a plate member");
+    let name = |what: &str| format!("{what}, {FINENESS} segments per plate member");
     let mut checks = Vec::new();
 
     let grid = LoadGrid::full(finger);
@@ -78,7 +79,7 @@ fn bits(shape: &FingerShape) -> impl Iterator<Item = [u64; 3]> {
     shape.motions().iter().map(|m| [m.displacement.x, m.displacement.y, m.rotation].map(f64::to_bits))
 }
 
-/// Difference of linear theory from the lattice by force; it is expected to grow with the force.
+/// Difference of linear theory from the lattice for each force; the difference is expected to grow with the force.
 ///
 /// # Errors
 /// [`ProblemError`] if a load has no equilibrium.

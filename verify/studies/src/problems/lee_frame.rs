@@ -19,9 +19,9 @@ const LOAD_AT: f64 = 24.0;
 const ELEMENTS: usize = 8;
 /// First limit load, in units of force: the value that several authors cite in the literature on path following.
 const LITERATURE: f64 = 1.85565;
-/// Largest difference from the literature, relative to it; its last digits are uncertain.
+/// Tolerance relative to the value in the literature, whose last digits are uncertain.
 pub const LITERATURE_TOLERANCE: f64 = 1e-4;
-/// Largest difference from the elastic line, relative to it: 40 elements a member cause an error of 1e-7.
+/// Tolerance relative to the limit load of the elastic line. 40 elements per member cause an error of 1e-7.
 pub const TOLERANCE: f64 = 1e-6;
 
 /// The frame, and its nodes at the base hinge, the corner, the load, and the hinge of the beam.

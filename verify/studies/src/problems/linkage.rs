@@ -1,6 +1,6 @@
 //! The gripper's linkage over its whole reach: closed forms against the equations that they solve.
 //!
-//! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths are those of the shipped scenes, which are assumed.
+//! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths are assumed; the shipped scenes state them.
 
 use super::ProblemError;
 use crate::prelude::*;
@@ -11,18 +11,17 @@ use nalgebra::{Matrix3, Vector3};
 const ANGLES: usize = 200;
 /// Share of the reach omitted at both ends, where the derivative is infinite.
 const END: f64 = 0.01;
-/// Rounding error of lengths, relative to the sum of both links.
+/// Tolerance of lengths, relative to the sum of both links: rounding error.
 pub const TOLERANCE: f64 = 1e-12;
-/// Rounding error of the opening computed through the inverse, relative to the sum of both links. The inverse loses half of its digits at the
-/// ends of the reach, because of its cosine.
+/// Tolerance of the opening computed through the inverse, relative to the sum of both links. The inverse loses half of its digits at the ends of the
+/// reach, because of its cosine.
 pub const INVERSE_TOLERANCE: f64 = 1e-9;
-/// Step of the differences, degrees of the motor angle.
+/// Step of the finite differences, degrees of the motor angle.
 const STEP_DEG: f64 = 0.1;
-/// Largest difference between the derivative and finite differences, relative to the screw's pitch. The derivative grows without bound towards
-/// the ends of the reach.
+/// Tolerance of the derivative against finite differences, relative to the screw's pitch. The derivative grows without bound towards the ends of the
+/// reach.
 pub const SLOPE_TOLERANCE: f64 = 1e-6;
 
-/// The linkage of the shipped scenes.
 pub(super) fn shipped() -> Result<Gripper, ProblemError> {
     let reference = |what: String| ProblemError::Reference(what);
     let scene = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).map_err(|error| reference(error.to_string()))?;

@@ -1,4 +1,4 @@
-//! Reference problems: one short file each, with its source, reference values and tolerance.
+//! Reference problems: one short file for each, with its source, reference values and tolerance.
 //!
 //! Every problem returns [`Check`]s or [`Comparison`]s, which report and tests use. A new problem needs a file and a line in [`ALL`].
 
@@ -93,7 +93,7 @@ pub struct Problem {
     pub name: &'static str,
     /// Whether the problem has reference values for a finger.
     pub applies_to: fn(&Finger) -> bool,
-    /// Solves the problem; problems without fixed forces use the report's forces.
+    /// Solves the problem. Problems without fixed forces use the report's forces.
     pub solve: fn(&Finger, ReportForces) -> Result<ProblemResults, ProblemError>,
 }
 
@@ -112,7 +112,7 @@ impl From<Vec<Check>> for ProblemResults {
     }
 }
 
-/// Solves, in parallel, those of [`ALL`] that apply to a finger.
+/// Solves, in parallel, the problems of [`ALL`] that apply to a finger.
 pub(crate) fn solve_all(finger: &Finger, forces: ReportForces) -> Result<ProblemResults, ProblemError> {
     let applying = ALL.par_iter().with_max_len(1).filter(|problem| (problem.applies_to)(finger));
     let solved: Vec<ProblemResults> =
@@ -128,7 +128,7 @@ pub(crate) fn solve_all(finger: &Finger, forces: ReportForces) -> Result<Problem
 #[derive(Debug, thiserror::Error)]
 pub enum ProblemError {
     /// A shipped reference file is invalid.
-    #[error("reference data: {0}")]
+    #[error("cannot use reference data: {0}")]
     Reference(String),
     /// The finger or frame of the problem has no equilibrium.
     #[error(transparent)]

@@ -9,32 +9,32 @@ use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod
 use crate::prelude::*;
 use crate::truths::{LatticeTruth, Truth};
 
-/// Source of all rows.
+/// Source of all checks.
 const SOURCE: &str = "MuJoCo";
-/// Quantity of most rows.
+/// Quantity of most checks.
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
 const ROTATION: &str = "largest rotation difference (rad)";
 
-/// Largest difference of a displacement under single forces, relative to the case's largest displacement. The case nearest to a limit load (tip,
-/// 5 N at -60 deg) has 1.6e-4; MuJoCo states an uncertainty of 2e-3 for it.
+/// Tolerance of displacements under single forces, relative to the case's largest displacement. The case nearest to a limit load (tip, 5 N at -60
+/// deg) has 1.6e-4; MuJoCo states an uncertainty of 2e-3 for it.
 pub const STATIC_TOLERANCE: f64 = 2e-4;
-/// Largest difference over cases for which MuJoCo states an uncertainty below `CERTAIN`. Its extrapolated meshes and the beams' differ by 1e-5
-/// on a uniform finger. They differ by 3.1e-5 where a zone ends inside elements, because such elements average over the zone's end.
+/// Tolerance of displacements in cases for which MuJoCo states an uncertainty below `CERTAIN`. MuJoCo's extrapolated meshes and the beams' differ by
+/// 1e-5 on a uniform finger. They differ by 3.1e-5 where a zone ends inside elements, because such elements average over the zone's end.
 pub const CERTAIN_TOLERANCE: f64 = 4e-5;
-/// Uncertainty stated by MuJoCo, relative to the largest displacement, up to which a case counts as certain. Above it the export used a finer mesh.
+/// A case counts as certain up to this stated uncertainty, relative to the largest displacement. Above it the export used a finer mesh.
 const CERTAIN: f64 = 2e-4;
-/// Largest difference of a rotation, rad: [`CERTAIN_TOLERANCE`] times displacements of about 20 mm, divided by 12 mm between two ribs.
+/// Tolerance of rotations, rad: [`CERTAIN_TOLERANCE`] times displacements of about 20 mm, divided by 12 mm between two ribs.
 pub const ROTATION_TOLERANCE_RAD: f64 = CERTAIN_TOLERANCE * 20.0 / 12.0;
-/// Largest difference, as a multiple of the sum of both solvers' stated uncertainties. They are no bounds, and rounding matters at 0.01 N (1.7).
+/// Tolerance as a multiple of the sum of both solvers' stated uncertainties, which are no bounds. At 0.01 N the multiple is 1.7 because of rounding.
 pub const UNCERTAINTIES: f64 = 2.0;
 /// Largest force, N, under which the finger counts as linear, within [`LINEAR_TOLERANCE`].
 const LINEAR_FORCE_N: f64 = 0.01;
-/// Largest error of linear theory at 0.01 N, relative. It is 1.22e-3 against co-rotational beams and MuJoCo, and above 1e-3 for 7 of 60 loads.
+/// Tolerance of linear theory at 0.01 N, relative. Its error is 1.22e-3 against co-rotational beams and MuJoCo, and above 1e-3 for 7 of 60 loads.
 pub const LINEAR_TOLERANCE: f64 = 1.3e-3;
-/// Largest difference of a displacement under the exported contact forces, relative to the step's largest displacement. The meshes (16 and 32
-/// extrapolated, and 32 of the beams) differ by 5e-6; the tolerance is twice that.
+/// Tolerance of displacements under the exported contact forces, relative to the step's largest displacement. The meshes (16 and 32 extrapolated,
+/// and 32 of the beams) differ by 5e-6; the tolerance is twice that.
 pub const CONTACT_TOLERANCE: f64 = 1e-5;
-/// Elements a member of the two meshes of beams that are extrapolated. Their error falls with the square of the element length.
+/// Elements per member of the two meshes of beams that are extrapolated. Their error falls with the square of the element length.
 const ELEMENTS: [usize; 2] = [16, 32];
 
 /// A case, and the deviation of the beams from it.

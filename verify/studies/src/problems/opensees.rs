@@ -6,10 +6,10 @@
 use super::ProblemError;
 use crate::prelude::*;
 
-/// Largest difference of a linear displacement, relative to the case's largest displacement: OpenSees prints nine digits.
+/// Tolerance of linear displacements, relative to the case's largest displacement: OpenSees prints nine digits.
 pub const LINEAR_TOLERANCE: f64 = 1e-8;
-/// Largest difference of a co-rotational displacement, relative to the case's largest displacement. OpenSees prints nine digits, and both Newton
-/// iterations stop below 1e-9 of the solution.
+/// Tolerance of co-rotational displacements, relative to the case's largest displacement. OpenSees prints nine digits, and both Newton iterations
+/// stop below 1e-9 of the solution.
 pub const COROTATIONAL_TOLERANCE: f64 = 1e-8;
 
 /// One row of a reference file: a key node in a load case.
@@ -45,7 +45,7 @@ impl Row {
 /// A load case, and the deviation of the model from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseDeviation {
-    /// Number of the case in its file.
+    /// Number of the case in the reference file.
     pub case: usize,
     /// Kinematics of the case.
     pub kinematics: Kinematics,
@@ -53,7 +53,7 @@ pub struct CaseDeviation {
     pub mesh_nodes: usize,
     /// Loaded node.
     pub load_node: NodeId,
-    /// Force, N, finger frame.
+    /// Force in the finger frame, N.
     pub force: Vector,
     /// Largest difference of the displacement of a key node or joint, relative to the largest displacement.
     pub displacement: f64,
@@ -98,7 +98,7 @@ fn deviation(finger: &Finger, rows: &[Row]) -> Result<CaseDeviation, ProblemErro
     })
 }
 
-/// Checks on the paper's finger with the paper's two meshes: one for each kinematics and mesh, over all its cases.
+/// Checks on the paper's finger with the paper's two meshes: one check per kinematics and mesh, over all cases.
 pub(crate) fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
     let deviations = deviations(paper, finray_fixtures::OPENSEES_PAPER)?;
     let mut groups: Vec<(Kinematics, usize)> = deviations.iter().map(|d| (d.kinematics, d.mesh_nodes)).collect();
@@ -124,7 +124,7 @@ pub(crate) fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
         .collect())
 }
 
-/// Difference of the linear finger from the co-rotational one, by case, without tolerance: it explains errors of linear sensing.
+/// Difference of the linear finger from the co-rotational finger by case, without tolerance. It explains errors of linear sensing.
 pub(crate) fn linear_against_corotational(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
     let rows: Vec<Row> =
         csv::Reader::from_reader(finray_fixtures::OPENSEES_PAPER.as_bytes()).deserialize().collect::<Result<_, _>>()?;

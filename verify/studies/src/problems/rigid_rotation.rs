@@ -8,9 +8,9 @@ use finray_model::statics::Assembly;
 
 /// Angles of rotation, rad.
 const ANGLES: [f64; 7] = [1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.0, std::f64::consts::PI];
-/// Elements a member: element lengths range from a fraction of a millimetre to a whole rib.
+/// Elements per member. Element lengths range from a fraction of a millimetre to a whole rib.
 const ELEMENTS: [usize; 3] = [1, 4, 16];
-/// Largest nodal force, relative to that of a linear frame: EA times the angle.
+/// Tolerance of nodal forces, relative to the nodal forces of a linear frame: EA times the angle.
 pub const TOLERANCE: f64 = 1e-10;
 
 /// Motion of all nodes rotated about the origin by `angle` (rad). Half-angle formulas keep the digits of small rotations.
@@ -42,7 +42,7 @@ pub fn checks(finger: &Finger) -> Vec<Check> {
         .into_iter()
         .map(|(kinematics, name)| {
             let ours = worst(meshes.iter().map(|mesh| force(mesh.frame(), kinematics)));
-            let problem = format!("finger turned by 1e-9 to pi rad, {name}, 1 to 16 elements a member");
+            let problem = format!("finger turned by 1e-9 to pi rad, {name}, 1 to 16 elements per member");
             Kind::Analytical.on(problem, "rigid motion").vanishes("largest nodal force / (EA x turn)", ours, TOLERANCE)
         })
         .collect()

@@ -13,7 +13,7 @@ const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotationa
 const BENT: [f64; 6] = [0.3, -0.2, 0.4, -0.5, 0.9, -0.3];
 /// Step of the differences, mm and rad. Truncation error (its fourth power) and rounding error (divided by it) are far below the tolerance.
 const STEP: f64 = 2e-3;
-/// Largest difference, relative to the largest derivative.
+/// Tolerance of a difference, relative to the largest derivative.
 pub const TOLERANCE: f64 = 1e-9;
 
 /// Derivative at 0 by finite differences of fourth order.
@@ -60,7 +60,7 @@ fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 
         assembly
     };
     let residual = |by: f64, loads: &[FrameLoad]| DVector::from_column_slice(at(by, loads).residual());
-    // This energy excludes the loads: it is that of the beams alone.
+    // This energy is the elastic energy of the beams, without the loads.
     let power = slope(|by| DVector::from_element(1, at(by, &[]).elastic_energy()));
     let mut change = DVector::zeros(unknowns);
     for (value, (row, column)) in at(0.0, loads).stiffness() {

@@ -9,7 +9,7 @@ use crate::prelude::*;
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, reaction};
 
-/// EA in lb, EI in lb in^2.
+/// Axial rigidity EA in lb, bending rigidity EI in lb in^2.
 const RIGIDITY: Rigidity = Rigidity { axial: 1.885e6, bending: 9.27e3 };
 /// Half the span, in.
 const HALF_SPAN: f64 = 12.943;
@@ -17,7 +17,7 @@ const HALF_SPAN: f64 = 12.943;
 const HEIGHT: f64 = 0.386;
 /// Number of elements in each member.
 const ELEMENTS: usize = 32;
-/// Largest difference of a limit load, relative to it: 32 elements a member cause an error of 1.5e-7.
+/// Tolerance of a limit load, relative to it. 32 elements per member cause an error of 1.5e-7.
 pub const TOLERANCE: f64 = 1e-6;
 
 /// The toggle, and its nodes at the left clamp and the apex.

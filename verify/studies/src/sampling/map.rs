@@ -9,10 +9,10 @@ use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 use crate::truths::{Truth, TruthId};
 use std::io::Read;
 
-/// Request of maps: the grid of the [`Sweep`] that they summarise. Each noise level gives one map.
+/// Request of maps: the grid of the [`Sweep`] whose cells the maps summarise. Each noise level gives one map.
 pub type MapRequest = Grid;
 
-/// An accuracy map, with its cells by position, direction and force.
+/// An accuracy map: errors of an estimator on a true finger, with cells by position, direction and force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyMap {
     /// Grid of positions, directions, forces and noise.
@@ -55,7 +55,7 @@ pub fn accuracy_maps(
 }
 
 impl AccuracyMap {
-    /// Reads the cells of a sweep with one truth, estimator and noise level, written as [`Table::Map`](sweep::Table::Map).
+    /// Reads the cells of a sweep with one true finger, estimator and noise level, written as [`Table::Map`](sweep::Table::Map).
     ///
     /// # Errors
     /// [`csv::Error`] if the table is invalid.
@@ -69,12 +69,12 @@ impl AccuracyMap {
         })
     }
 
-    /// Mean relative error by direction, then position: of one force (N), or over all forces. `None` where a force has no answer or no equilibrium.
+    /// Mean relative error by direction, then position: of one force (N), or over all forces. `None` if a force has no answer or no equilibrium.
     pub fn errors(&self, force_n: Option<f64>) -> Vec<Vec<Option<f64>>> {
         self.values(force_n, |cell| cell.mean_error)
     }
 
-    /// A quantity of the cells by direction, then position: of one force (N), or its mean over all forces. `None` where a force lacks it.
+    /// A quantity of the cells by direction, then position: of one force (N), or its mean over all forces. `None` if a force lacks the quantity.
     pub fn values(&self, force_n: Option<f64>, of: impl Fn(&MapCell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let forces = self.request.forces_n.len();
         let (positions, angles) = (self.request.positions_mm.len(), self.request.angles_deg.len());
@@ -90,7 +90,7 @@ impl AccuracyMap {
         (0..angles).map(|angle| (0..positions).map(|position| cell(position, angle)).collect()).collect()
     }
 
-    /// The cells at those of the given positions (mm) and directions (degrees) that this map has.
+    /// The part of this map at the given positions (mm) and directions (degrees). Positions and directions that the map lacks are omitted.
     pub fn thinned(&self, positions_mm: &[f64], angles_deg: &[f64]) -> AccuracyMap {
         let kept = |all: &[f64], wanted: &[f64]| all.iter().copied().filter(|x| wanted.contains(x)).collect::<Vec<_>>();
         let request = MapRequest {
@@ -162,7 +162,7 @@ pub struct MapSummary {
     pub answered: usize,
     /// Number of cells that the estimator refused.
     pub refused: usize,
-    /// Number of cells in which a force has no equilibrium. The errors and shares of cells below exclude them.
+    /// Number of cells in which a force has no equilibrium. The errors and shares of cells below exclude these cells.
     pub without_equilibrium: usize,
     /// Mean of |sensed / true - 1| over the answered cells; `None` without answered cells.
     pub mean_error: Option<f64>,

@@ -8,8 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Words of the random stream reserved for each sample; no sample needs all of them.
 const WORDS: u128 = 1 << 24;
 
-/// A measurement plus `noise_mm` (standard deviation, mm) times a sample of standard normal numbers, two for each marker. Missing numbers count
-/// as zero.
+/// `exact` plus `noise_mm` (standard deviation, mm) times `sample`: standard normal numbers, two for each marker. Missing numbers count as zero.
 pub fn with_sample(exact: &Measurement, sample: &[f64], noise_mm: f64) -> Measurement {
     let (mut noisy, mut coordinates) = (exact.clone(), sample.iter());
     noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));

@@ -1,8 +1,8 @@
 //! Sensing under camera noise: errors of each estimator against the Cramer-Rao bound, and coverage of its stated standard deviation.
 //!
 //! Random forces deform a true finger, and noise is added to its marker displacements. Each estimator knows the contact nodes and the directions
-//! (undeformed normals) and starts each case anew. All estimators get the same forces and noise. Errors are divided by the bound at the true
-//! forces of each case; their root mean square is 1 at best.
+//! (undeformed normals), and uses no earlier case. All estimators get the same forces and noise. Errors are divided by the bound at the true forces
+//! of each case; their root mean square is 1 at best.
 
 mod cases;
 mod scout;
@@ -12,17 +12,17 @@ use cases::CaseEstimate;
 
 /// Mean of |x| for x of a normal distribution with standard deviation 1: sqrt(2 / pi).
 const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
-/// Largest number of contact nodes that are sampled; a finger with more nodes is sampled at every second node, or fewer.
+/// Largest number of contact nodes that are sampled. A finger with more nodes is sampled at every second node, or fewer.
 const MOST_NODES: usize = 12;
 
-/// Request of a scatter study.
+/// Parameters of a study of errors under camera noise.
 #[derive(Debug, Clone, Copy)]
 pub struct ScatterRequest<'m> {
     /// Mesh of the true finger.
     pub truth: &'m Mesh,
     /// Kinematics of the true finger.
     pub kinematics: Kinematics,
-    /// Mesh of the same finger, on which the bound is computed.
+    /// Mesh of the same finger, on which the Cramer-Rao bound is computed.
     pub model: &'m Mesh,
     /// Standard deviations of a coordinate's noise, mm; 0 for none. All levels share the forces and the scaled noise samples.
     pub noise_levels_mm: &'m [f64],
@@ -94,11 +94,12 @@ pub struct ScatterRow {
     pub nodes: Vec<usize>,
     /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Number of answered cases. All means below are over them.
+    /// Number of answered cases, over which all means are taken.
     pub cases: usize,
-    /// Number of draws that were repeated because the finger has no equilibrium under them.
+    /// Number of draws that were repeated because the finger has no equilibrium under the drawn forces.
     pub not_carried: usize,
-    /// Number of cases that the estimator refused. No mean includes them, so reports show this number beside a mean, and checks fail with it.
+    /// Number of cases that the estimator refused. No mean includes them, so reports show this number beside a mean, and a check fails if it is not
+    /// 0.
     pub refused: usize,
     /// Errors of each force, in the order of the nodes; empty if no case was answered.
     pub forces: Vec<Scatter>,
@@ -106,14 +107,14 @@ pub struct ScatterRow {
     pub sum: Option<Scatter>,
 }
 
-/// Numbers of cases drawn, answered and refused, to be shown beside a mean over the answered ones.
+/// Numbers of drawn, answered and refused cases, shown beside a mean over the answered cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Counts {
-    /// Cases with equilibrium.
+    /// Number of cases with equilibrium.
     pub drawn: usize,
-    /// Answered cases.
+    /// Number of answered cases.
     pub answered: usize,
-    /// Refused cases.
+    /// Number of refused cases.
     pub refused: usize,
 }
 
@@ -136,18 +137,19 @@ impl std::fmt::Display for Counts {
 }
 
 impl ScatterRow {
-    /// Number of cases drawn: answered and refused ones.
+    /// Number of drawn cases: answered and refused.
     pub fn drawn(&self) -> usize {
         self.cases + self.refused
     }
 
-    /// Whether the tolerance of a root mean square over the bound is within two standard errors, or exceeded. More cases are needed then.
+    /// Whether a root mean square over the bound exceeds `tolerance`, or is within two standard errors of `tolerance`, so that more cases are
+    /// needed.
     pub fn is_near_tolerance(&self, tolerance: f64) -> bool {
         let mut figures = self.forces.iter().chain(&self.sum).filter_map(|scatter| scatter.bound?.controlled);
         figures.any(|found| (found.over_bound_controlled - 1.0).abs() + 2.0 * found.standard_error > tolerance)
     }
 
-    /// Whether the mean relative error is within a limit if each refused case counts as an error of 100 %.
+    /// Whether the mean relative error is within `limit` if each refused case counts as an error of 100 %.
     pub fn is_within(&self, limit: f64) -> bool {
         let drawn = self.drawn() as f64;
         let refused = self.refused as f64 / drawn;
@@ -171,8 +173,8 @@ impl ScatterRow {
     }
 }
 
-/// One row for each set of contact nodes, noise level and estimator, in this order, with forces uniform in `range_n` (N). `progress` is called
-/// after each set. Results do not depend on threads or other estimators.
+/// Senses random forces, uniform in `range_n` (N), and returns one row for each set of contact nodes, noise level and estimator, in this order.
+/// `progress` is called after each set. Results do not depend on threads or other estimators.
 ///
 /// # Errors
 /// [`EstimatorError`] if a node is no contact node, or an estimator does not support the contacts.
@@ -186,7 +188,7 @@ pub fn scatter(
     rows(request, estimators, sets, (range_n, false), progress)
 }
 
-/// [`scatter`] that also returns each row's [`Controlled`] figure, at the cost of one more estimate a case.
+/// Like [`scatter`], but also returns each row's [`Controlled`] figure, at the cost of one more estimate per case.
 ///
 /// # Errors
 /// [`EstimatorError`] for the reasons that [`scatter`] lists.
@@ -231,18 +233,17 @@ pub fn sampled_nodes(finger: &Finger) -> Vec<NodeId> {
     nodes.step_by(every).collect()
 }
 
-/// Sets of one node each.
+/// One set per node.
 pub fn singles(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
     nodes.iter().map(|&node| vec![node]).collect()
 }
 
-/// Sets of two nodes: every pair.
+/// One set per pair of nodes.
 pub fn pairs(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
     let from = |i: usize| nodes[i + 1..].iter().map(|&second| vec![nodes[i], second]).collect::<Vec<_>>();
     (0..nodes.len()).flat_map(from).collect()
 }
 
-/// Errors of one estimator over all cases at one noise level (mm).
 fn row<'c>(
     estimator: EstimatorId,
     nodes: &[NodeId],
@@ -285,7 +286,6 @@ fn row<'c>(
     }
 }
 
-/// Sums of one quantity over the cases.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     cases: usize,

@@ -1,10 +1,10 @@
-//! The worst force of each cell: the only criterion by which a position and direction counts as trusted.
+//! The worst force of each cell (position and direction): the only criterion by which a cell counts as trusted.
 
 use super::map::AccuracyMap;
 use super::sweep::{CellState, MapCell};
 use crate::settings::TRUSTED_ERROR;
 
-/// A position and direction, with the worst of the map's forces.
+/// A position and direction, with the worst result among the map's forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstCell {
     /// Position on the front plate, mm from the base.
@@ -19,7 +19,7 @@ pub struct WorstCell {
     pub is_trusted: bool,
 }
 
-/// Counts of a map's cells, or of those in a region.
+/// Counts of the cells of a map, or of a region of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TrustCounts {
     /// Number of cells: positions and directions.

@@ -30,7 +30,6 @@ pub struct StudyError {
     reason: Box<dyn std::error::Error + Send + Sync>,
 }
 
-/// Adds the name of the failed part to an error.
 fn within<E: std::error::Error + Send + Sync + 'static>(part: &'static str) -> impl FnOnce(E) -> StudyError {
     move |error| StudyError { part, reason: Box::new(error) }
 }
@@ -50,7 +49,7 @@ impl PartTime {
     }
 }
 
-/// Declares [`Study`] from rows: name of the part, result fields, and their computation from the context and earlier results.
+/// Declares [`Study`] from rows. A row has the name of the part, result fields, and their computation from the context and earlier results.
 macro_rules! study {
     (|$context:ident| $($part:literal: $($(#[$about:meta])* $field:ident: $type:ty),+ = $run:expr;)+) => {
         /// All results for one scene.
@@ -62,13 +61,13 @@ macro_rules! study {
             pub finger: Finger,
             /// Largest admissible strains of the finger's materials.
             pub strain_limits: StrainLimits,
-            /// Whether the finger is the paper's; reference values exist for that finger alone.
+            /// Whether the finger is the paper's finger, for which alone reference values exist.
             pub is_paper: bool,
             /// Standard deviation of the camera noise of one coordinate, mm.
             pub noise_mm: f64,
             /// Forces of maps, drawings and their explanations.
             pub forces: ReportForces,
-            /// Checks of figures against references, without those of the hard cases.
+            /// Checks of figures against references, without the checks of the hard cases.
             pub checks: Vec<Check>,
             /// Figures that are expected to differ from their references.
             pub comparisons: Vec<Comparison>,
@@ -121,10 +120,10 @@ macro_rules! study {
 
 study! { |context|
     "maps":
-        /// Maps by truth and estimator, with and without noise. The lattice's maps are in `lattice`, except those that need a network.
+        /// Maps by true finger and estimator, with and without noise. The lattice's maps are in `lattice`, except maps that need a network.
         maps: Vec<AccuracyMap> = maps::run(context);
     "assumed contacts":
-        /// Map of the nonlinear estimator with position and direction of the contact only assumed.
+        /// Map of the nonlinear estimator if position and direction of the contact are assumed instead of known.
         assumed: Option<AccuracyMap> = assumed::run(context);
     "limits of sensing":
         /// Limits of sensing the drawn force on the co-rotational finger, by cell.
@@ -133,13 +132,13 @@ study! { |context|
         /// Table I for each assumed direction; only for the paper's finger.
         tables_one: Vec<table_one::TableOne> = table_one::run(context);
     "digital twin":
-        /// The digital twin of Table I; only for the paper's finger with noise.
+        /// The digital twin of Table I: the paper's finger with softer ends; only for the paper's finger with noise.
         twin: Option<twin_study::TwinStudy> = twin_study::run(context, tables_one.first());
     "coverage":
-        /// Coverage of stated intervals, by finger and estimator.
+        /// Share of stated 95 % intervals that contain the true force, by finger and estimator.
         coverage: Vec<coverage::CoverageRow> = coverage::run(context, &maps);
     "causes":
-        /// Causes of force errors, by truth and sensing method.
+        /// Causes of force errors, by true finger and sensing method.
         causes: Vec<causes::CauseMap> = causes::run(context, twin.as_ref().map(|twin| &twin.finger));
     "convergence":
         /// Discretisation error by mesh and load.
@@ -148,16 +147,16 @@ study! { |context|
         /// Errors of the nonlinear estimator under camera noise.
         noise: Option<noise::NoiseStudy> = noise::run(context);
     "noise of displacements":
-        /// Noise floors by the origin of the undeformed positions, under camera noise.
+        /// Noise floors of forces under camera noise, by the origin of the undeformed positions.
         displacement_noise: Option<displacement_noise::DisplacementNoiseStudy> = displacement_noise::run(context);
     "camera":
         /// Results of sensing from images; only for scenes with a camera and for the paper's finger.
         camera: Option<camera::CameraStudy> = camera::run(context);
     "unknown directions":
-        /// Sensed forces of unknown direction under camera noise; only in a full study.
+        /// Errors of sensed forces of unknown direction under camera noise; only in a full study.
         directions: Option<direction::DirectionStudy> = direction::run(context);
     "Table II":
-        /// Table II; only for the paper's finger.
+        /// Results for the paper's Table II; only for the paper's finger.
         table_two: Option<table_two::TableTwo> = table_two::run(context);
     "networks":
         /// Accuracy of the shipped networks; only for the paper's finger with noise.
@@ -169,36 +168,36 @@ study! { |context|
         /// Results on hard cases, variants of the paper's finger.
         hard_cases: Vec<hard_cases::HardCase> = hard_cases::run(context);
     "lattice, objects":
-        /// The paper's finger as a lattice of rigid bodies and springs.
+        /// Results on the paper's finger as a lattice of rigid bodies and springs.
         lattice: Option<lattice::LatticeStudy>,
         /// Results of contact scenes: the shipped ones for the paper's finger, else the scene's own.
         contact_scenes: Vec<SceneStudy> = lattice::run_beside_objects(context, &maps);
     "grasp":
-        /// Objects grasped by two fingers; only for the paper's finger in a full study.
+        /// Results of objects grasped by two fingers; only for the paper's finger in a full study.
         grasps: Vec<grasp_study::GraspStudy> = grasp_study::run(context);
     "closed loop":
-        /// Closed-loop force control by frame rate of the camera; only for the paper's finger in a full study.
+        /// Results of closed-loop force control by frame rate of the camera; only for the paper's finger in a full study.
         closed_loop: Option<rates::LoopStudy> = rates::run(context);
     "sensor modules":
-        /// Table II on the moving gripper; only for the paper's finger in a full study.
+        /// Results for Table II on the moving gripper; only for the paper's finger in a full study.
         modules: Option<modules::ModuleStudy> = modules::run(context);
     "observations":
-        /// The paper's observations of grasps, compared; only for the paper's finger in a full study.
+        /// Comparison with the paper's observations of grasps; only for the paper's finger in a full study.
         observations: Option<observations::Observations> = observations::run(context, &grasps, modules.as_ref());
     "speed and error":
-        /// Time and error of models and estimators.
+        /// Computation time and error of models and estimators.
         speed_error: Vec<speed_error::SpeedErrorPoint> = speed_error::run(context);
     "shapes":
         /// Example shapes of bent fingers.
         bent: Vec<shapes::BentFinger> = shapes::run(context);
     "touched":
-        /// Shapes under a force at each contact node.
+        /// Shapes of the finger under a force at each contact node.
         touched: Vec<shapes::TouchedFinger> = shapes::touched(context);
 }
 
 impl Study {
-    /// Computes all results for a scene under these forces. Studies of the paper's finger whose checks and claims hold for fixed forces use the
-    /// [paper's](ReportForces::PAPER).
+    /// Computes all results for a scene under these forces. Parts that have fixed reference figures use the [paper's](ReportForces::PAPER) forces
+    /// for the paper's finger.
     ///
     /// # Errors
     /// [`StudyError`] if a part fails, for example a reference problem or the finger at rest. Loads without equilibrium leave gaps.
@@ -212,7 +211,7 @@ impl Study {
         let finger = &scene.finger;
         let fine = fine_mesh(finger).map_err(within("mesh"))?;
         let corotational = MeshTruth::new(TruthId::Corotational, &fine, Kinematics::Corotational);
-        let networks = Networks::read(&finray_fixtures::NETWORKS).map_err(within("a network that ships"))?;
+        let networks = Networks::read(&finray_fixtures::NETWORKS).map_err(within("shipped network"))?;
         Study::of(&Context {
             given,
             finger,
@@ -227,28 +226,28 @@ impl Study {
         })
     }
 
-    /// Forces of studies whose checks and claims hold for fixed forces.
+    /// Forces of the parts that have fixed reference figures.
     pub fn checked_forces(&self) -> ReportForces {
         self.forces.checked(self.is_paper)
     }
 
-    /// Every map, those of the lattice last.
+    /// Every map. The lattice's maps are last.
     pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
         let lattice = self.lattice.iter().flat_map(|lattice| lattice.sensing.all_maps());
         self.maps.iter().chain(lattice)
     }
 
-    /// Every check, those of the hard cases last.
+    /// Every check. Checks of the hard cases are last.
     pub fn all_checks(&self) -> impl Iterator<Item = &Check> {
         self.checks.iter().chain(self.hard_cases.iter().flat_map(|case| &case.checks))
     }
 
-    /// The map of one truth by least squares, with or without noise.
+    /// The map of one true finger by linear least squares, with or without noise.
     pub fn map(&self, truth: TruthId, noisy: bool) -> Option<&AccuracyMap> {
         self.map_by(truth, EstimatorId::LeastSquares, noisy)
     }
 
-    /// The map of one truth and estimator, with or without noise.
+    /// The map of one true finger and estimator, with or without noise.
     pub fn map_by(&self, truth: TruthId, estimator: EstimatorId, noisy: bool) -> Option<&AccuracyMap> {
         let wanted = |map: &&AccuracyMap| map.truth == truth && map.estimator == estimator;
         self.all_maps().filter(wanted).find(|map| (map.noise_mm > 0.0) == noisy)

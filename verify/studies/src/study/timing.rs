@@ -7,7 +7,7 @@ use crate::experiments::speed_error::{self, Asked, SpeedErrorPoint, Task};
 use std::path::Path;
 
 impl Study {
-    /// Replaces the report's times by criterion's, for points that both have. The benches time the paper's finger alone.
+    /// Replaces the report's times by criterion's, for points that criterion has measured too. Criterion's times hold for the paper's finger only.
     pub fn take_criterion(&mut self, folder: &Path, times: &CriterionTimes) {
         let folder = folder.display();
         if !self.is_paper {
@@ -30,7 +30,7 @@ impl Study {
         }
     }
 
-    /// Adds the points of other programs. Their times hold for the paper's finger alone.
+    /// Adds the points of other programs, whose times hold for the paper's finger only.
     pub fn take_peers(&mut self, peers: Peers) {
         if !self.is_paper {
             self.timing_notes
@@ -41,7 +41,7 @@ impl Study {
             "" => "; the file does not say on which machine".to_owned(),
             machine => format!(", on this machine: {machine}"),
         };
-        // Compares equal tasks only: other nodes or forces take other times.
+        // Compares equal tasks only, because other nodes or forces take another time.
         let asked = Task::ALL.map(|task| speed_error::asked(&self.finger, self.checked_forces(), task));
         let (same, others): (Vec<Peer>, Vec<Peer>) =
             peers.peers.into_iter().partition(|peer| asked[peer.task as usize] == peer.asked);

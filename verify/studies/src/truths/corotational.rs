@@ -1,4 +1,4 @@
-//! True finger: the scene's finger, co-rotational on a fine mesh.
+//! True finger: the scene's finger on a fine mesh, with co-rotational statics.
 
 use super::{MeshTruth, TruthId, TruthRow, fine_mesh};
 use finray_model::Kinematics;
@@ -6,7 +6,7 @@ use finray_model::Kinematics;
 pub(super) const ROW: TruthRow = TruthRow {
     name: "corotational",
     label: "uniform finger",
-    help: "The co-rotational finger, on 684 nodes or four elements a member if that is more",
+    help: "The finger with co-rotational statics, on 684 nodes or four elements per member if that is more",
     kinematics: Some(Kinematics::Corotational),
     is_far_from_corotational: false,
     has_study: false,

@@ -6,8 +6,8 @@ use crate::prelude::*;
 pub(super) const ROW: TruthRow = TruthRow {
     name: "lattice",
     label: "lattice",
-    help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy: the engine \
-           settles in the same within 0.05 %, in seconds instead of milliseconds",
+    help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy: the engine needs \
+           seconds to settle within 0.05 % of this shape, instead of milliseconds",
     kinematics: None,
     is_far_from_corotational: false,
     has_study: true,
@@ -15,12 +15,12 @@ pub(super) const ROW: TruthRow = TruthRow {
     on: |mesh| Ok(Box::new(LatticeTruth::new(mesh.finger())?)),
 };
 
-/// Segments of a plate member between two key nodes. The shape is within 0.01 % of converged beams under 2 N, and 0.04 % under 5 N.
+/// Number of segments of a plate member between two key nodes. Shapes are within 0.01 % of converged beams under 2 N, and 0.04 % under 5 N.
 const FINENESS: usize = 4;
 
 /// A finger as a lattice of rigid bodies and springs, in equilibrium.
 ///
-/// Newton's method finds shapes of least energy in milliseconds. The physics engine settles within 0.05 % of them, in seconds.
+/// Newton's method finds shapes of least energy in milliseconds. The physics engine needs seconds to settle within 0.05 % of them.
 #[derive(Debug, Clone)]
 pub struct LatticeTruth {
     lattice: Lattice,

@@ -1,4 +1,4 @@
-//! True finger: the scene's finger, linear. Its key nodes alone give the exact solution.
+//! True finger: the scene's finger with linear statics. A mesh of its key nodes gives the exact solution.
 
 use super::{MeshTruth, TruthId, TruthRow};
 use finray_model::{Kinematics, Mesh};
@@ -6,7 +6,7 @@ use finray_model::{Kinematics, Mesh};
 pub(super) const ROW: TruthRow = TruthRow {
     name: "linear",
     label: "linear finger",
-    help: "The linear finger",
+    help: "The finger with linear statics",
     kinematics: Some(Kinematics::Linear),
     is_far_from_corotational: true,
     has_study: false,

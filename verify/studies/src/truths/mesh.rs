@@ -1,4 +1,4 @@
-//! True fingers of beams, solved by the model's own statics.
+//! True fingers that consist of beams and are solved by the model's statics.
 
 use super::{Truth, TruthId};
 use crate::prelude::*;
@@ -8,10 +8,10 @@ use finray_model::statics::{EquilibriumEquations, Ladder};
 /// Number of nodes of the paper's fine mesh (Xu et al. 2021, sec. III).
 pub const FINE_MESH_NODES: usize = 684;
 
-/// Mesh of the true finger: the paper's 684 nodes, or four elements a member if that gives more nodes.
+/// Mesh of the true finger: the paper's 684 nodes, or four elements per member if that gives more nodes.
 ///
 /// # Errors
-/// [`MeshSizeError`] if the finger has no mesh of 684 nodes. It does not occur: a finger with too many key nodes has four elements a member.
+/// [`MeshSizeError`] if the finger has no mesh of 684 nodes. This does not occur: a finger with too many key nodes gets four elements per member.
 pub fn fine_mesh(finger: &Finger) -> Result<Mesh, MeshSizeError> {
     let four_a_member = Mesh::with_elements_per_member(finger, 4);
     if four_a_member.node_count() > FINE_MESH_NODES {
@@ -20,14 +20,14 @@ pub fn fine_mesh(finger: &Finger) -> Result<Mesh, MeshSizeError> {
     Mesh::with_nodes(finger, FINE_MESH_NODES)
 }
 
-/// A true finger as a mesh of beams, solved by the model's statics.
+/// A true finger (see [`TruthId`]) as a mesh of beams, solved by the model's statics.
 #[derive(Debug, Clone)]
 pub struct MeshTruth<'m> {
     id: TruthId,
     mesh: &'m Mesh,
-    /// Equations prepared once and copied for each contact.
+    /// Equations that are prepared once and copied for each contact.
     prepared: Statics<Ladder<'m>>,
-    /// Compliance of the linear finger on its key nodes, which solves every contact without further equations.
+    /// Compliance of the linear finger at its key nodes, which gives all shapes; `None` for another mesh or co-rotational statics.
     solved: Option<NodalCompliance>,
 }
 
@@ -47,10 +47,7 @@ impl<'m> MeshTruth<'m> {
         Ok(MeshTruth { id, mesh, prepared, solved })
     }
 
-    /// Shapes of the linear finger under forces (N): multiples of its shape under 1 N.
-    ///
-    /// # Errors
-    /// [`StaticsError`] if the contact is not on the finger or cannot be solved.
+    /// Shapes of the linear finger under forces (N), as multiples of its shape under 1 N.
     fn multiples(
         &self,
         solved: &NodalCompliance,

@@ -1,4 +1,4 @@
-//! True fingers that sensing is tested on: one file and one row of [`TruthId`] each.
+//! True fingers: simulated fingers whose forces are to be sensed. Each has one file and one row of [`TruthId`].
 
 mod corotational;
 mod lattice;
@@ -16,9 +16,9 @@ use crate::prelude::*;
 use finray_model::registry;
 
 registry! {
-    /// A true finger.
+    /// Type of a true finger: a simulated finger whose forces are to be sensed.
     TruthId: TruthRow {
-        /// The scene's finger, co-rotational on a fine mesh.
+        /// The scene's finger on a fine mesh, with co-rotational statics.
         Corotational => corotational::ROW,
         /// The paper's finger with softer ends.
         Twin => twin::ROW,
@@ -26,7 +26,7 @@ registry! {
         Lattice => lattice::ROW,
         /// Shapes of the finger from MuJoCo.
         Mujoco => mujoco::ROW,
-        /// The scene's finger, linear.
+        /// The scene's finger with linear statics.
         Linear => linear::ROW,
     }
 }
@@ -36,46 +36,41 @@ struct TruthRow {
     name: &'static str,
     label: &'static str,
     help: &'static str,
-    /// Kinematics of a truth that consists of the scene's own beams; `None` for others.
     kinematics: Option<Kinematics>,
-    /// Whether its shapes differ strongly from those of the scene's co-rotational beams.
     is_far_from_corotational: bool,
-    /// Whether a separate study tests it with the estimators that answer at every contact.
     has_study: bool,
-    /// Builds the mesh of the true finger from the scene's finger.
     mesh: fn(&Finger) -> Result<Mesh, TruthError>,
-    /// Builds the truth on that mesh.
     on: for<'m> fn(&'m Mesh) -> Result<Box<dyn Truth + 'm>, TruthError>,
 }
 
 impl TruthId {
-    /// Kinematics of a truth that consists of the scene's own beams, on which a network can be trained; `None` for others.
+    /// Kinematics if this true finger consists of the scene's own beams, so that a network can be trained on it; else `None`.
     pub fn kinematics(self) -> Option<Kinematics> {
         self.row().kinematics
     }
 
-    /// Whether its shapes differ strongly from those of the scene's co-rotational beams.
+    /// Whether the shapes of this true finger differ strongly from those of the scene's co-rotational beams.
     pub fn is_far_from_corotational(self) -> bool {
         self.row().is_far_from_corotational
     }
 
-    /// Whether a separate study tests it with the estimators that answer at every contact.
+    /// Whether a separate study senses forces on this true finger, with the estimators that answer at every contact.
     pub fn has_study(self) -> bool {
         self.row().has_study
     }
 
-    /// Mesh of the true finger that corresponds to a scene's finger.
+    /// Mesh of the true finger, derived from the scene's finger.
     ///
     /// # Errors
-    /// [`TruthError`] if this truth does not exist for the finger.
+    /// [`TruthError`] if the scene's finger has no true finger of this type.
     pub fn mesh(self, finger: &Finger) -> Result<Mesh, TruthError> {
         (self.row().mesh)(finger)
     }
 
-    /// The truth on its [mesh](TruthId::mesh).
+    /// The true finger on its [mesh](TruthId::mesh).
     ///
     /// # Errors
-    /// [`TruthError`] if the finger at rest cannot be solved, or this truth does not exist for it.
+    /// [`TruthError`] if the finger at rest cannot be solved, or the mesh has no such true finger.
     pub fn on(self, mesh: &Mesh) -> Result<Box<dyn Truth + '_>, TruthError> {
         (self.row().on)(mesh)
     }
@@ -104,25 +99,25 @@ pub enum TruthError {
 /// Positions along the front plate (mm from the base), and directions (degrees from the inward normal).
 pub type Positions = (Vec<f64>, Vec<f64>);
 
-/// A finger that responds to a force with a shape.
+/// A true finger, which responds to a force with a shape.
 pub trait Truth: Sync {
-    /// Type of this truth.
+    /// Type of this true finger.
     fn id(&self) -> TruthId;
 
-    /// Whether its displacements are proportional to the force.
+    /// Whether displacements are proportional to the force.
     fn is_linear(&self) -> bool {
         false
     }
 
-    /// Positions and directions for which it has shapes under these forces (N); `None` if it has them everywhere.
+    /// Positions and directions at which shapes exist under these forces (N); `None` if shapes exist everywhere.
     ///
     /// # Errors
-    /// [`TruthError`] if it has no shapes under one of the forces.
+    /// [`TruthError`] if no shapes exist under one of the forces.
     fn positions(&self, _forces_n: &[f64]) -> Result<Option<Positions>, TruthError> {
         Ok(None)
     }
 
-    /// Shapes of the key nodes under ascending forces (N) at one contact; each continues from the previous one.
+    /// Shapes of the key nodes under ascending forces (N) at one contact. Each equilibrium starts from the previous one.
     ///
     /// The list ends before the first force that the finger cannot carry.
     fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape>;

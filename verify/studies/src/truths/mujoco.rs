@@ -7,7 +7,7 @@ use crate::prelude::*;
 pub(super) const ROW: TruthRow = TruthRow {
     name: "mujoco",
     label: "MuJoCo",
-    help: "The finger as MuJoCo solved it: exported shapes of three fingers, at their contact nodes, in the exported directions, under the \
+    help: "The finger as solved by MuJoCo: exported shapes of three fingers, at their contact nodes, in the exported directions, under the \
            exported forces; other positions and directions (--places, --step-deg) are not available",
     kinematics: None,
     is_far_from_corotational: false,
@@ -62,7 +62,7 @@ impl MujocoTruth {
         Ok(MujocoTruth { finger: finger.clone(), name: exported.name, cases: exported.cases()? })
     }
 
-    /// Those of the given forces (N) for which shapes were exported.
+    /// The subset of `forces_n` (N) for which shapes were exported.
     pub fn exported(&self, forces_n: &[f64]) -> Vec<f64> {
         forces_n.iter().copied().filter(|force_n| self.require_force(*force_n).is_ok()).collect()
     }

@@ -1,4 +1,5 @@
-//! True finger: the paper's with a softer base and tip, one of several fits of its Table I. See [`experiments::twin`](crate::experiments::twin).
+//! True finger: the paper's finger with a softer base and tip, one of several fits of its Table I. See
+//! [`experiments::twin`](crate::experiments::twin).
 
 use super::{MeshTruth, TruthId, TruthRow, fine_mesh};
 use crate::prelude::*;
@@ -18,10 +19,10 @@ pub(super) const ROW: TruthRow = TruthRow {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TwinError {
     /// The finger is not the paper's.
-    #[error("the digital twin is of the paper's finger (fixtures/scenes/paper.toml); this scene has another")]
+    #[error("only the paper's finger (fixtures/scenes/paper.toml) has a digital twin; this scene has another finger")]
     NotThePapersFinger,
     /// A shipped scene cannot be read.
-    #[error("a scene that ships: {0}")]
+    #[error("cannot read a shipped scene: {0}")]
     Scene(#[from] SceneError),
 }
 

@@ -155,7 +155,7 @@ fn empty_cells_are_a_hidden_marker() {
         assert_says(&message, &["line 3: ", empty, "a hidden marker leaves both empty"]);
     }
     let none = sense_text("node,ux_mm,uy_mm\n7,,\n8,,\n", &["--contact", "19"]).refused();
-    assert_says(&none, &["1 unknown force", "0 measured coordinates"]);
+    assert_says(&none, &["too few measured coordinates (0)", "unknowns (1)"]);
 }
 
 #[test]
@@ -205,9 +205,9 @@ fn more_unknowns_than_coordinates_are_refused() {
     let two_markers = "node,ux_mm,uy_mm\n7,0,-1\n8,0,-1\n";
     let five = ["--contact", "14", "16", "18", "20", "22"];
     let message = sense_text(two_markers, &five).refused();
-    assert_says(&message, &["not identifiable", "5 unknown forces", "4 measured coordinates"]);
+    assert_says(&message, &["not identifiable", "too few measured coordinates (4)", "unknowns (5)"]);
     let message = sense_text("node,ux_mm,uy_mm\n1,0,0\n25,0,0\n", &["--contact", "19"]).refused();
-    assert_says(&message, &["1 unknown force", "0 measured coordinates"]);
+    assert_says(&message, &["too few measured coordinates (0)", "unknowns (1)"]);
 }
 
 /// The direction of a measured force was once an arctangent by hand, less the turn of the image's base and that of the plate.

@@ -62,7 +62,7 @@ fn shards_that_do_not_fit_are_refused() {
     for (shards, expected) in [
         (vec![one, third], vec!["of 3 shards, 2 were given", "missing: 2"]),
         (vec![third], vec!["missing: 1, 2"]),
-        (vec![one, second, third, second], vec!["2-of-3.csv", "is shard 2/3", "each is needed once"]),
+        (vec![one, second, third, second], vec!["2-of-3.csv", "is shard 2/3", "give each shard once"]),
         (vec![one, one, third], vec!["is shard 1/3"]),
         (vec![second, &foreign, third], vec!["foreign.csv", "another --seed"]),
         (vec![one, second, third, &fourth], vec!["fourth.csv", "another number of shards"]),

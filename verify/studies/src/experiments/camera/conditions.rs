@@ -1,4 +1,4 @@
-//! Conditions for tests of the camera, one change each.
+//! Conditions under which the camera is tested, with one change each.
 
 use finray_imaging::render::Disturbances;
 use finray_model::camera::{Camera, Distortion, Lens, Pose};
@@ -7,7 +7,6 @@ use image::RgbImage;
 use jpeg_encoder::{ChromaSubsamplingMethod, ColorType, Encoder, SamplingFactor};
 use nalgebra::{Rotation3, Vector3};
 
-/// One change of the scene's camera.
 pub(super) struct Condition {
     pub item: &'static str,
     pub setting: &'static str,
@@ -25,7 +24,7 @@ pub(super) enum Change {
     FinerFinger(usize),
 }
 
-/// Difference of an image from that of the scene's camera.
+/// Difference of an image from the image of the scene's camera.
 pub(super) struct ImageChange {
     /// Standard deviation of the noise, grey levels of 255, and of the blur, px.
     grey_noise: f64,
@@ -38,19 +37,19 @@ pub(super) struct ImageChange {
     clutter: usize,
 }
 
-/// Loss of light in the corners relative to the middle, as a share.
+/// Loss of light in the image corners relative to the middle, dimensionless.
 const FALLOFF: f64 = 0.3;
 /// An ordinary industrial camera in focus.
 pub(super) const ORDINARY: ImageChange =
     ImageChange { grey_noise: 2.0, blur_px: 0.8, resolution: 1.0, radius: 1.0, quality: None, clutter: 0 };
 
-/// Difference of the assumed camera from the true one.
+/// Difference of the assumed camera from the true camera.
 pub(super) struct AssumedChange {
     /// Error added to the distortion coefficient k1, dimensionless.
     k1: f64,
     /// Factor of the focal lengths.
     focal: f64,
-    /// Rotation of the finger's plane about its y axis, degrees.
+    /// Rotation of the finger's plane about the y axis of that plane, degrees.
     tilt_deg: f64,
     /// Error added to the height of the markers, mm.
     height_mm: f64,
@@ -66,7 +65,7 @@ const fn assumed(item: &'static str, setting: &'static str, change: AssumedChang
     Condition { item, setting, change: Change::Assumed(change), is_rest_seen }
 }
 
-/// All conditions; a quick study uses the first ones. The very first is the scene's camera unchanged.
+/// All conditions. The first is the scene's camera unchanged, and a quick study uses only the first few.
 pub(super) const CONDITIONS: &[Condition] = &[
     image(super::AS_IT_IS, "noise 2 of 255, blur 0.8 px", ORDINARY),
     image("resolution", "1/4 along each side", ImageChange { resolution: 0.25, ..ORDINARY }),
@@ -118,7 +117,7 @@ impl ImageChange {
         Disturbances { light_falloff: FALLOFF, blur_px, grey_noise, clutter, seed }
     }
 
-    /// The image after compression; `None` if it cannot be compressed.
+    /// The image after compression; `None` if compression fails.
     pub fn compressed(&self, image: RgbImage) -> Option<RgbImage> {
         let Some(quality) = self.quality else { return Some(image) };
         let mut bytes = Vec::new();

@@ -1,8 +1,8 @@
 //! From image to force: effects of noise, blur, resolution, markers, compression, lens, pose and height on displacement and force.
 //!
-//! A known force at a node deforms the finger. The scene's camera sees it in a rendered image, and its markers are located. The force is sensed with
-//! the same beams, so that all errors come from the camera. Errors in the assumed camera (lens, pose, height) need no image: points are projected by
-//! the true camera and read with another one.
+//! A known force at a node deforms the finger. The scene's camera sees the finger in a rendered image, in which the markers are located. The force
+//! is sensed with the same beams, so that all errors come from the camera. Errors in the assumed camera (lens, pose, height) need no image: points
+//! are projected by the true camera and read with the assumed one.
 
 mod conditions;
 mod tried;
@@ -15,18 +15,18 @@ use finray_imaging::render::{RenderRequest, render};
 use finray_model::scene::MarkerLook;
 use tried::{Tried, tried};
 
-/// Relative error of a force that a user requires.
+/// Relative error of a force that a user accepts, dimensionless.
 pub const ASKED_ERROR: f64 = 0.01;
-/// Largest root mean square of a node's position error in an image of the scene's camera, mm: a fiftieth of the paper's largest error.
+/// Tolerance of the root mean square position error of a node in an image of the scene's camera, mm: a fiftieth of the paper's largest error.
 pub const GOOD_POSITION_MM: f64 = 0.004;
 
 /// Name of the condition with the scene's camera unchanged.
 pub const AS_IT_IS: &str = "as it is";
 
-/// Errors under one condition.
+/// Errors of displacements and forces under one condition of the camera.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CameraRow {
-    /// Property that differs from the scene's camera: "noise", "lens", ..., or its mesh.
+    /// Property that differs from the scene's camera: "noise", "lens", ..., or the "mesh" of the finger.
     pub item: &'static str,
     /// Size of the difference, in words.
     pub setting: &'static str,
@@ -48,7 +48,7 @@ pub struct CameraRow {
     pub forces: usize,
     /// Number of refused forces.
     pub refused: usize,
-    /// Root mean square over the answered nodes of sensed / true - 1.
+    /// Root mean square of sensed / true - 1 over the answered nodes.
     pub force_rms_error: Option<f64>,
     /// Largest |sensed / true - 1| over the answered nodes.
     pub force_largest_error: Option<f64>,
@@ -56,7 +56,7 @@ pub struct CameraRow {
     pub first_order_rms_error: Option<f64>,
 }
 
-/// A node, with the noise of a coordinate at which the Cramer-Rao bound of a force there equals [`ASKED_ERROR`].
+/// Noise of a coordinate at which the Cramer-Rao bound of a force at a node equals [`ASKED_ERROR`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NeededNoise {
     /// The node.
@@ -65,7 +65,7 @@ pub struct NeededNoise {
     pub noise_mm: f64,
 }
 
-/// Errors of the camera, and resulting errors of the force.
+/// Errors of displacements measured by a camera, and the resulting errors of the force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraStudy {
     /// Errors under each condition; the first is the scene's camera unchanged.
@@ -74,11 +74,11 @@ pub struct CameraStudy {
     pub force_n: f64,
     /// Nodes at which forces were sensed.
     pub nodes: Vec<NodeId>,
-    /// Required noise for every loaded contact node, from tip to base.
+    /// Largest acceptable noise for every loaded contact node, from tip to base.
     pub needed: Vec<NeededNoise>,
     /// Size of the scene's images, px.
     pub size_px: [u32; 2],
-    /// Scale at the middle of the undeformed finger, px/mm; `None` if the camera does not see it.
+    /// Scale at the middle of the undeformed finger, px/mm; `None` if the camera does not see the finger.
     pub px_a_mm: Option<f64>,
     /// Processing times of an image in memory, on one core; `None` if the image shows no finger.
     pub times: Option<FrameTimes>,
@@ -159,13 +159,13 @@ impl CameraStudy {
         };
         let rows: Result<Vec<CameraRow>, ExperimentError> = conditions.par_iter().with_max_len(1).map(row).collect();
         let rows = rows?;
-        // Timed in sequence, without parallel computations.
+        // Measured in sequence, because parallel computations would affect the times.
         let times = asked.first().and_then(|bent| frame_times(finger, &bent.shape, camera, markers));
         let nodes = asked.iter().map(|bent| bent.node).collect();
         Ok(CameraStudy { rows, force_n, nodes, needed, size_px: camera.lens.size_px(), px_a_mm, times })
     }
 
-    /// Row of the scene's camera unchanged.
+    /// Row of the scene's camera without a change.
     pub fn as_it_is(&self) -> Option<&CameraRow> {
         self.rows.first()
     }
@@ -269,7 +269,7 @@ impl Evidence for CameraStudy {
         };
         vec![
             internal("rms error of a coordinate, mm", row.displacement_rms_mm, GOOD_POSITION_MM),
-            // A tolerance of fewer than one marker.
+            // A tolerance below one marker admits none.
             internal("markers of free nodes that were not found", Some(unfound), 0.5),
         ]
     }

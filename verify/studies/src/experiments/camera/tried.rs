@@ -1,4 +1,4 @@
-//! A force at one node under one condition: observed displacements and the sensed force.
+//! A force at one node under one condition: displacements are observed, and the force is sensed from them.
 
 use super::conditions::{Change, Condition, ImageChange};
 use super::{Bent, ExperimentError};
@@ -20,12 +20,12 @@ pub(super) struct Tried {
     pub sd_mm: Option<f64>,
     /// Number of markers found.
     pub found: usize,
-    /// Error sensed / true - 1; below it, the same to first order.
+    /// Error sensed / true - 1. The next field is the same error to first order.
     pub sensed: Option<f64>,
     pub first_order: Option<f64>,
 }
 
-/// Observes and senses one deformed finger; `None` if it is not seen.
+/// Observes and senses one deformed finger; `None` if the camera does not see the finger.
 pub(super) fn tried(
     mesh: &Mesh,
     (number, bent): (usize, &Bent),
@@ -80,7 +80,7 @@ pub(super) fn tried(
         return Ok(Some(tried));
     };
     let mut estimator = NonlinearEstimator::new(mesh, &[Contact::at_node(bent.node).into()])?;
-    // Without stated noise, it is estimated from the residual.
+    // Without stated noise, the estimator computes the noise from the residual.
     if let Ok(estimate) = estimator.estimate(&measurement, seen.sd_mm) {
         tried.sensed = Some(estimate.forces.forces_n[0] / bent.force_n - 1.0);
         tried.first_order = is_seen.then_some(product / squares / bent.force_n);
@@ -110,7 +110,7 @@ fn in_image(
     })
 }
 
-/// Displacements of points that one camera projects and another one reads; `None` if one of them does not see the finger.
+/// Displacements of points that one camera projects and another one reads; `None` if one of the cameras does not see the finger.
 fn projected(
     finger: &Finger,
     shape: &FingerShape,

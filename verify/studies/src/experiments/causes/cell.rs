@@ -1,11 +1,11 @@
-//! Causes of errors at one position and direction.
+//! Causes of sensing errors at one position and direction.
 
 use super::models::{Bending, Known, Models};
 use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES};
 use crate::prelude::*;
 use crate::truths::Truth;
 
-/// A sensing practice with all its settings.
+/// A user's practice of sensing, with all its settings.
 pub(super) struct Sensor<'m> {
     pub practice: Practice,
     pub contact: ContactKnowledge,
@@ -13,7 +13,6 @@ pub(super) struct Sensor<'m> {
     /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
     pub zones_known: bool,
-    /// Causes of errors that apply.
     pub causes: Vec<Cause>,
 }
 
@@ -61,7 +60,7 @@ pub(super) fn cells(
     sensors.iter().map(of_sensor).collect()
 }
 
-/// Contacts with errors to both sides of position (mm) and direction (degrees), as requested. Positions off the plate are left out.
+/// Contacts whose position (mm) or direction (degrees) is wrong to both sides, as requested. Positions off the plate are left out.
 pub(super) fn beside(finger: &Finger, s_mm: f64, angle_deg: f64, [position, direction]: [bool; 2]) -> Vec<Contact> {
     let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
     let length_mm = finger.plate_length_mm(Plate::Front);
@@ -92,7 +91,8 @@ impl Squared {
         Squared { bias: (sensed_n / force_n - 1.0).powi(2), noise: (sigma_n / force_n).powi(2) }
     }
 
-    /// Error of the nonlinear estimator for a noise-free shape under `force_n` (N), and its variance by noise of `noise_mm` (mm); `None` if it refuses.
+    /// Squared error of the nonlinear estimator for a noise-free shape under `force_n` (N), and its variance by noise of `noise_mm` (mm); `None` if
+    /// the estimator refuses.
     pub(super) fn of_nonlinear(
         estimator: &mut NonlinearEstimator,
         seen: &Measurement,
@@ -102,7 +102,7 @@ impl Squared {
         estimator.reset();
         // The stated noise only decides how large a misfit counts as an outlier.
         let sensed = estimator.estimate(seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()?.forces;
-        // With a wrong model, the stated deviation follows the residual instead of the noise, so it is scaled back.
+        // With a wrong model, the stated standard deviation follows the residual instead of the noise, so it is scaled back.
         Some(Squared::of(sensed.forces_n[0], sensed.sigmas_n[0] * noise_mm / sensed.noise_mm, force_n))
     }
 
@@ -166,7 +166,7 @@ impl Sensor<'_> {
             let Ok(estimator) = LinearEstimator::new(mesh.finger(), &[*contact], markers) else { return Vec::new() };
             let sense = |(seen, &force_n): (&Measurement, &f64)| {
                 let sensed = estimator.estimate(seen, Some(self.noise_mm), Prior::None);
-                // If the measurement contradicts the linear finger, the stated deviation follows the residual; this one follows the noise.
+                // If the measurement contradicts the linear finger, the stated standard deviation follows the residual; `noise_n` follows the noise.
                 let noise_n = estimator.inverse().sigmas_per_noise[0] * self.noise_mm;
                 Some(Squared::of(sensed.forces_n[0], noise_n, force_n))
             };

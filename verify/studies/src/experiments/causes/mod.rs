@@ -18,9 +18,9 @@ use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use cell::Sensor;
 use models::{End, Models};
 
-/// Error of the assumed direction, degrees, to either side: the deformed normal turns by up to 12.5 degrees (sec. V-C).
+/// The assumed direction is wrong by this angle to either side, degrees. The deformed normal turns by up to 12.5 degrees (paper, sec. V-C).
 pub const DIRECTION_OFF_DEG: f64 = 12.5;
-/// Error of the assumed position, mm, to either side: the radius of the paper's rods (sec. V-C), around which an object may touch.
+/// The assumed position is wrong by this distance to either side, mm: the radius of the paper's rods (sec. V-C), around which an object may touch.
 pub const POSITION_OFF_MM: f64 = 1.5;
 
 /// Cause of a sensing error.
@@ -31,9 +31,9 @@ pub enum Cause {
     Noise,
     /// Assumption of small rotations. Eliminated: the nonlinear estimator.
     Linearisation,
-    /// One element a member. Eliminated: four. The linear finger is exact at its key nodes on any mesh.
+    /// One element per member. Eliminated: four elements. The linear finger is exact at its key nodes on any mesh.
     Discretisation,
-    /// Young's modulus calibrated by the model from shapes under weights (eq. (11) of the paper). Eliminated: the true modulus.
+    /// Young's modulus calibrated by the model from shapes under weights (paper, eq. (11)). Eliminated: the true modulus.
     Modulus,
     /// Assumed direction, wrong by [`DIRECTION_OFF_DEG`] to either side. Eliminated: the true direction.
     Direction,
@@ -65,19 +65,19 @@ impl Cause {
     }
 }
 
-/// A sensing practice.
+/// Estimator with which a user senses a force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Practice {
     /// Linear least squares.
     LeastSquares,
-    /// The nonlinear estimator with one element a member.
+    /// The nonlinear estimator with one element per member.
     Nonlinear,
     /// A network trained on the co-rotational finger, at a contact node and along the normal.
     Network,
 }
 
-/// Knowledge of the contact's position and direction.
+/// Prior knowledge of the contact's position and direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactKnowledge {
@@ -88,7 +88,7 @@ pub enum ContactKnowledge {
 }
 
 impl Practice {
-    /// Estimator of the practice.
+    /// Identifier of the estimator.
     pub fn estimator(self) -> EstimatorId {
         match self {
             Practice::LeastSquares => EstimatorId::LeastSquares,
@@ -129,10 +129,10 @@ impl ContactKnowledge {
     }
 }
 
-/// Request of a study of causes.
+/// Parameters of a study of the causes of sensing errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseRequest {
-    /// Practices, each with its knowledge of the contact, one map each. Networks have a [separate study](network).
+    /// Practices, each with its knowledge of the contact. Each pair gives one map. Networks have a [separate study](network).
     pub practices: Vec<(Practice, ContactKnowledge)>,
     /// Positions on the front plate, mm from the base.
     pub positions_mm: Vec<f64>,
@@ -142,13 +142,13 @@ pub struct CauseRequest {
     pub forces_n: Vec<f64>,
     /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
-    /// Whether sensing knows the zones of the finger; otherwise they are a cause.
+    /// Whether sensing knows the zones of the finger; otherwise unknown zones are a cause.
     pub zones_known: bool,
     /// Weights under which the modulus is calibrated, N, ascending.
     pub weights_n: [f64; 6],
 }
 
-/// Causes of the error of one force at one position and direction.
+/// Causes of the error of one sensed force at one position and direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseCell {
     /// Position on the front plate, mm from the base.
@@ -173,15 +173,15 @@ impl CauseCell {
     }
 }
 
-/// A user's remedies against errors, in the order of application, with the causes that each eliminates. They are knowledge of zones and modulus,
-/// knowledge of the contact, and co-rotational sensing on four elements a member.
+/// Remedies by which a user reduces errors, in the order of application, with the causes that each remedy eliminates: knowledge of zones and
+/// modulus, knowledge of the contact, and co-rotational sensing on four elements per member.
 pub const REMEDIES: [(&str, &[Cause]); 3] = [
     ("zones known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
     ("contact known", &[Cause::Direction, Cause::Position]),
     ("nonlinear", &[Cause::Linearisation, Cause::Discretisation]),
 ];
 
-/// Causes of errors for one truth and practice on a grid.
+/// Causes of sensing errors for one true finger and practice, on a grid of positions, directions and forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseMap {
     /// The request.

@@ -6,7 +6,7 @@ use crate::truths::Truth;
 use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
 use finray_model::finger::{Part, Zone};
 
-/// An end of the finger, which may have zones.
+/// An end of the finger, which may have zones of other stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     Base,
@@ -18,15 +18,14 @@ pub(super) enum End {
 pub(super) enum Bending {
     /// Linear; exact at key nodes.
     Linear,
-    /// Co-rotational, one element a member.
+    /// Co-rotational, one element per member.
     Coarse,
-    /// Co-rotational, [`ELEMENTS`] elements a member.
+    /// Co-rotational, [`ELEMENTS`] elements per member.
     Refined,
 }
 
 const BENDINGS: [Bending; 3] = [Bending::Linear, Bending::Coarse, Bending::Refined];
 
-/// Knowledge of the finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Known {
     /// Whether the zones at the base are known.
@@ -39,15 +38,15 @@ pub(super) struct Known {
     pub bending: Bending,
 }
 
-/// Models of the finger, indexed by knowledge.
+/// Models of the finger, one for each combination of known properties.
 pub(super) struct Models {
     finger: Finger,
     meshes: Vec<Mesh>,
 }
 
 impl Models {
-    /// All models of a true finger. Their moduli are calibrated on its shapes under weights (N) at three nodes, a third, half and two thirds of the way
-    /// from tip to base. They are nodes 17, 19 and 21 of the paper's finger (sec. V-A).
+    /// All models of a true finger. Their moduli are calibrated on its shapes under weights (N) at three nodes: a third, half and two thirds of the
+    /// way from tip to base. On the paper's finger these are nodes 17, 19 and 21 (sec. V-A).
     pub fn of(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Result<Models, ExperimentError> {
         let cases = weighed(finger, truth, weights_n);
         let mesh = |number: usize| {
@@ -60,12 +59,10 @@ impl Models {
         Ok(Models { finger: finger.clone(), meshes })
     }
 
-    /// Mesh of the model with this knowledge.
     pub fn mesh(&self, known: Known) -> &Mesh {
         &self.meshes[known.number()]
     }
 
-    /// The true finger.
     pub fn finger(&self) -> &Finger {
         &self.finger
     }
@@ -102,7 +99,6 @@ fn end_of(finger: &Finger, zone: &Zone) -> End {
     if zone.from_mm + zone.to_mm < finger.plate_length_mm(plate) { End::Base } else { End::Tip }
 }
 
-/// Whether a finger has zones at an end.
 pub(super) fn has_zones(finger: &Finger, end: End) -> bool {
     finger.description().zones.iter().any(|zone| end_of(finger, zone) == end)
 }
@@ -117,7 +113,7 @@ pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finge
     Ok(Finger::new(description)?)
 }
 
-/// Shapes under ascending weights (N) along the normal. At each node they end before the first weight without equilibrium.
+/// Shapes under ascending weights (N) along the normal. At each node the shapes end before the first weight without equilibrium.
 pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Vec<CalibrationCase> {
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();

@@ -1,7 +1,7 @@
-//! Errors that a network adds to those of the model that it was trained on.
+//! Errors that a network adds to the errors of the model with which it was trained.
 //!
-//! A network senses only at its contact nodes and along the normal. Elsewhere the assumed contact and model have errors; here the true contact has
-//! equal errors, and the true finger is made uniform. The measurements are noisy.
+//! A network senses only at its contact nodes and along the normal. The other studies of causes assume a wrong contact and model. Here the true
+//! contact has equal errors instead, and the true finger is made uniform. The measurements are noisy.
 
 use super::cell::{Squared, beside};
 use super::models::{Bending, calibrated, weighed, with_zones};
@@ -12,12 +12,12 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 
-/// Noise samples of every shape: the error by noise is then known to 17 %.
+/// Number of noise samples of every shape. The error by noise is then known to 17 %.
 const SAMPLES: usize = 40;
 const SEED: u64 = 1;
 
-/// Causes of a network's errors on a true finger, at every contact node with a network. It was trained on the `believed` finger, but may be used
-/// with another modulus, because forces are proportional to it. Forces in N, noise in mm.
+/// Causes of a network's errors on a true finger, at every contact node with a network. The network was trained on the `believed` finger. It may be
+/// used with another modulus, because forces are proportional to the modulus. Forces in N, noise in mm.
 ///
 /// # Errors
 /// [`ExperimentError`] if a finger at rest cannot be solved or its modulus cannot be calibrated.
@@ -69,12 +69,11 @@ pub fn causes(
 /// The true finger and its model, with one cause eliminated.
 struct World {
     off: Option<Cause>,
-    /// The true finger.
     mesh: Mesh,
     truth: TruthId,
-    /// Mesh of the finger that the network represents, with the modulus of its use.
+    /// Mesh of the finger that the network represents, with the modulus for which the network is used.
     model: Mesh,
-    /// Ratio of the modulus of use to the modulus of training.
+    /// Modulus for which the network is used, divided by the modulus with which it was trained.
     modulus_factor: f64,
 }
 

@@ -32,7 +32,7 @@ pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, Ex
         zones_known: true,
         weights_n,
     };
-    // Wrong assumptions make the nonlinear search try many starts, so it has fewer forces and directions.
+    // Wrong assumptions make the nonlinear search try many starting points, so this estimator has fewer forces and directions.
     let requests = match effort {
         Effort::Quick => vec![of(&[(LeastSquares, Known)])],
         Effort::Full => vec![

@@ -12,7 +12,7 @@ use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 use finray_model::sensing::MeasuredContact;
 
-/// Part of the segment at the base, as a share of its length, in which no position is admitted: forces there deform nothing.
+/// No position is admitted in this share of the base segment's length, because forces there deform nothing.
 const NEAREST_TO_BASE: f64 = 0.01;
 
 /// Standard deviation of a uniform distribution relative to half its interval, 1 / sqrt(3).
@@ -49,13 +49,14 @@ pub fn read_contact(
     }
 }
 
-/// Largest cosine of the angle between a face and a contact's direction at which the contact belongs to the face.
+/// A contact belongs to a face if the cosine of the angle between the face and the contact's direction is at most this.
 const ALONG_FACE: f64 = 1e-3;
-/// Largest distance of a touch from its face, mm; overlaps are smaller.
+/// A touch belongs to a face up to this distance, mm; overlaps are smaller.
 const ON_FACE_MM: f64 = 1e-2;
 
-/// Distance of the two outline points that show the direction of the surfaces at a touch, mm. On a flat face of the object they are its ends. On a rod
-/// they are its centre and the centre of the disc or the corner that touches it. Elsewhere on the plate they are the ends of its segment.
+/// Distance of the two outline points that show the direction of the surfaces at a touch, mm. On a flat face of the object the points are its ends.
+/// On a rod they are the rod's centre, and the touching corner or the centre of the touching disc. Elsewhere on the plate they are the ends of the
+/// plate segment.
 pub fn baseline_mm(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, object: Vector, touch: &Touch) -> f64 {
     let on_plate_mm = |s_mm| member_mm(finger, s_mm);
     match (outline, touch.part) {

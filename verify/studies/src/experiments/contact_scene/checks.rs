@@ -1,4 +1,4 @@
-//! Checks of contact scenes: balance and equilibrium of all scenes, and sensing of the shipped ones.
+//! Checks of contact scenes: balance and equilibrium of all scenes, and sensing of the shipped scenes.
 
 use super::samples::NoiseSamples;
 use super::study::SceneStudy;
@@ -7,37 +7,36 @@ use crate::check::{Check, Kind, SETTLED_LATTICE, Subject, worst};
 use crate::problems::lattice::NEWTON;
 use finray_lattice::skin::Touch;
 
-/// Source of checks of sensed forces.
 const TRUE_FORCES: &str = "true forces";
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
-/// Largest difference between contact forces and forces on the clamps, relative to their sum: rounding.
+/// Tolerance of contact forces against forces on the clamps, relative to their sum: rounding.
 pub const BALANCE_TOLERANCE: f64 = 1e-6;
-/// Largest difference of a shape from the lattice's equilibrium under the contact forces, relative to the largest displacement.
+/// Tolerance of a shape against the lattice's equilibrium under the contact forces, relative to the largest displacement.
 const EQUILIBRIUM_TOLERANCE: f64 = 1e-6;
-/// Largest difference of a shape from rapier's shape at rest, relative to the largest displacement: the error of sweeps and of the criterion of rest.
+/// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement: the error of sweeps and of the criterion of rest.
 const ENGINE_TOLERANCE: f64 = 5e-4;
-/// Largest difference of the sum of contact forces from rapier's, relative to the sum.
+/// Tolerance of the sum of contact forces against rapier's, relative to the sum.
 const ENGINE_FORCE_TOLERANCE: f64 = 2e-3;
-/// Largest difference of a shape from converged beams under the contact forces, relative to the largest displacement. It also bounds errors of sensed
+/// Tolerance of a shape against converged beams under the contact forces, relative to the largest displacement. It also bounds errors of sensed
 /// totals, because forces follow shapes. Two segments between rods cause 1.0e-3 and 1.1e-3 for box and disc under 5 N. A single force in its worst
 /// direction causes four times as much. More segments reduce the error by their square (2.0e-4 for the disc on four).
 const BEAMS_TOLERANCE: f64 = 1.3e-3;
 const SEGMENTS: f64 = 2.0;
-/// Largest stated standard deviation with friction, relative to the force; a larger one would cover the error but carry no information.
+/// With friction, a stated standard deviation may be at most this share of the force. A larger one would cover the error but carry no information.
 const LARGEST_SIGMA: f64 = 0.5;
-/// Largest overlap of object and finger, mm; with more, the engine's contacts would give way.
+/// Tolerance of the overlap of object and finger, mm. A larger overlap would mean that the engine's contacts yield.
 const OVERLAP_TOLERANCE_MM: f64 = 1e-3;
-/// Largest excess of a touch over its friction cone, N: rounding.
+/// Tolerance of a touch beyond its friction cone, N: rounding.
 const CONE_TOLERANCE_N: f64 = 1e-6;
 /// Nominal coverage, and its shift by the lattice's difference from beams, which is less than half a standard deviation.
 const MEANT: f64 = 0.95;
 const SHIFT: f64 = 0.01;
-/// Allowance for chance in standard errors of a binomial share. A share of all samples of a scene exceeds the first once in 370. The smallest of some
-/// hundred shares of a contact and step has the second, exceeded once in 2000 each.
+/// Allowance for chance in standard errors of a binomial share. The first value is for the share of all samples of a scene, which exceeds it once in
+/// 370. The second is for the smallest of some hundred shares, one per contact and step, each of which exceeds it once in 2000.
 const STANDARD_ERRORS: f64 = 3.0;
 const WORST_STANDARD_ERRORS: f64 = 3.5;
 
-/// Largest difference of a share of the samples from [`MEANT`].
+/// Tolerance of a share of the samples against [`MEANT`].
 fn coverage_tolerance(samples: usize, standard_errors: f64) -> f64 {
     SHIFT + standard_errors * (MEANT * (1.0 - MEANT) / samples as f64).sqrt()
 }
@@ -88,7 +87,7 @@ impl SceneStudy {
         checks
     }
 
-    /// Checks of steps against rapier's state at rest, and against the equilibrium under their forces.
+    /// Checks of steps against rapier's state at rest, and against the equilibrium under the contact forces of the step.
     fn engine_checks(&self) -> Vec<Check> {
         // A finger without contact has no displacement to compare.
         let verified = self.verified.iter().zip(&self.steps);
@@ -126,7 +125,8 @@ impl SceneStudy {
         self.on(Kind::Internal, what, TRUE_FORCES)
     }
 
-    /// Checks of a shipped scene: those of any scene with closer tolerances, completion, shapes of beams without friction, and coverage of intervals.
+    /// Checks of a shipped scene: the checks of any scene with closer tolerances, completion, shapes of beams without friction, and coverage of
+    /// intervals.
     pub fn shipped_checks(&self) -> Vec<Check> {
         let mut checks = self.checks();
         let stopped = usize::from(self.stopped.is_some());
@@ -177,7 +177,7 @@ impl SceneStudy {
             let independent = sampled.iter().map(|samples| samples.taken).sum();
             let tolerance = coverage_tolerance(independent, STANDARD_ERRORS);
             let problem = format!("{what}, {noise}: within 1.96 stated sigma");
-            let quantity = format!("share over {taken} noise samples of contacts and steps, refused ones not within");
+            let quantity = format!("share over {taken} noise samples of contacts and steps (refused: outside)");
             checks.push(if self.friction > 0.0 {
                 let quantity = format!("0.95 less the {quantity}, if positive");
                 self.sensed(&problem).vanishes(quantity, (MEANT - share).max(0.0), tolerance)
@@ -187,7 +187,7 @@ impl SceneStudy {
             let fewest = sampled.iter().map(|samples| samples.taken).min().unwrap_or(1);
             let quantity = format!("0.95 less the share of {fewest} noise samples, if positive");
             let tolerance = coverage_tolerance(fewest, WORST_STANDARD_ERRORS);
-            let check = self.sensed(&format!("{problem}, where fewest are"));
+            let check = self.sensed(&format!("{problem}, contact and step with the fewest"));
             checks.push(check.vanishes(quantity, (MEANT - least).max(0.0), tolerance));
         }
         if self.friction > 0.0 {

@@ -1,26 +1,26 @@
-//! Grouping of touches into contacts: position and direction of each contact between object and finger, from the surfaces alone.
+//! Groups touches (points at which object and finger meet) into contacts, and gives each contact's position and direction from the surfaces alone.
 
 use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 
-/// Distance of touches that form one contact for the camera, as a share of the plate segment between two rods; two rods never form one.
+/// Touches closer than this share of the plate segment between two rods form one contact for the camera. Touches on two rods never do.
 const TOGETHER: f64 = 0.25;
 
 /// A contact seen by the camera, with the true force that it carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenContact {
-    /// Position, and direction from the object into the finger, without noise. They come from the surfaces alone, not from the forces. For several touches
-    /// they are the middle of their interval and of their directions.
+    /// Position, and direction from the object into the finger, without noise. Both come from the surfaces alone, not from the forces. For several
+    /// touches, the position is the middle of their interval, and the direction is the middle of their directions.
     pub contact: Contact,
-    /// Half the interval of its touches (mm) and of their directions (rad), within which the distribution of the force is unknown.
+    /// Half the interval of the touches (mm) and of their directions (rad), within which the distribution of the force is unknown.
     pub half_span: HalfSpan,
     /// Distance of the two outline points from which the camera reads the direction, mm.
     pub baseline_mm: f64,
-    /// Whether it is on a clamped part, where a force does not deform the finger.
+    /// Whether the contact is on a clamped part, where a force does not deform the finger.
     pub clamped: bool,
-    /// Deformed position, mm, finger frame.
+    /// Deformed position of the contact in the finger frame, mm.
     pub point: Vector,
-    /// True force on the finger, N, finger frame.
+    /// True force on the finger in the finger frame, N.
     pub force: Vector,
     /// Component of the force along the direction of the contact, N.
     pub normal_n: f64,
@@ -28,7 +28,7 @@ pub struct SeenContact {
     pub friction_n: f64,
 }
 
-/// Half the interval of some touches.
+/// Half the range of the positions and directions of the touches that form one contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HalfSpan {
     /// Half the interval along the plate, mm.
@@ -38,7 +38,7 @@ pub struct HalfSpan {
 }
 
 impl SeenContact {
-    /// Name in tables: its node, `at` for a position between nodes, or `clamp`.
+    /// Name in tables: the contact's node, `at` for a position between nodes, or `clamp`.
     pub(crate) fn name(&self) -> String {
         match self.contact.position {
             _ if self.clamped => "clamp".to_owned(),

@@ -8,8 +8,8 @@ use finray_model::Vector;
 use finray_model::scene::Outline;
 use std::path::Path;
 
-/// Reads a scene and, if its object is a polygon, the corners `x_mm,y_mm` from the file that it names. That file is beside the scene, or in the working
-/// folder for a scene from standard input.
+/// Reads a scene and, if its object is a polygon, the corners `x_mm,y_mm` from the file that the object names. That file is beside the scene, or in
+/// the working folder for a scene from standard input.
 ///
 /// # Errors
 /// [`FileError`] with file, line and key, also for corners that form no valid outline.

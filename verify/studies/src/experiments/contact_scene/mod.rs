@@ -1,8 +1,8 @@
 //! Contact scenes: an object is pressed onto the lattice finger, a camera observes the nodes, and the forces are sensed.
 //!
 //! The camera sees, with noise, the position and direction of each contact, but not its force (`camera`). Sensing gets these contacts, the noisy
-//! displacements of the markers, and a bound of the friction coefficient (`outline_estimator`). Its forces are compared with the true ones. Presses are
-//! quasi-static equilibria on sufficiently fine lattices (`refined`), verified by rapier (`verified`).
+//! displacements of the markers, and a bound of the friction coefficient (`outline_estimator`). The sensed forces are compared with the true forces.
+//! Presses are quasi-static equilibria on sufficiently fine lattices (`refined`), verified by rapier (`verified`).
 
 mod camera;
 pub mod checks;
@@ -32,11 +32,12 @@ use finray_model::scene::ContactDescription;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::Refusal;
 
-/// Segments of plate between two rods in the verification by rapier and in the shipped disc scene. The paper's finger under 5 N is then within
-/// 0.1 % of converged beams.
+/// Number of plate segments between two rods, in the verification by rapier and in the shipped disc scene. The paper's finger under 5 N is then
+/// within 0.1 % of converged beams.
 pub const FINENESS: usize = 3;
 
-/// A scene as a simulation requires it: forces act on the bare plate, and displacements are relative to a known base, without stated errors.
+/// The scene with the assumptions of a simulation: forces act on the bare plate, and displacements are relative to a known base without stated
+/// errors.
 pub fn simulated(scene: &Scene) -> Scene {
     Scene {
         noise_mm: None,
@@ -48,26 +49,26 @@ pub fn simulated(scene: &Scene) -> Scene {
     }
 }
 
-/// A prepared scene: finger, object and assumed friction.
+/// A scene prepared for pressing: finger, object and assumed friction.
 #[derive(Debug, Clone)]
 pub struct ContactScene {
     /// The scene, [`simulated`].
     scene: Scene,
     object: PreparedObject,
-    /// Segments in a plate member of mean length; `None` for automatic refinement.
+    /// Number of segments in a plate member of mean length; `None` for automatic refinement.
     fineness: Option<usize>,
     /// Upper bound of the friction coefficient that sensing assumes.
     assumed_friction: f64,
 }
 
-/// One step of a scene, at rest.
+/// Equilibrium of finger and object after one step of a contact scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneStep {
-    /// Length of the object's path so far, mm.
+    /// Distance that the object has travelled so far, mm.
     pub travel_mm: f64,
-    /// Distance by which the clamped end of the finger keeps the object from its prescribed position, mm.
+    /// Distance between the object and its prescribed position, mm. It is positive if the finger's clamped end stops the object.
     pub stopped_mm: f64,
-    /// Unit vector of the object's motion at the end of the step, finger frame.
+    /// Unit vector of the object's motion at the end of the step, in the finger frame.
     pub along: Vector,
     /// Equilibrium of finger and object.
     pub pressed: Pressed,
@@ -84,7 +85,7 @@ impl SceneStep {
     }
 }
 
-/// Forces sensed in one step.
+/// Forces sensed in one step of a contact scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensedStep {
     /// Every contact that is not clamped, from base to tip.
@@ -96,13 +97,13 @@ pub struct SensedStep {
 /// A contact as read by the camera, with the sensed force along its normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensedContact {
-    /// Position and direction that sensing gets.
+    /// Position and direction as read by the camera, which sensing receives.
     pub read: MeasuredContact,
     /// True and sensed force along the normal.
     pub force: SensedForce,
 }
 
-/// A sensed force.
+/// A sensed force beside the true force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensedForce {
     /// True force, N.

@@ -22,10 +22,10 @@ pub enum OutlineError {
     /// The outline encloses no area, or crosses itself.
     #[error("expected the corners in order around the object: the outline crosses itself or encloses nothing")]
     Crossed,
-    /// The object is free: no hand moves it.
-    #[error("the object is free (mass_g), for `finray grasp`: expected at_mm and travel_mm or force_n, or path_mm")]
+    /// The object is free: the scene prescribes no motion of a hand that moves it.
+    #[error("the object is free (mass_g): use `finray grasp`, or give at_mm and travel_mm or force_n, or path_mm")]
     Free,
-    /// A corner is too far away.
+    /// A corner is too far from the object's reference point.
     #[error("corner {corner} is not within {FARTHEST_MM} mm of the origin")]
     TooFar {
         /// Number of the corner in the list, from 1.
@@ -33,14 +33,14 @@ pub enum OutlineError {
     },
 }
 
-/// Largest distance of a corner from the object's point, mm.
+/// Largest admissible distance of a corner from the object's reference point, mm.
 const FARTHEST_MM: f64 = 1e4;
 /// Number of corners of a drawn disc.
 const DRAWN_CORNERS: usize = 90;
-/// Largest difference between the areas of an outline and of its triangles, as a share; only rounding unless the outline crosses itself.
+/// Tolerance between the areas of an outline and of its triangles, relative. Only an outline that crosses itself exceeds it.
 const AREA_TOLERANCE: f64 = 1e-9;
 
-/// Outline of a pressed object about its moved point, rotated as the scene states.
+/// Outline of a pressed object about its reference point, rotated as the scene states.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TurnedOutline {
     /// Radius, mm.
@@ -70,7 +70,7 @@ impl TurnedOutline {
         })
     }
 
-    /// Shape for the computation of contacts.
+    /// Shape with which contacts are computed, mm.
     pub fn shape(&self) -> Shape {
         match self {
             TurnedOutline::Disc(radius_mm) => Shape::disc(*radius_mm),
@@ -111,7 +111,7 @@ impl TurnedOutline {
         corners.into_iter().chain(first).collect()
     }
 
-    /// Extent of the outline along a unit vector from the moved point, mm.
+    /// Largest extent of the outline along a unit vector, from the reference point, mm.
     pub fn reach_mm(&self, along: Vector) -> f64 {
         match self {
             TurnedOutline::Disc(radius_mm) => *radius_mm,
@@ -151,27 +151,27 @@ pub struct PreparedObject {
     pub outline: TurnedOutline,
     /// Coefficient of friction, dimensionless.
     pub friction: f64,
-    /// Starting position, mm, finger frame.
+    /// Starting position in the finger frame, mm.
     pub start: Vector,
-    /// Unit vector of the motion, dimensionless, finger frame; for a path, of its first segment.
+    /// Unit vector of the motion in the finger frame; for a path, of its first segment.
     pub along: Vector,
     /// Motion of the hand, step by step.
     pub steps: Vec<HandStep>,
 }
 
-/// One step of the hand.
+/// Motion of the hand that moves the object, in one step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandStep {
-    /// Corners of the path that are passed in the step, mm, finger frame.
+    /// Corners of the path that the object passes in the step, in the finger frame, mm.
     pub corners: Vec<Vector>,
     /// Position or force at the end of the step.
     pub end: Push,
-    /// Unit vector of the motion at the end of the step, dimensionless, finger frame.
+    /// Unit vector of the motion at the end of the step, in the finger frame.
     pub along: Vector,
 }
 
 impl PreparedObject {
-    /// Prepares the object of a scene; `corners` as for [`TurnedOutline::new`].
+    /// Prepares the object of a scene. `corners` (mm) are those of a polygon's file; other outlines ignore them.
     ///
     /// # Errors
     /// [`OutlineError`] for a free object, or corners that form no valid outline.
@@ -211,7 +211,7 @@ impl PreparedObject {
     }
 }
 
-/// Position at which an object on its line first meets the straight line over the rods of the undeformed finger, mm, finger frame.
+/// Position at which an object on its line first meets the straight line over the rods of the undeformed finger, in the finger frame, mm.
 fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, at_mm: f64, along: Vector) -> Vector {
     let inward = finger.direction(0.0);
     let surface_mm = rod_radius_mm.max(0.5 * finger.description().front.thickness_mm);

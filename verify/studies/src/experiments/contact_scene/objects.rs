@@ -11,11 +11,11 @@ impl Evidence for SceneStudy {
     }
 }
 
-/// Segments of plate between two key nodes, and steps of the object, in a quick study.
+/// Number of plate segments between two key nodes, and number of steps of the object, in a quick study.
 const QUICK_FINENESS: usize = 2;
 const QUICK_STEPS: usize = 3;
 
-/// Contact scenes to be run.
+/// Contact scenes that a report runs.
 pub struct Objects {
     /// Scenes, each with the fineness of its lattice; `None` for automatic refinement.
     scenes: Vec<(SceneWithOutline, Option<usize>)>,
@@ -51,7 +51,6 @@ impl Objects {
         self.scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum()
     }
 
-    /// Presses the objects onto the finger.
     pub(crate) fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
         run_all(&self.scenes, CAMERA_NOISE_MM, self.samples, &|| progress.step())
     }

@@ -17,18 +17,15 @@ pub struct OutlineEstimator<'s> {
     pub marker_noise_mm: Option<f64>,
     /// Standard deviation of a coordinate of an outline point, mm.
     pub outline_noise_mm: f64,
-    /// An estimator that treats the read contacts as exact, with its networks. Its standard deviations exclude friction and the uncertainty of contacts;
-    /// that of the total is the largest possible sum of the contacts'. An estimator that supports only the normal uses it as the direction. `None` for
-    /// sensing with measured contacts.
+    /// An estimator that treats the read contacts as exact, with its networks. Its standard deviations exclude friction and the uncertainty of
+    /// contacts. The standard deviation of the total is the largest possible sum of the contacts'. An estimator that supports only forces along the
+    /// normal assumes that direction. `None` for sensing with measured contacts.
     pub estimator: Option<(EstimatorId, &'s Networks)>,
 }
 
 impl OutlineEstimator<'_> {
-    /// Senses the forces (N) of contacts, none clamped, from markers and from contacts as the camera reads them. Also gives their sum along the unit
-    /// vector `along`.
-    ///
-    /// # Errors
-    /// [`Refusal`] if the forces are not identifiable.
+    /// Senses the forces (N) of contacts, none of them clamped, from markers and from contacts as the camera reads them. Also gives the sum of the
+    /// forces along the unit vector `along`. Fails if the forces are not identifiable.
     pub(crate) fn sense(
         &self,
         felt: &[SeenContact],

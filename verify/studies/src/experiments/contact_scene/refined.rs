@@ -1,19 +1,19 @@
-//! Automatic refinement of a scene's lattice: the segments of the plate are halved until no total changes.
+//! Automatic refinement of a scene's lattice: the segments of the plate are halved until no total (sum of contact forces) changes.
 
 use super::{ContactScene, SceneStep};
 use crate::prelude::*;
 use finray_lattice::pressing::{Pressing, Push};
 
-/// Largest relative change of a total from one lattice to one twice as fine, at which the finer one is fine enough.
+/// A lattice is fine enough if no total differs by more than this, relative, from the total on a lattice half as fine.
 pub const TOTAL_TOLERANCE: f64 = 1e-3;
-/// Totals below this share of the scene's largest total are compared with that share of the largest.
+/// Changes of totals below this share of the scene's largest total are taken relative to that share of the largest.
 const SMALL: f64 = 0.1;
 /// Number of segments of the front plate in the first lattice.
 const FIRST_SEGMENTS: usize = 36;
 /// Largest number of segments of the front plate.
 const MOST_SEGMENTS: usize = 600;
 
-/// Lattice of a scene's steps.
+/// Lattice on which the steps of a scene are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refinement {
     /// Number of segments in a plate member of mean length.
@@ -32,7 +32,7 @@ pub struct TotalChange {
 }
 
 impl TotalChange {
-    /// Largest change from a lattice to a finer one. A step that only one of them reaches counts as a change of 100 %.
+    /// Largest change from a lattice to a finer one. A step that only one of the two reaches counts as a change of 100 %.
     pub fn largest(coarse: &[SceneStep], fine: &[SceneStep]) -> Option<TotalChange> {
         let largest_n = fine.iter().map(|step| step.total_n().abs()).fold(0.0, f64::max);
         let share = |(coarse, fine): (&SceneStep, &SceneStep)| {
@@ -52,10 +52,10 @@ pub(super) type Pressed = (Vec<SceneStep>, Option<LatticeError>);
 
 impl ContactScene {
     /// Runs the scene and passes every step to `each`. Without a requested fineness, segments are halved until no total changes by more than
-    /// [`TOTAL_TOLERANCE`], or their number reaches its limit.
+    /// [`TOTAL_TOLERANCE`], or until the largest number of segments is reached.
     ///
     /// # Errors
-    /// [`LatticeError`] if the object overlaps the finger at the start, or a step has no equilibrium; `each` has then had the steps before.
+    /// [`LatticeError`] if the object overlaps the finger at the start, or a step has no equilibrium. `each` has then received the earlier steps.
     pub fn run(&self, mut each: impl FnMut(SceneStep)) -> Result<Refinement, LatticeError> {
         let members = self.finger().rib_count() + 1;
         let mut fineness = self.fineness.unwrap_or_else(|| FIRST_SEGMENTS.div_ceil(members));
@@ -64,7 +64,7 @@ impl ContactScene {
         while self.fineness.is_none() && finer * members <= MOST_SEGMENTS {
             let (their_steps, their_end) = self.press(finer);
             let their_change = TotalChange::largest(&steps, &their_steps);
-            // A step can fail on only one lattice, where contacts are about to change.
+            // A step can fail on one lattice alone, if contacts are about to change.
             if their_steps.len() >= steps.len() {
                 (steps, stopped, fineness, change) = (their_steps, their_end, finer, their_change);
             }
@@ -77,7 +77,6 @@ impl ContactScene {
         stopped.map_or(Ok(Refinement { fineness, change }), Err)
     }
 
-    /// Presses the object onto a lattice of this fineness.
     pub(super) fn press(&self, fineness: usize) -> Pressed {
         let mut steps = Vec::new();
         let outcome = self.press_each(fineness, &mut steps);

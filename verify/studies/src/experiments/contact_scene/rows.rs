@@ -3,7 +3,7 @@
 use super::{ContactScene, SceneStep, SeenContact, SensedContact, SensedStep};
 use crate::prelude::*;
 
-/// One contact of a step, or the total of a step.
+/// Row of one contact of a step, or of the total of a step.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceRow {
     /// Number of the step, from 1.
@@ -12,7 +12,7 @@ pub struct ForceRow {
     pub travel_mm: f64,
     /// Name of the contact: a node, `at` for a position between nodes, `clamp` if the force does not deform the finger, or `total`.
     pub contact: String,
-    /// Position along the front plate, mm from its base; `None` for the total.
+    /// Position along the front plate, mm from the base of the plate; `None` for the total.
     pub s_mm: Option<f64>,
     /// Direction of the contact normal, degrees from the undeformed inward normal, positive towards the tip; `None` for the total.
     pub angle_deg: Option<f64>,
@@ -20,7 +20,7 @@ pub struct ForceRow {
     pub force_n: f64,
     /// True force across the normal, positive towards the tip, N; `None` for the total.
     pub friction_n: Option<f64>,
-    /// Sensed force, N; `None` if it is not identifiable.
+    /// Sensed force, N; `None` if the force is not identifiable.
     pub sensed_n: Option<f64>,
     /// Stated standard deviation of the sensed force, N.
     pub sigma_n: Option<f64>,

@@ -1,4 +1,4 @@
-//! Noise samples of one step: coverage of the stated intervals.
+//! Noise samples of one step, which give the coverage of the stated intervals.
 
 use super::{ContactScene, SceneStep, SensedForce, SensedStep};
 use crate::prelude::*;
@@ -16,7 +16,7 @@ pub struct NoiseSamples {
 }
 
 impl NoiseSamples {
-    /// Senses `taken` samples with noise of `noise_mm` (mm), each with its own seed from `first_seed` on. `None` if no contact can be sensed.
+    /// Senses `taken` samples with noise of `noise_mm` (mm) and with seeds from `first_seed` upwards. `None` if no contact can be sensed.
     pub fn take(
         scene: &ContactScene,
         step: &SceneStep,

@@ -1,4 +1,4 @@
-//! Study of a contact scene, sensed at every step, and the shipped scenes.
+//! Study of a contact scene, with forces sensed at every step, and the shipped scenes.
 
 use super::samples::NoiseSamples;
 use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, VerifiedStep, force_rows};
@@ -10,9 +10,9 @@ use finray_model::scene::ObjectMotion;
 use finray_model::sensor::Refusal;
 use finray_model::statics;
 
-/// Number of noise samples of each step in a full study; all steps of a scene together have some hundreds to a thousand.
+/// Number of noise samples per step in a full study. All steps of a scene together then have some hundreds to a thousand.
 pub const SAMPLES: usize = 50;
-/// Spacing of sample seeds: those of a step begin at its number (from 1) times this.
+/// Spacing of sample seeds. The seeds of a step begin at the step's number (from 1) times this.
 const SEEDS_A_STEP: u64 = 1_000_000;
 
 /// One step with its sensed forces.
@@ -28,12 +28,12 @@ pub struct StudiedStep {
     pub samples: Option<NoiseSamples>,
 }
 
-/// Results of a scene.
+/// Results of a contact scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneStudy {
     /// Name of the scene.
     pub name: String,
-    /// Segments of plate between two rods of the lattice.
+    /// Number of plate segments between two rods of the lattice.
     pub fineness: usize,
     /// Coefficient of friction, dimensionless.
     pub friction: f64,
@@ -41,29 +41,29 @@ pub struct SceneStudy {
     pub length_mm: f64,
     /// Standard deviation of a coordinate of markers and outline points, mm.
     pub noise_mm: f64,
-    /// Outline of the object about its own point, closed, mm.
+    /// Outline of the object about its reference point, closed, mm.
     pub outline: Vec<Vector>,
-    /// Steps up to the end, or to the failure.
+    /// Steps up to the end, or to a failure.
     pub steps: Vec<StudiedStep>,
-    /// True forces, and those sensed from one noise sample a step.
+    /// True forces, and forces sensed from one noise sample per step.
     pub rows: Vec<ForceRow>,
     /// Reason of a premature end; `None` if the scene is complete.
     pub stopped: Option<LatticeError>,
-    /// Largest difference of a displacement from converged beams under the same contact forces, relative to the largest displacement, by step. `None` if
-    /// friction turns the rods, or without contact.
+    /// Largest difference of a displacement from converged beams under the same contact forces, relative to the largest displacement, by step.
+    /// `None` if friction turns the rods, or if there is no contact.
     pub beams_differences: Vec<Option<f64>>,
     /// Verification of the steps by rapier. With automatic refinement, the same steps are verified on a lattice with [`FINENESS`].
     pub verified: Vec<VerifiedStep>,
 }
 
-/// Why a scene could not be studied.
+/// Why a contact scene could not be studied.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneStudyError {
     /// A shipped scene cannot be read.
-    #[error("a scene that ships: {0}")]
+    #[error("cannot read a shipped scene: {0}")]
     Scene(#[from] SceneError),
     /// A shipped outline cannot be read.
-    #[error("an outline that ships: {0}")]
+    #[error("cannot read a shipped outline: {0}")]
     Csv(#[from] csv::Error),
     /// An outline is invalid.
     #[error(transparent)]
@@ -76,8 +76,8 @@ pub enum SceneStudyError {
     Lattice(#[from] LatticeError),
 }
 
-/// Runs several scenes in parallel, each with its number of segments a plate member, or with automatic refinement. The noise is that of each scene's
-/// camera, or `noise_mm` (mm) for a scene without. Each step has `samples` noise samples.
+/// Runs several scenes in parallel, each with its number of segments per plate member, or with automatic refinement. The noise is the camera noise
+/// of each scene, or `noise_mm` (mm) if the scene states none. Each step has `samples` noise samples.
 ///
 /// # Errors
 /// [`SceneStudyError`] for an invalid outline, or if beams have no equilibrium under contact forces of the lattice.
@@ -108,10 +108,10 @@ pub struct SceneWithOutline {
     pub corners: Vec<Vector>,
 }
 
-/// Segments a plate member that suffice if objects displace the finger by about 10 mm.
+/// Number of segments per plate member that suffices if objects displace the finger by about 10 mm.
 const COARSE: usize = 2;
 
-/// The shipped contact scenes, the disc first, each with its number of segments a plate member.
+/// The shipped contact scenes, the disc first, each with its number of segments per plate member.
 ///
 /// # Errors
 /// [`SceneStudyError`] if a scene or an outline cannot be read.

@@ -6,16 +6,16 @@ use crate::prelude::*;
 use finray_lattice::pressing::Push;
 use finray_lattice::pressing::settled::EnginePressing;
 
-/// Verification of a step; a part is `None` if that computation does not come to rest.
+/// Verification of a step of a contact scene. A part is `None` if its computation does not come to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VerifiedStep {
-    /// Difference of finger and contact forces after rapier, starting from the step, comes to rest.
+    /// Difference of finger and contact forces between the step and rapier's state of rest, which starts from the step.
     pub engine: Option<EngineDifference>,
     /// Largest difference of the step's shape from the lattice's equilibrium under the contact forces alone, relative to the largest displacement.
     pub equilibrium: Option<f64>,
 }
 
-/// Difference of rapier's state at rest from a step.
+/// Difference between a step and the state in which rapier comes to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EngineDifference {
     /// Largest difference of a displacement, relative to the largest displacement.

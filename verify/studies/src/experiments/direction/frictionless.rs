@@ -1,11 +1,11 @@
-//! Contacts without friction push along the deformed normal, which the estimator may assume.
+//! Sensing of contacts without friction, which push along the deformed normal. The estimator may assume this direction.
 
 use super::{Answers, DirectionRequest};
 use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::Truth;
 
-/// Change of the normal, degrees, below which push and normal count as aligned: an effect of 1e-6 on the force.
+/// Push and normal count as aligned if the normal changes by less than this, degrees: an effect of 1e-6 on the force.
 const SETTLED_DEG: f64 = 1e-4;
 /// Largest number of iterations for the normal.
 const MOST_TURNS: usize = 30;

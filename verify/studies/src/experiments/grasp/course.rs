@@ -76,14 +76,13 @@ pub enum GraspEnd {
 
 /// Number of steps over which the weight of an unsupported object is applied, or a force is held before the path begins.
 const HOLD_STEPS: usize = 5;
-/// The same number of steps if steps are frames.
+/// The number of these steps if each step is a frame of the camera.
 const HOLD_FRAMES: usize = 30;
-/// Displacement of the object relative to the gripper, as a share of its size, above which it has slipped.
+/// An object has slipped if its displacement relative to the gripper exceeds this share of the object's size.
 const SLIPPED: f64 = 0.5;
-/// Controller gain: share of the missing force by which the motor closes in a frame, divided by the delay in frames plus one.
+/// Controller gain. In each frame the motor closes by this share of the missing force, divided by the delay in frames plus one.
 const GAIN: f64 = 0.5;
 
-/// Remaining task of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Task {
     Close,
@@ -146,7 +145,6 @@ impl<'s, 'l> Course<'s, 'l> {
         })
     }
 
-    /// Motion of the motor in one step, degrees.
     fn step_deg(&self) -> f64 {
         let grasp = &self.scene.grasp;
         grasp.frames_per_s.map_or(grasp.step_deg, |rate| grasp.motor_deg_per_s / rate)
@@ -157,12 +155,10 @@ impl<'s, 'l> Course<'s, 'l> {
         Course { scene, task: Task::Close, ..self.clone() }
     }
 
-    /// Whether the motor is at the end of closing.
     pub(super) fn is_at_end(&self) -> bool {
         self.motor_deg == self.scene.grasp.motor_deg[1]
     }
 
-    /// Whether the gripper is still closing.
     pub(super) fn closes(&self) -> bool {
         self.task == Task::Close
     }
@@ -173,16 +169,13 @@ impl<'s, 'l> Course<'s, 'l> {
         self.step += 1;
     }
 
-    /// True force of a finger across the gripper, mean of both, N.
+    /// Mean of both fingers' true forces across the gripper, N.
     pub(super) fn force_n(&self) -> f64 {
         let on_object = [0, 1].map(|finger| force_of(&self.world, TouchedBody::Finger(finger)).x.abs());
         0.5 * on_object.iter().sum::<f64>()
     }
 
-    /// Advances by one step and settles the world.
-    ///
-    /// # Errors
-    /// [`GraspEnd`] if the grasp ends in this step.
+    /// Advances by one step and settles the world, unless the grasp ends in this step.
     pub(super) fn advance(&mut self) -> Result<(), GraspEnd> {
         let grasp = &self.scene.grasp;
         let [from_deg, to_deg] = grasp.motor_deg;
@@ -214,7 +207,6 @@ impl<'s, 'l> Course<'s, 'l> {
         Ok(())
     }
 
-    /// Both fingers in their present state.
     pub(super) fn seen(&self) -> [SeenFinger; 2] {
         let contacts = self.world.contacts();
         [0, 1].map(|finger| {
@@ -234,12 +226,11 @@ impl<'s, 'l> Course<'s, 'l> {
         })
     }
 
-    /// The present step, with the sensed forces.
     pub(super) fn step(&mut self, fingers: [FingerStep; 2]) -> GraspStep {
         if let [Some(left_n), Some(right_n)] = fingers.each_ref().map(FingerStep::sensed_total_n) {
             self.sensed.push_back((0.5 * (left_n + right_n), self.motor_deg));
         } else if let Some(&last) = self.sensed.back() {
-            // A refused frame gives no new information.
+            // A refused frame gives no new force, so the last one counts again.
             self.sensed.push_back(last);
         }
         let weight = self.scene.weight() * self.weight_share;
@@ -257,7 +248,7 @@ impl<'s, 'l> Course<'s, 'l> {
         }
     }
 
-    /// Chooses the next task after a step; the outcome if the grasp has ended.
+    /// Chooses the next task after a step. Returns the outcome if the grasp has ended.
     pub(super) fn judge(&mut self, step: &GraspStep) -> Option<GraspEnd> {
         if self.world.is_folded() {
             return Some(GraspFailure::Folded.into());
@@ -301,7 +292,7 @@ impl<'s, 'l> Course<'s, 'l> {
         None
     }
 
-    /// Reason for the loss of the object on the path; `None` if it is held.
+    /// Reason for the loss of the object on the path; `None` if the object is held.
     fn lost(&self, step: &GraspStep, touches: bool) -> Option<GraspEnd> {
         let at = Vector::new(step.object[0], step.object[1]) - step.gripper_mm;
         let slid_mm = (at - self.held_at.unwrap_or(at)).norm();
@@ -334,7 +325,7 @@ impl<'s, 'l> Course<'s, 'l> {
         Task::Open
     }
 
-    /// Force known to the controller: the sensed force of some frames ago, N.
+    /// Force known to the controller, N: the force sensed some frames ago.
     fn late_n(&self) -> Option<f64> {
         let at = self.sensed.len().checked_sub(1 + self.scene.grasp.delay_frames)?;
         Some(self.sensed[at].0)

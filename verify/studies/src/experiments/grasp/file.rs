@@ -3,7 +3,7 @@
 use super::{GraspScene, GraspStep, finger_name};
 use crate::prelude::*;
 
-/// A contact of a finger in a step, or the total of the finger.
+/// Row of a contact of a finger in a step of a grasp, or of the total of the finger.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceRow {
     /// Number of the step, from 1.
@@ -16,7 +16,7 @@ pub struct ForceRow {
     pub finger: &'static str,
     /// Name of the contact: a node, `at` for a position between nodes, `clamp` if the force does not deform the finger, or `total`.
     pub contact: String,
-    /// Position along the front plate, mm from its base; `None` for the total.
+    /// Position along the front plate, mm from the base of the plate; `None` for the total.
     pub s_mm: Option<f64>,
     /// Direction of the contact normal, degrees from the undeformed inward normal, positive towards the tip; `None` for the total.
     pub angle_deg: Option<f64>,
@@ -24,13 +24,13 @@ pub struct ForceRow {
     pub force_n: f64,
     /// True force across the normal, positive towards the tip, N; for the total, along the gripper.
     pub friction_n: f64,
-    /// Sensed force, N; `None` if it is not identifiable.
+    /// Sensed force, N; `None` if the force is not identifiable.
     pub sensed_n: Option<f64>,
     /// Stated standard deviation of the sensed force, N.
     pub sigma_n: Option<f64>,
 }
 
-/// The object in a step.
+/// Row of the object in a step of a grasp.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ObjectRow {
     /// Number of the step, from 1.
@@ -39,9 +39,9 @@ pub struct ObjectRow {
     pub motor_deg: f64,
     /// Phase of the grasp.
     pub phase: super::Phase,
-    /// Position x of the object's point, mm, in the gripper's initial frame.
+    /// Position x of the object's reference point in the gripper's initial frame, mm.
     pub x_mm: f64,
-    /// Position y of the object's point, mm, in the gripper's initial frame.
+    /// Position y of the object's reference point in the gripper's initial frame, mm.
     pub y_mm: f64,
     /// Angle of the object, rad.
     pub rotation_rad: f64,

@@ -1,7 +1,7 @@
 //! Grasps: a gripper closes on a free object, carries it and puts it down, while the forces are sensed.
 //!
 //! The motor angle determines the frames of the undeformed fingers ([`Gripper`], eqs (6)-(9) of the paper). [`World`] computes fingers, object and
-//! contact forces at rest, step by step. The estimator gets only the camera's view of them ([`Eyes`]), never the true forces.
+//! contact forces at rest, step by step. The estimator gets only the camera's view of the fingers ([`Eyes`]), never the true forces.
 
 mod balance;
 mod course;
@@ -34,8 +34,8 @@ use rapier2d::parry::query::intersection_test;
 use rapier2d::parry::shape::Triangle;
 use rapier2d::prelude::{Pose, Vector as EngineVector};
 
-/// Segments of plate between two rods. Sensing uses converged beams. With three segments, a wedge pressing 5 N between two rods causes an error
-/// of 0.5 %, twice that of 0.067 mm noise. Six segments cause a quarter of it.
+/// Number of plate segments between two rods. Sensing uses converged beams. With three segments, a wedge pressing 5 N between two rods causes an
+/// error of 0.5 %, twice the error by 0.067 mm noise. Six segments cause a quarter of that error.
 pub const FINENESS: usize = 6;
 /// One newton in g m/s^2.
 const GRAMS_M_S2_A_NEWTON: f64 = 1000.0;
@@ -67,7 +67,7 @@ pub enum GraspError {
         /// Depth below the support, mm.
         depth_mm: f64,
     },
-    /// The object is inside a finger, or overlaps it behind its front plate.
+    /// The object is inside a finger, or overlaps a finger behind the front plate.
     #[error("the object lies across the {finger} finger at the start: check centre_mm")]
     AcrossFinger {
         /// Name of the finger: left or right.
@@ -102,11 +102,11 @@ pub struct GraspScene {
     mass_g: f64,
     centre_mm: Vector,
     fineness: usize,
-    /// Estimator for sensing; `None` for the search with errors in all variables.
+    /// Estimator for sensing; `None` for sensing with measured contacts (errors in all variables).
     estimator: Option<(EstimatorId, Networks)>,
 }
 
-/// One step of a grasp, at rest.
+/// Equilibrium of gripper and object after one step of a grasp.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspStep {
     /// Number of the step, from 1.
@@ -119,13 +119,13 @@ pub struct GraspStep {
     pub gripper_mm: Vector,
     /// Left and right finger.
     pub fingers: [FingerStep; 2],
-    /// Position of the object's point (mm) and angle of the object (rad), in the gripper's initial frame.
+    /// Position (mm) of the object's reference point and angle of the object (rad), in the gripper's initial frame.
     pub object: [f64; 3],
-    /// Weight of the object, N, in the gripper's initial frame.
+    /// Weight of the object in the gripper's initial frame, N.
     pub weight: Vector,
-    /// Force of the support on the object, N, in the gripper's initial frame.
+    /// Force of the support on the object in the gripper's initial frame, N.
     pub support_force: Vector,
-    /// Largest imbalance of forces and moments on the object and on each finger's base, relative to the largest force.
+    /// Largest imbalance of forces and moments on the object and on each finger's base, relative to the largest force, dimensionless.
     pub imbalance: f64,
     /// Account of the motor's work up to this step, N mm.
     pub energy: Account,
@@ -142,7 +142,7 @@ impl GraspScene {
     /// Prepares a scene. `corners` (mm) are those of a polygon's file; other outlines ignore them.
     ///
     /// # Errors
-    /// [`GraspError`] for the reason that the scene cannot be grasped.
+    /// [`GraspError`] if the scene cannot be grasped.
     pub fn new(scene: &Scene, corners: &[Vector]) -> Result<GraspScene, GraspError> {
         let missing = |table: &dyn SceneTable, outline| GraspError::Missing { table: table.path(), outline };
         let gripper = scene.gripper.ok_or_else(|| missing(&GRIPPER, GRIPPER.outline()))?;
@@ -173,7 +173,7 @@ impl GraspScene {
         })
     }
 
-    /// The same grasp with another number of segments a plate member.
+    /// The same grasp with another number of segments per plate member.
     pub fn with_fineness(self, fineness: usize) -> GraspScene {
         GraspScene { fineness, ..self }
     }
@@ -183,7 +183,7 @@ impl GraspScene {
         GraspScene { estimator: Some((estimator, networks)), ..self }
     }
 
-    /// Estimator for sensing; `None` for the search with errors in all variables.
+    /// Estimator for sensing; `None` for sensing with measured contacts (errors in all variables).
     pub fn estimator(&self) -> Option<EstimatorId> {
         self.estimator.as_ref().map(|(id, _)| *id)
     }
@@ -198,7 +198,7 @@ impl GraspScene {
         &self.grasp
     }
 
-    /// Outline of the object about its own point, closed, mm.
+    /// Outline of the object about its reference point, closed, mm.
     pub fn outline(&self) -> Vec<Vector> {
         self.outline.points()
     }
@@ -210,7 +210,7 @@ impl GraspScene {
         Some((self.centre_mm + down * lowest_mm, -down))
     }
 
-    /// Largest number of steps, without those in which a force is held.
+    /// Largest number of steps, not counting steps in which a force is held.
     pub fn most_steps(&self) -> usize {
         let [from_deg, to_deg] = self.grasp.motor_deg;
         let step_deg = self.grasp.frames_per_s.map_or(self.grasp.step_deg, |rate| self.grasp.motor_deg_per_s / rate);
@@ -219,7 +219,7 @@ impl GraspScene {
         closing * if self.grasp.opens { 2 } else { 1 } + way
     }
 
-    /// Index of a finger that the object overlaps at the start, by the triangle of middle lines. Objects in front of the front plate do not overlap.
+    /// Index of a finger whose triangle of middle lines the object overlaps at the start. Objects in front of the front plate do not overlap.
     fn finger_across(&self, placements: &[Placement]) -> Option<usize> {
         let object = self.outline.engine_shape().ok()?;
         let engine = |point: Vector| EngineVector::new(point.x, point.y);
@@ -245,7 +245,7 @@ impl GraspScene {
         Some(self.gripper.fingers(&pose).iter().map(|finger| finger.within(&gripper)).collect())
     }
 
-    /// Runs the grasp. `each` gets every step when it is at rest; `eyes` observe the fingers.
+    /// Runs the grasp. `each` receives every step at rest; `eyes` observe the fingers.
     ///
     /// # Errors
     /// [`GraspError`] if the grasp cannot start.
@@ -255,7 +255,6 @@ impl GraspScene {
         Ok(self.go_on(&mut course, &lattice, eyes, &mut Noise::new(seed), &mut each))
     }
 
-    /// Runs a course to its end.
     fn go_on(
         &self,
         course: &mut Course,
@@ -274,7 +273,7 @@ impl GraspScene {
         }
     }
 
-    /// Senses the present step of a course; the outcome if the grasp has ended.
+    /// Senses the forces of a course's present step. Returns the outcome if the grasp has ended.
     fn look(
         &self,
         course: &mut Course,

@@ -1,9 +1,9 @@
 //! The paper's tests of grasping forces (sec. V-C, Figs. 9 to 11, Table II): a finger closes on fixed force sensors.
 //!
-//! A module has a cap in front of each of its nodes; all caps lie in one plane along the gripper. The motor moves the finger's base by eqs (6) to (9).
-//! When the rod of a node meets its cap, the cap pushes back along the sensor's axis, across the gripper, without friction. The paper treats this
-//! direction as known. The finger is the co-rotational frame; the other finger deforms as its mirror image, so only one is solved. Forces are
-//! sensed from displacements relative to the undeformed finger at the motor angle, with camera noise.
+//! A module has a cap in front of each of its nodes; all caps lie in one plane along the gripper. The motor moves the finger's base by eqs (6) to
+//! (9). When the rod of a node meets its cap, the cap pushes back along the sensor's axis, across the gripper, without friction. The paper treats
+//! this direction as known. The finger is the co-rotational frame. The other finger deforms as its mirror image, so only one finger is solved.
+//! Forces are sensed from displacements relative to the undeformed finger at the motor angle, with camera noise.
 
 mod closing;
 
@@ -15,9 +15,8 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_model::estimators::network::NetworkSensing;
 
-/// Number of noise samples a step.
+/// Number of noise samples per step.
 const SAMPLES: usize = 4;
-/// Seed of the noise.
 const SEED: u64 = 1;
 
 /// Results of all tests with sensor modules.
@@ -29,16 +28,16 @@ pub struct ModuleStudy {
     pub tests: Vec<ModuleTest>,
 }
 
-/// A finger that closes on one module.
+/// Results of a finger that closes on one sensor module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModuleTest {
     /// Nodes of the module.
     pub nodes: &'static [usize],
-    /// Steps at rest with a force on some node, up to the largest force of the paper's range.
+    /// Steps at rest with a force on at least one node, up to the largest force of the paper's range.
     pub steps: Vec<ModuleStep>,
 }
 
-/// A step at rest.
+/// Equilibrium of the finger after one step of the motor, with the sensed forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModuleStep {
     /// Motor angle by which the gripper has closed, degrees.
@@ -136,7 +135,7 @@ impl ModuleStudy {
         })
     }
 
-    /// The test of the module at these nodes; `None` if there is none.
+    /// The test of the module at these nodes; `None` if no test has such a module.
     pub fn test(&self, nodes: &[usize]) -> Option<&ModuleTest> {
         self.tests.iter().find(|test| test.nodes == nodes)
     }
@@ -180,7 +179,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<ModuleStudy>, ExperimentEr
     Ok(Some(ModuleStudy { noise_mm: context.noise_mm, tests }))
 }
 
-/// Senses every sample along the sensors' axis. Networks support only the normal, so they use it in place of the axis, as the paper's network does.
+/// Senses every sample along the sensors' axis. Networks support only the normal, so they assume the normal instead, as the paper's network does.
 fn sense(
     estimator: &dyn Estimator,
     nodes: &[usize],

@@ -11,14 +11,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes at which the paper senses forces at once.
 const NODES: std::ops::RangeInclusive<usize> = 16..=20;
-/// Force at a node without contact that the paper calls a small error, N.
+/// The paper calls a force at a node without contact a small error up to this value, N.
 pub const SMALL_N: f64 = 0.3;
-/// Smallest total for relative differences, relative to the largest total.
+/// Relative differences are formed for totals of at least this share of the largest total.
 const COUNTS: f64 = 0.1;
-/// Seed of the noise.
 const SEED: u64 = 1;
 
-/// Observations of some grasps.
+/// Comparison of grasps with the paper's observations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observations {
     /// Standard deviation of a coordinate's noise, mm.

@@ -1,10 +1,10 @@
-//! Obstacles that fingers may touch besides the object.
+//! Obstacles: bodies other than the object that fingers may touch.
 
 use super::{GraspScene, finger_name};
 use finray_lattice::grasp::World;
 use finray_model::scene::Support;
 
-/// A contact of a finger outside the equilibrium; it ends a grasp.
+/// A contact of a finger with another body than the object, which ends a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Obstacle {
     /// The fingers touch each other, for example around an object thinner than the smallest distance of their tips.
@@ -19,10 +19,7 @@ pub enum Obstacle {
 }
 
 impl GraspScene {
-    /// Checks that the fingers touch nothing but the object.
-    ///
-    /// # Errors
-    /// The first [`Obstacle`] found.
+    /// Checks that the fingers touch nothing but the object; fails with the first [`Obstacle`] otherwise.
     pub(super) fn require_clear(&self, world: &World) -> Result<(), Obstacle> {
         let table = self.support().filter(|_| self.grasp.support == Some(Support::Table));
         if let Some(plane) = table

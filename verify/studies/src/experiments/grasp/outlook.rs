@@ -3,7 +3,7 @@
 use super::{GraspStep, Phase};
 use serde::Serialize;
 
-/// Figures of a closed loop on the true force across the gripper, mean of both fingers.
+/// Figures of a closed force loop. The force is the true force across the gripper, mean of both fingers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoopFigures {
     /// Target force, N.
@@ -18,7 +18,7 @@ pub struct LoopFigures {
     pub largest_error: f64,
 }
 
-/// True force of a finger across the gripper, mean of both, N.
+/// Mean of both fingers' true forces across the gripper, N.
 fn force_n(step: &GraspStep) -> f64 {
     0.5 * step.fingers.iter().map(|finger| finger.total_n).sum::<f64>()
 }

@@ -11,22 +11,20 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_model::scene::GraspDescription;
 
-/// Frame rates, 1/s.
 const FRAMES_PER_S: [f64; 7] = [2.0, 5.0, 10.0, 25.0, 50.0, 100.0, 200.0];
 /// Frame rate of the paper's camera, 1/s, at which the loop is checked.
 const CHECKED_PER_S: f64 = 25.0;
 /// Delays of sensing, in frames.
 pub const DELAYS: [usize; 2] = [0, 2];
-/// Segments of the lattice in a plate member. The finger then differs by about 1 % from its model, which does not affect the controller.
+/// Number of lattice segments per plate member. The finger then differs by about 1 % from its model, which does not affect the controller.
 const FINENESS: usize = 1;
-/// Share of the target force above which steps are frames.
+/// Steps are frames above this share of the target force.
 const FRAMES_FROM: f64 = 0.9;
-/// Number of noise realisations for each loop.
 const REALISATIONS: u64 = 3;
-/// Largest difference from the target while the loop holds, relative to the target.
+/// Tolerance of the difference from the target while the loop holds, relative to the target.
 const HELD_TOLERANCE: f64 = 0.05;
 
-/// Setting of a loop.
+/// Setting of a closed force loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopSetting {
     /// Standard deviation of a coordinate's noise, mm.
@@ -39,7 +37,7 @@ pub struct LoopSetting {
     pub realisations: u64,
 }
 
-/// Results of a loop with one setting.
+/// Results of a closed force loop with one setting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopRun {
     /// Setting of the loop.
@@ -48,7 +46,7 @@ pub struct LoopRun {
     pub figures: Vec<Option<LoopFigures>>,
 }
 
-/// Mean and range of a figure over the noise realisations of a loop, in its unit.
+/// Mean and range of a figure over the noise realisations of a loop, in the unit of the figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     /// Mean value, in the unit of the figure.
@@ -60,7 +58,7 @@ pub struct Spread {
 }
 
 impl LoopRun {
-    /// Mean and range of a figure over all realisations; `None` if one of them never held the object.
+    /// Mean and range of a figure over all realisations; `None` if the object was never held in one of the realisations.
     pub fn over(&self, figure: impl Fn(&LoopFigures) -> f64) -> Option<Spread> {
         let values: Vec<f64> = self.figures.iter().map(|of| of.as_ref().map(&figure)).collect::<Option<_>>()?;
         let of = |fold: fn(f64, f64) -> f64| values.iter().copied().reduce(fold);
@@ -72,7 +70,7 @@ impl LoopRun {
     }
 }
 
-/// Results of loops with all settings.
+/// Results of closed force loops with all settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopStudy {
     /// Target force of a finger, N.
@@ -89,7 +87,8 @@ pub(crate) fn run(context: &Context) -> Result<Option<LoopStudy>, ExperimentErro
         return Ok(None);
     }
     context.progress.part("closed loop", 1);
-    // At the smallest noise all realisations have the same overshoot up to 25 frames a second. Above that they differ by less than 0.2 % of the target.
+    // At the smallest noise all realisations have the same overshoot up to 25 frames per second. Above that rate, overshoots differ by less than 0.2
+    // % of the target.
     let levels = [(LEAST_STATED_MM, 1), (context.noise_mm, REALISATIONS)];
     let all = levels.iter().flat_map(|level| DELAYS.iter().map(move |delay_frames| (*level, *delay_frames)));
     let all = all.flat_map(|((noise_mm, realisations), delay_frames)| {
@@ -109,7 +108,7 @@ pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, ExperimentErr
     let of = |scene: &Scene| Ok::<_, GraspError>(GraspScene::new(scene, &[])?.with_fineness(FINENESS));
     let grasp = of(&scene)?.grasp().clone();
     let (target_n, motor_deg_per_s) = (grasp.until_force_n.unwrap_or_default(), grasp.motor_deg_per_s);
-    // All loops share their beginning: up to 90 % of the force no frame has an effect.
+    // All loops share their beginning, because frames have no effect up to 90 % of the force.
     let mut closing = |changed: GraspDescription| {
         scene.grasp = Some(GraspDescription { path_mm: Vec::new(), ..changed });
         of(&scene)
@@ -158,7 +157,7 @@ fn frames_per_s(scene: &GraspScene) -> f64 {
     scene.grasp().frames_per_s.unwrap_or_default()
 }
 
-/// States at a camera's frames until the force is reached (N), or the motor is at its end.
+/// States at a camera's frames until the true force reaches `until_n` (N), or the motor is at its end.
 fn closing_frames<'s, 'l>(mut course: Course<'s, 'l>, until_n: f64) -> Vec<Course<'s, 'l>> {
     let mut frames = Vec::new();
     while course.force_n() < until_n && !course.is_at_end() && course.advance().is_ok() {
@@ -175,7 +174,7 @@ impl LoopStudy {
         let largest = worst(held.map(|run| run.over(|of| of.largest_error).map_or(f64::NAN, |errors| errors.most)));
         Check::new(
             Kind::Internal,
-            format!("{} N held by the closed loop at {CHECKED_PER_S} frames a second", self.target_n),
+            format!("{} N held by the closed loop at {CHECKED_PER_S} frames per second", self.target_n),
             "target",
             "largest difference once held / target, over levels of noise, delays and realisations",
             0.0,

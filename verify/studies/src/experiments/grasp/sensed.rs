@@ -14,13 +14,14 @@ use finray_model::sensor::Refusal;
 use nalgebra::Rotation2;
 use std::borrow::Cow;
 
-/// Observation of the fingers.
+/// Method by which the fingers of a gripper are observed.
 #[derive(Debug, Clone)]
 pub enum Eyes {
     /// Marker positions with noise of this standard deviation (mm) on each coordinate.
     Noise(f64),
-    /// Images, one for each finger. The camera is in front of each finger as the scene states, in the finger's frame at its motor angle. Alternatively it is
-    /// on the gripper, in the gripper's frame ([`GraspDescription::camera_on_gripper`](finray_model::scene::GraspDescription)).
+    /// Images, one for each finger. The camera is in front of each finger as the scene states, in the finger's frame at its motor angle.
+    /// Alternatively the camera is on the gripper, in the gripper's frame
+    /// ([`GraspDescription::camera_on_gripper`](finray_model::scene::GraspDescription)).
     Images {
         /// The camera; its pose is relative to the finger or the gripper.
         camera: Box<Camera>,
@@ -48,7 +49,7 @@ impl Eyes {
         eyes
     }
 
-    /// Standard deviations of a coordinate of a marker and of an outline point, mm; `None` if observations state it.
+    /// Standard deviations of a coordinate of a marker and of an outline point, mm; `None` if the observations state it.
     fn noise_mm(&self) -> [Option<f64>; 2] {
         match self {
             Eyes::Noise(noise_mm) => [Some(*noise_mm); 2],
@@ -56,10 +57,7 @@ impl Eyes {
         }
     }
 
-    /// Observation of the markers of a deformed finger.
-    ///
-    /// # Errors
-    /// [`NotSensed`] if the image does not show the finger.
+    /// Observes the markers of a deformed finger. Fails if the image does not show the finger.
     fn observed(&self, finger: &Finger, shape: &FingerShape, noise: &mut Noise) -> Result<Observation, NotSensed> {
         let (camera, markers, disturbances) = match self {
             Eyes::Noise(noise_mm) => {
@@ -94,7 +92,7 @@ pub struct SeenFinger {
     pub object: [f64; 3],
     /// Unit vector from the object to the finger, across the gripper, in the finger's frame.
     pub along: Vector,
-    /// Force of the finger on the object, N, world frame.
+    /// Force of the finger on the object in the world frame, N.
     pub on_object: Vector,
 }
 
@@ -107,7 +105,7 @@ pub struct FingerStep {
     pub shape: FingerShape,
     /// Contacts with their true forces, in the finger's frame, from base to tip.
     pub contacts: Vec<SeenContact>,
-    /// Force of the finger on the object, N, world frame.
+    /// Force of the finger on the object in the world frame, N.
     pub on_object: Vector,
     /// Total force across the gripper without contacts at the clamp, which cannot be sensed, N.
     pub total_n: f64,
@@ -122,7 +120,7 @@ impl FingerStep {
         contacts_sensed(&self.contacts, sensed)
     }
 
-    /// Sensed sum across the gripper, N: 0 without contact, `None` if it was refused.
+    /// Sensed sum across the gripper, N: 0 without contact, `None` if sensing was refused.
     pub fn sensed_total_n(&self) -> Option<f64> {
         match &self.sensed {
             Ok(Some(sensed)) => Some(sensed.total.sensed_n),
@@ -133,7 +131,6 @@ impl FingerStep {
 }
 
 impl GraspScene {
-    /// Senses the forces on one finger.
     pub(super) fn sense(&self, lattice: &Lattice, seen: SeenFinger, eyes: &Eyes, noise: &mut Noise) -> FingerStep {
         let outline = self.outline_of(&seen);
         let finger = &self.scene.finger;
@@ -165,7 +162,7 @@ impl GraspScene {
         FingerStep { placement, shape, contacts, on_object, total_n, sensed }
     }
 
-    /// Outline of the object about its own point, in the frame of a finger.
+    /// Outline of the object about its reference point, in the frame of a finger.
     fn outline_of(&self, seen: &SeenFinger) -> TurnedOutline {
         let (turn, axes) = (Rotation2::new(seen.object[2]), seen.placement.axes());
         match &self.outline {
@@ -184,10 +181,10 @@ fn position(seen: &SeenFinger) -> Vector {
 /// Why no force was sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotSensed {
-    /// The sensor refuses to answer.
+    /// The sensor refuses to estimate a force.
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// The image does not show the finger.
-    #[error("the image: {0}")]
+    #[error("the image does not show the finger: {0}")]
     NotSeen(String),
 }

@@ -4,17 +4,18 @@ use super::{Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary};
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 
-/// Largest imbalance of forces and moments, relative to the largest force: rounding of Newton's method, and the resistance against a moved object.
+/// Tolerance of the imbalance of forces and moments, relative to the largest force: rounding of Newton's method, and the resistance against a moved
+/// object.
 const BALANCE_TOLERANCE: f64 = 1e-4;
-/// Largest relative difference of the two fingers' totals while they alone hold the object: balance across the gripper.
+/// Tolerance of the difference of both fingers' totals while only the fingers hold the object, relative: balance across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;
-/// Largest relative error of sensed totals without noise. Its sources are the lattice's difference from converged beams, and friction, of which
-/// sensing knows only the coefficient.
+/// Tolerance of the relative error of sensed totals without noise. The error comes from the lattice's difference from converged beams, and from
+/// friction, of which sensing knows only the coefficient.
 const TOTAL_TOLERANCE: f64 = 0.01;
-/// Largest relative difference between the work of the bases and that of friction over the whole grasp, by the trapezoidal rule.
+/// Tolerance of the difference between the work of the bases and the work of friction over the whole grasp, relative, by the trapezoidal rule.
 const WORK_TOLERANCE: f64 = 0.02;
-/// Largest unaccounted energy, relative to the largest elastic energy: the error of the trapezoidal rule over parts of steps. Each part lacks less
-/// than 1e-4 of the energy that deforms a finger by the object's size.
+/// Tolerance of unaccounted energy, relative to the largest elastic energy: the error of the trapezoidal rule over parts of steps. Each part lacks
+/// less than 1e-4 of the energy that deforms a finger by the object's size.
 const ENERGY_TOLERANCE: f64 = 0.01;
 /// Nominal share of totals within their intervals, and its tolerance: four standard errors of a share of 78.
 const COVERED: f64 = 0.95;
@@ -37,12 +38,12 @@ pub struct GraspStudy {
     pub clean: Option<Summary>,
 }
 
-/// A scene of the report.
+/// A grasp that the report shows.
 struct ReportedScene {
     toml: &'static str,
-    /// Segments of the lattice in a plate member.
+    /// Number of lattice segments per plate member.
     fineness: usize,
-    /// Coarser step of the motor (degrees) and number of steps on the path, to replace the scene's: a box that both fingers rotate is slowest.
+    /// Coarser step of the motor (degrees) and number of steps on the path, which replace the scene's. A box that both fingers rotate takes longest.
     coarser: Option<(f64, usize)>,
     /// Whether the grasp also runs without noise.
     clean: bool,
@@ -56,10 +57,6 @@ const SHOWN: [ReportedScene; 3] = [
 ];
 
 impl ReportedScene {
-    /// Name and grasp of the scene.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] if the scene cannot be grasped.
     fn scene(&self) -> Result<(String, GraspScene), ExperimentError> {
         let mut scene = Scene::from_toml(self.toml)?;
         if let (Some(grasp), Some((step_deg, path_steps))) = (&mut scene.grasp, self.coarser) {

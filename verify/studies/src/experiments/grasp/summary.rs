@@ -20,9 +20,9 @@ pub struct Summary {
     pub largest_total_n: f64,
     /// Largest imbalance of forces and moments, relative to the largest force of the step.
     pub worst_imbalance: f64,
-    /// Largest difference of the two fingers' totals while the support carries nothing, relative to the larger total; `None` without such steps.
+    /// Largest difference of the two fingers' totals while the support carries no load, relative to the larger total; `None` without such steps.
     pub left_right_difference: Option<f64>,
-    /// Largest displacement of the object relative to the gripper while it was lifted and carried, mm; `None` without a path.
+    /// Largest displacement of the object relative to the gripper while the object was lifted and carried, mm; `None` without a path.
     pub slid_mm: Option<f64>,
     /// Account of the motor's work, N mm.
     pub energy: Account,
@@ -30,25 +30,25 @@ pub struct Summary {
     pub largest_elastic_nmm: f64,
     /// Sensed contacts and totals, compared with the true ones.
     pub sensed: SensedSummary,
-    /// Figures of the closed loop; `None` if the grasp has none.
+    /// Figures of the closed loop; `None` if the grasp has no closed loop.
     #[serde(rename = "loop")]
     pub closed_loop: Option<LoopFigures>,
 }
 
-/// Sensed forces compared with the true ones.
+/// Sensed forces of a grasp compared with the true forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct SensedSummary {
     /// Name of the estimator, or `errors in all variables`.
     pub by: &'static str,
-    /// Number of finger-steps with a contact that can be sensed.
+    /// Number of requests: steps of a finger with a contact that can be sensed.
     pub asked: usize,
-    /// Number of refused finger-steps.
+    /// Number of refused requests.
     pub refused: usize,
     /// Number of answered contacts.
     pub contacts: usize,
-    /// Number of answered contacts whose stated 95 % interval contains the true force.
+    /// Among answered contacts: the number whose stated 95 % interval contains the true force.
     pub contacts_within_95: usize,
-    /// Number of answered totals whose stated 95 % interval contains the true total.
+    /// Among answered totals: the number whose stated 95 % interval contains the true total.
     pub totals_within_95: usize,
     /// Mean relative error of totals above a tenth of the largest total; `None` without such totals.
     pub mean_total_error: Option<f64>,

@@ -35,7 +35,7 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "200 ribs",
         difficulty: "403 key nodes; ribs shorter than they are thick near the tip",
-        expectation: "sound equilibrium; two elements a member change nothing linear",
+        expectation: "sound equilibrium; two elements per member change nothing linear",
         answer: many_ribs,
     },
     Question {
@@ -60,7 +60,7 @@ pub(super) const QUESTIONS: &[Question] = &[
 
 /// Force of most cases, N: it rotates parts of the paper's finger by tenths of a radian.
 const FORCE_N: f64 = 2.0;
-/// Two thicknesses, mm, and the largest effect of axial strain on their shapes, relative. The effect grows as thickness^2.
+/// Two thicknesses, mm, and the tolerance of the effect of axial strain on their shapes, relative. The effect grows as thickness^2.
 const THIN_MM: [f64; 2] = [0.01, 0.005];
 const INEXTENSIBLE: f64 = 1e-4;
 const THICK_MM: f64 = 10.0;
@@ -68,15 +68,14 @@ const MODULI_MPA: [f64; 4] = [1e-3, 1.0, 1e3, 1e6];
 /// Tolerance of scaling laws, relative; Newton's method stops at 1e-11 of the energy norm.
 const SCALING: f64 = 1e-9;
 const ZONE_FACTORS: [f64; 2] = [1e6, 1e-6];
-/// Largest relative effect of a zone's own deformation at 1e6 times the stiffness, including its leverage.
+/// Tolerance of the effect of a zone's own deformation at 1e6 times the stiffness, relative, including its leverage.
 const RIGID: f64 = 1e-5;
 const LARGE_MESH_NODES: usize = 100_000;
-/// Largest relative error of an accepted solution: four correct digits.
+/// Tolerance of an accepted solution, relative: four correct digits.
 const FOUR_DIGITS: f64 = 1e-4;
 /// Load for stiff or delicate fingers, N.
 const SMALL_FORCE_N: f64 = 0.1;
 
-/// A finger with a changed description.
 fn variant(finger: &Finger, change: impl FnOnce(&mut FingerDescription)) -> Result<Finger, Unexpected> {
     let mut description = finger.description().clone();
     change(&mut description);
@@ -145,7 +144,7 @@ fn zones(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unex
     let mut sound = Soundness::default();
     for (factor, elements) in ZONE_FACTORS.into_iter().flat_map(|factor| [(factor, 1), (factor, 4)]) {
         let mesh = Mesh::with_elements_per_member(&with_zone(factor)?, elements);
-        // The soft zone would deform by more than its length under the full force beside it.
+        // Under the full force beside the zone, a soft zone would deform by more than its length.
         let force = finger.direction(0.0) * if factor < 1.0 { 0.1 * FORCE_N } else { FORCE_N };
         sound.add(&mesh, finger.tip(), force)?;
     }
@@ -169,7 +168,7 @@ fn many_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), 
     let [refined, _] = sound.add(&fine, middle(&finger), force)?;
     sound.report(findings);
     let change = difference(&linear, &refined);
-    findings.vanishes("two elements a member, linear", DIFFERENCE, change, AGREEMENT);
+    findings.vanishes("two elements per member, linear", DIFFERENCE, change, AGREEMENT);
     Ok(())
 }
 
@@ -188,7 +187,7 @@ fn close_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(),
     let mesh = Mesh::key_nodes(&closer);
     let load = Load::at_node(middle(&closer), finger.direction(0.0) * SMALL_FORCE_N);
     let refused = [Kinematics::Linear, Kinematics::Corotational].into_iter().filter(|&kinematics| {
-        // The error must not report buckling: the finger has an equilibrium.
+        // The error must not report buckling, because the finger has an equilibrium.
         solve(&mesh, &[load], kinematics).is_err_and(|error| !matches!(error, StaticsError::NoEquilibrium { .. }))
     });
     findings.counts("double precision", "refusals, linear and co-rotational", 2, refused.count());

@@ -105,7 +105,6 @@ fn scenes_with<'s>(scene: &'s str, value: &'static str) -> impl Iterator<Item = 
     })
 }
 
-/// The paper's scene with all optional keys.
 fn full_scene() -> String {
     PAPER_SCENE.replacen("[finger.front]", &format!("{OPTIONAL_SIZES}[finger.front]"), 1) + ZONE
 }

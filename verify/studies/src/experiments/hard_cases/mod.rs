@@ -14,7 +14,7 @@ use crate::experiments::{Context, Evidence};
 use crate::prelude::*;
 use std::convert::Infallible;
 
-/// Largest time of a case, s.
+/// A case fails if its computation takes longer than this, s.
 pub const TIME_LIMIT_S: f64 = 5.0;
 
 /// A hard case with its results.
@@ -26,7 +26,7 @@ pub struct HardCase {
     pub difficulty: &'static str,
     /// Expected outcome.
     pub expectation: &'static str,
-    /// Results in words that figures cannot express.
+    /// Results in words, which figures cannot express.
     pub notes: Vec<String>,
     /// Results as checks with tolerances.
     pub checks: Vec<Check>,
@@ -56,7 +56,7 @@ pub struct Question {
 /// Unexpected error that ends a case before its checks.
 pub type Unexpected = Box<dyn std::error::Error>;
 
-/// Collector of the results of a case.
+/// Collects the results of a hard case.
 pub struct Findings {
     case: &'static str,
     notes: Vec<String>,
@@ -73,12 +73,10 @@ impl Findings {
         self.checks.push(Check::new(Kind::Internal, self.case, source, quantity, reference, ours, tolerance));
     }
 
-    /// Checks that an error is zero within a tolerance.
     fn vanishes(&mut self, source: &str, quantity: &str, ours: f64, tolerance: f64) {
         self.check(source, quantity, 0.0, ours, tolerance);
     }
 
-    /// Checks an exact count.
     fn counts(&mut self, source: &str, quantity: &str, reference: usize, ours: usize) {
         self.check(source, quantity, reference as f64, ours as f64, EXACT_COUNT);
     }
@@ -110,13 +108,12 @@ fn questions() -> impl Iterator<Item = &'static Question> {
     [fingers::QUESTIONS, loads::QUESTIONS, sensing::QUESTIONS, input::QUESTIONS].into_iter().flatten()
 }
 
-/// The contact node in the middle.
 fn middle(finger: &Finger) -> NodeId {
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     nodes[nodes.len() / 2]
 }
 
-/// Computes one hard case. It fails if an error ends it or if it exceeds the time limit.
+/// Computes one hard case. The case fails if an error ends it, or if it exceeds the time limit.
 pub fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {
     let mut findings = Findings { case: question.case, notes: Vec::new(), checks: Vec::new() };
     let begin = Instant::now();

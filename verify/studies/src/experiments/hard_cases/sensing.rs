@@ -44,22 +44,22 @@ pub(super) const QUESTIONS: &[Question] = &[
     },
 ];
 
-/// Largest relative error without noise: rounding times the condition number (363 for twelve forces).
+/// Tolerance of the relative error without noise: rounding times the condition number (363 for twelve forces).
 const EXACT: f64 = 1e-7;
-/// Largest error in standard deviations over some hundred draws; one draw exceeds it with a probability of 6e-7.
+/// Tolerance of an error over some hundred draws, in standard deviations. One draw exceeds it with a probability of 6e-7.
 const SIGMAS: f64 = 5.0;
 /// Tolerance of scatter over sigma around 1: over four standard errors of the draws, and geometric nonlinearity at 1 mm noise.
 const SCATTER: f64 = 0.25;
 /// Noise of a good camera, mm, for twelve forces at once; the paper's camera is too noisy for them.
 const GOOD_NOISE_MM: f64 = 0.0067;
 const NOISES_MM: [f64; 4] = [0.01, CAMERA_NOISE_MM, 0.3, 1.0];
-/// Displacement error of the outlier, mm; largest relative change of a force that it may cause; smallest ratio of its residual to the noise.
+/// Displacement error of the outlier, mm; tolerance of the relative change of a force; smallest required ratio of the outlier's residual to the
+/// noise.
 const WILD_MM: Vector = Vector::new(12.0, 16.0);
 const WILD_CHANGE: f64 = 0.02;
 const CONSPICUOUS: f64 = 10.0;
 
 impl Effort {
-    /// Number of noise samples of a case.
     fn draws(self) -> usize {
         self.choose(60, 300)
     }
@@ -130,7 +130,7 @@ impl<'m> Task<'m> {
 
     /// Checks the scatter of noisy estimates against their stated standard deviations.
     fn true_within_sigma(&self, noise_mm: f64, draws: usize, findings: &mut Findings) -> Result<(), Unexpected> {
-        // Each noise level has independent draws: equal draws would give equal ratios on a linear finger.
+        // Each noise level has independent draws, because equal draws would give equal ratios on a linear finger.
         let mut noise = Noise::of_stream(1, noise_mm.to_bits());
         let mut off = Vec::new();
         for _ in 0..draws {

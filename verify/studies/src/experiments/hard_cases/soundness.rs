@@ -4,11 +4,11 @@ use super::{Findings, Unexpected};
 use crate::prelude::*;
 use finray_model::statics::{elastic_energy, reaction};
 
-/// Largest difference between the ladder solver and the general sparse solver, relative to the largest displacement.
+/// Tolerance between the ladder solver and the general sparse solver, relative to the largest displacement.
 pub const AGREEMENT: f64 = 1e-8;
-/// Largest imbalance of force and moment between reactions and load, relative to the load. Strains of stiff elements have fewer digits.
+/// Tolerance of the imbalance of force and moment between reactions and load, relative to the load. Strains of stiff elements have fewer digits.
 pub const BALANCE: f64 = 1e-6;
-/// Largest difference between elastic energy and work, relative to the work: the error of the quadrature.
+/// Tolerance of elastic energy against work, relative to the work: the error of the quadrature.
 pub const ENERGY: f64 = 1e-6;
 /// Tolerance of a limit load, relative; load steps end at 1e-6 of the requested load.
 pub const LIMIT: f64 = 1e-3;
@@ -28,13 +28,13 @@ const GAUSS: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
-/// Largest violations of each law over some equilibria.
+/// Largest violations of each mechanical law over some equilibria.
 #[derive(Debug, Default)]
 pub struct Soundness {
     against_sparse: Vec<f64>,
     unbalanced: Vec<f64>,
     energy: Vec<f64>,
-    /// Numbers of loads without equilibrium, and of those confirmed by a smaller load.
+    /// Number of loads without equilibrium, and number of these refusals that a smaller load confirms.
     refused: usize,
     confirmed: usize,
 }
@@ -84,7 +84,7 @@ impl Soundness {
         if let Some(error) = stopped {
             return Err(error.into());
         }
-        let Some(full) = path.last() else { return Err("no equilibrium on the way".into()) };
+        let Some(full) = path.last() else { return Err("no equilibrium along the load path".into()) };
         // Work of the growing load: F u at its end minus the complementary energy.
         let complementary: f64 =
             path.iter().zip(&points).map(|(found, (_, weight))| weight * work(&load, &found.motion)).sum();

@@ -1,9 +1,9 @@
-//! Variants of prior knowledge about finger, rig and friction: all of it, and all except one item each.
+//! Variants of prior knowledge about finger, rig and friction: with all items, or without one of them.
 
 use finray_model::finger::{BracketLengths, Finger, FingerDescription, RigidEnds};
 use finray_model::sensing::{Direction, Lean};
 
-/// Prior knowledge for sensing: that of the scene, or all except one item.
+/// Prior knowledge for sensing: all that the scene states, or all except one item.
 pub(super) struct Knowledge {
     pub name: &'static str,
     /// The finger to sense with; `None` if this variant does not differ from the scene's finger.
@@ -23,7 +23,7 @@ fn without(finger: &Finger, leave_out: fn(&mut FingerDescription)) -> Option<Fin
     Finger::new(description).ok().filter(|other| other != finger)
 }
 
-/// All knowledge of the scene, and the measured direction of the force.
+/// All prior knowledge, and the measured direction of the force.
 const DIRECTION_MEASURED: Knowledge = Knowledge {
     name: "direction measured",
     finger: |finger| Some(finger.clone()),

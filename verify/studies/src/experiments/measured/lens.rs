@@ -1,4 +1,4 @@
-//! The camera without its lens distortion: the positions at which an image's markers would be located.
+//! Positions at which the markers of an image would be located by a camera without lens distortion.
 
 use finray_model::calibration::LocatedView;
 use finray_model::camera::{Camera, Pixel};

@@ -39,10 +39,7 @@ pub struct Picture {
     pub arrows: Vec<Arrow>,
 }
 
-/// Picture of the part of an image that shows the finger, with residuals. `None` if the camera's pose is unknown, or no marker is in the image.
-///
-/// # Errors
-/// [`ImageError`] of the encoder; none occurs in memory.
+/// Picture of the part of an image that shows the finger, with residuals. `None` if the camera's pose is unknown, or if the image shows no marker.
 pub(super) fn picture(
     scene: &Scene,
     seen: &LocatedView,

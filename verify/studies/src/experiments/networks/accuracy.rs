@@ -12,13 +12,12 @@ use finray_model::estimators::network::{NetworkSensing, Networks};
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 /// Allowance for chance in a mean error: three standard errors. Relative errors have a standard deviation of 1.1 times their mean.
 const CHANCE: f64 = 3.3;
-/// Largest mean relative error of the sum of two forces.
+/// Tolerance of the mean relative error of the sum of two forces.
 const SUM_ERROR: f64 = 0.01;
-/// Largest mean error as a multiple of that at the Cramer-Rao bound. Errors of a force were measured at most 7 % above it, known to 2 %. Errors
-/// of a sum were measured up to 59 % above it: the noise of neighbours cancels in a sum, but the networks' own errors need not.
+/// Tolerance of a mean error, as a multiple of the error at the Cramer-Rao bound. Measured errors of a force are at most 7 % above the bound, known
+/// to 2 %. Measured errors of a sum are up to 59 % above it: the noise of neighbours cancels in a sum, but the networks' own errors need not.
 const OVER_BOUND: f64 = 1.10;
 const SUM_OVER_BOUND: f64 = 1.70;
-/// Seed of the forces and the noise.
 const SEED: u64 = 2;
 
 /// Contact nodes, with the tolerance of each force's mean error at the camera's noise.
@@ -26,7 +25,7 @@ const SEED: u64 = 2;
 pub struct CheckedSet {
     /// The contact nodes.
     pub nodes: &'static [usize],
-    /// Largest mean relative error of each force.
+    /// Tolerance of the mean relative error of each force.
     pub force: f64,
 }
 

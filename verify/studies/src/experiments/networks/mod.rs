@@ -1,4 +1,4 @@
-//! Networks: accuracy of the shipped ones, training recipes, and the paper's network on its Table II.
+//! Networks: accuracy of the shipped networks, training recipes, and the paper's network on the paper's Table II.
 
 pub mod accuracy;
 pub mod paper;

@@ -10,8 +10,8 @@ use crate::truths::TruthId;
 
 /// Names of the recorded recipes that follow the paper: displacements scaled by the largest one, or by their spread.
 pub const PAPER_RECIPES: [&str; 2] = ["a", "a, by spread"];
-/// Largest ratio of our figure and the paper's, either way, at which the paper's is reproduced. It is a choice: with inputs scaled by the largest
-/// displacement, networks that differ only in their seed are within this factor of their mean.
+/// A figure of the paper counts as reproduced if the ratio of our figure and the paper's, either way, is at most this. The value is a choice: with
+/// inputs scaled by the largest displacement, networks that differ only in their seed are within this factor of their mean.
 pub const SAME_FACTOR: f64 = 1.5;
 
 /// Whether our error reproduces the paper's, by [`SAME_FACTOR`].
@@ -33,7 +33,7 @@ pub struct OverSeeds {
     pub refused: usize,
 }
 
-/// One of the paper's five figures, with the recorded one.
+/// One of the paper's five figures, with the recorded figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// The group of tests.
@@ -73,7 +73,7 @@ pub fn recorded_sets(records: &[RecipeRow], recipe: &str, group: &ContactGroup) 
 }
 
 /// Recorded relative error of a recipe on a finger, for one quantity of a group, at one noise level (mm). Each seed contributes the mean over the
-/// [recorded](recorded_sets) sets. `None` if no set is recorded, or a seed is missing or unanswered at one of them.
+/// [recorded](recorded_sets) sets. `None` if no set is recorded, or if a set lacks the answer of a seed.
 pub fn recorded(
     records: &[RecipeRow],
     recipe: &str,
@@ -105,7 +105,8 @@ pub fn recorded(
     })
 }
 
-/// The paper's five figures with those recorded of a recipe on the co-rotational finger, at one noise level (mm); `None` unless all are recorded.
+/// The paper's five figures, each with the figure recorded for a recipe on the co-rotational finger, at one noise level (mm). `None` unless all five
+/// are recorded.
 pub fn figures(records: &[RecipeRow], recipe: &str, noise_mm: f64) -> Option<Vec<Figure>> {
     let mut all = Vec::new();
     for group in CONTACT_GROUPS {

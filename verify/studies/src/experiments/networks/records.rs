@@ -7,7 +7,7 @@ use crate::truths::TruthId;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Errors of one quantity for the network of one recipe and seed.
+/// Errors of one quantity for a network with one recipe and seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecipeRow {
     /// Name of the recipe. `a` is the paper's: linear, without noise, inputs scaled by the largest displacement. `a, by spread` scales by the spread;
@@ -31,7 +31,7 @@ pub struct RecipeRow {
     pub mean_error: Option<f64>,
 }
 
-/// One network of a curve of error against samples or size.
+/// Error of one network, as a point of a curve of error against training cases or network size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CurveRow {
     /// Name of the curve: `samples` or `size`.
@@ -54,7 +54,7 @@ pub struct CurveRow {
     pub mean_error_bound: Option<f64>,
 }
 
-/// All records.
+/// All records of trainings.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Records {
     /// Errors of the three recipes.

@@ -11,7 +11,7 @@ const TIP: usize = 13;
 /// A shipped network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shipping {
-    /// Name of its file, without extension.
+    /// Name of the network's file, without extension.
     pub name: String,
     /// Training recipe.
     pub recipe: TrainingRecipe,

@@ -1,7 +1,7 @@
-//! Criterion's time measurements, which replace the report's own.
+//! Criterion's time measurements, which replace the report's measurements.
 //!
 //! The bench `speed_error` times the report's points under the same names: groups are `speed_error/TASK`, functions are models, parameters are
-//! settings. Below its folder, criterion keeps a folder `new` for each bench: `benchmark.json` has the names, `estimates.json` the times in ns.
+//! settings. Criterion keeps a folder `new` for each bench: `benchmark.json` has the names, `estimates.json` the times in ns.
 
 use super::{SpeedErrorPoint, Task, TimedBy, mark_fronts};
 use serde::Deserialize;
@@ -48,7 +48,6 @@ struct Estimates {
     median: Estimate,
 }
 
-/// A time, ns.
 #[derive(Deserialize)]
 struct Estimate {
     point_estimate: f64,
@@ -110,7 +109,7 @@ fn read_json<T: DeserializeOwned>(path: &Path) -> Option<T> {
     serde_json::from_slice(&std::fs::read(path).ok()?).ok()
 }
 
-/// Replaces the times of points that criterion also has, and returns their number.
+/// Replaces the times of points that criterion has measured too. Returns the number of replaced times.
 pub fn take_times(points: &mut [SpeedErrorPoint], times: &CriterionTimes) -> usize {
     let mut taken = 0;
     for point in points.iter_mut().filter(|point| point.seconds.is_finite()) {

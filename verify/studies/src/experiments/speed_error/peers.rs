@@ -7,13 +7,13 @@ use super::{Asked, SpeedErrorPoint, Start, Task, TimedBy};
 pub struct Peer {
     /// Task of the point.
     pub task: Task,
-    /// Nodes and forces of the task; only points with equal ones are compared.
+    /// Nodes and forces of the task. Points are compared only if these are equal.
     pub asked: Asked,
     /// Name of the model or estimator.
     pub model: String,
     /// Setting in words.
     pub setting: String,
-    /// Median time of an answer, s.
+    /// Median computation time per answer, s.
     pub seconds: f64,
     /// Relative error, defined as in [`SpeedErrorPoint`]; `None` if only the time was measured.
     pub error: Option<f64>,
@@ -23,7 +23,7 @@ pub struct Peer {
     pub version: String,
 }
 
-/// Points of other programs.
+/// Times and errors of other programs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Peers {
     /// The rows.

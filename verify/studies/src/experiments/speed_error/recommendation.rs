@@ -3,25 +3,26 @@
 use super::{SpeedErrorPoint, Start, Task, TimedBy};
 use finray_model::estimators::EstimatorId;
 
-/// Largest model error of a recommended setting, in standard deviations of the noise. At 0.4 the interval of 1.96 standard deviations covers
+/// A recommended setting has at most this model error, in standard deviations of the noise. At 0.4 the interval of 1.96 standard deviations covers
 /// 93 % instead of 95 %, the lower limit of coverage: Phi(1.96 - 0.4) - Phi(-1.96 - 0.4).
 pub const LARGEST_BIAS_SIGMAS: f64 = 0.4;
-/// Largest ratio of a recommended setting's error to the best error. The mean over some hundred noisy frames has a standard error of 10 %.
+/// The error of a recommended setting is at most this multiple of the best error. The mean over some hundred noisy frames has a standard error of 10
+/// %.
 const NEAR_BEST: f64 = 1.25;
 
 /// A sensing method with all its timed points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recommendation<'p> {
-    /// Point for one force, from the warm start if the method has starts.
+    /// Point for one force. Each answer starts from the previous one if the method iterates from a starting point.
     pub one: &'p SpeedErrorPoint,
-    /// Point for one force from a cold start; `None` if the method has no starts.
+    /// Point for one force from a cold start; `None` if the method does not iterate from a starting point.
     pub cold: Option<&'p SpeedErrorPoint>,
     /// Point for two neighbouring forces.
     pub neighbours: Option<&'p SpeedErrorPoint>,
 }
 
 impl Recommendation<'_> {
-    /// Largest model error over both tasks, in standard deviations of the noise; `None` if one is unknown.
+    /// Largest model error over both tasks, in standard deviations of the noise; `None` if the error of a task is unknown.
     pub fn bias_sigmas(&self) -> Option<f64> {
         let two = self.neighbours.map_or(Some(0.0), |two| two.bias_sigmas);
         Some(self.one.bias_sigmas?.max(two?))
@@ -54,8 +55,8 @@ pub fn ways(points: &[SpeedErrorPoint]) -> Vec<Recommendation<'_>> {
     .collect()
 }
 
-/// The fastest method for any contact that [holds](Recommendation::holds) and has nearly the smallest error. Networks, which support only their own
-/// contacts, are excluded.
+/// The fastest method for any contact that [holds](Recommendation::holds) and has nearly the smallest error. Networks are excluded, because they
+/// support only their own contacts.
 pub fn recommended(points: &[SpeedErrorPoint]) -> Option<Recommendation<'_>> {
     let hold: Vec<Recommendation> =
         ways(points).into_iter().filter(|way| way.one.estimator != Some(EstimatorId::Network) && way.holds()).collect();

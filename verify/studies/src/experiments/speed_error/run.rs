@@ -1,4 +1,4 @@
-//! Computation of the report's points of time and error.
+//! Computes time and error of models and estimators for the report.
 
 use super::sensing::{TimedEstimator, sensing};
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, solving};
@@ -17,7 +17,7 @@ pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let forces = context.checked_forces();
     progress.part("speed and error", 2);
     // The nodes are the same for every effort, so that points of other programs are always comparable.
-    // Periods of one force and of the pair. Two forces on a folding finger take tens of milliseconds a frame.
+    // Numbers of periods for one force and for the pair. Two forces on a folding finger take tens of milliseconds per frame.
     let periods = match context.effort {
         Effort::Quick => [1, 4],
         Effort::Full => [2, 2 * ASKED_NODES],

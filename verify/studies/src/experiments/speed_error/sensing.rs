@@ -1,10 +1,10 @@
 //! Sensing of a moving force, frame by frame: time, error, and the error of the mesh.
 //!
-//! A force at a node oscillates over [`TWO_FORCES_N`] once a second, at the paper's 25 frames a second. It changes by up to 0.34 N between
-//! frames. Frames show the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a cold start (least squares,
-//! as for an unrelated measurement) and from a warm start (the previous frame). Other estimators have no start. Preparation for a contact is timed
-//! separately. Stated standard deviations cover only noise, so that errors of linearisation and mesh show against them. `finray sense` also
-//! computes these errors to widen its intervals, which is not timed here.
+//! A force at a node oscillates over [`TWO_FORCES_N`] once per second, at the paper's 25 frames per second. The force changes by up to 0.34 N
+//! between frames. Frames show the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a cold start (least
+//! squares, as for an unrelated measurement) and from a warm start (the previous frame). Other estimators do not iterate from a starting point.
+//! Preparation for a contact is timed separately. Stated standard deviations cover only noise, so that errors of linearisation and mesh show against
+//! them. `finray sense` also computes these errors to widen its intervals, which is not timed here.
 
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::prelude::*;
@@ -16,9 +16,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Number of frames in one oscillation of a force: one second at the paper's 25 Hz.
 pub const FRAMES_A_PERIOD: usize = 25;
-/// Seed of the noise.
 const SEED: u64 = 11;
-/// Number of preparations for each set of contacts; their median time counts.
+/// Number of preparations for each set of contacts, whose median time counts.
 const PREPARATIONS: usize = 5;
 
 /// One frame: true forces and measurement.
@@ -103,13 +102,13 @@ pub struct TimedEstimator<'e> {
 }
 
 impl TimedEstimator<'_> {
-    /// Setting and start in words, as in tables and benches.
+    /// Setting and starting point in words, as in tables and benches.
     pub fn in_words(&self) -> String {
         format!("{}{}", self.setting, self.start.suffix())
     }
 }
 
-/// Meshes with one, two, four and eight elements a member.
+/// Meshes with one, two, four and eight elements per member.
 pub fn sensing_meshes(finger: &Finger) -> Vec<Mesh> {
     [1, 2, 4, 8].map(|elements| Mesh::with_elements_per_member(finger, elements)).into()
 }
@@ -128,7 +127,7 @@ pub fn beam_estimators(meshes: &[Mesh]) -> Vec<TimedEstimator<'_>> {
     meshes.first().into_iter().flat_map(linear).chain(cold).chain(warm).collect()
 }
 
-/// The nonlinear estimator with each frame started from the previous one.
+/// The nonlinear estimator, which starts each frame from the previous one.
 struct Streaming<'m> {
     mesh: &'m Mesh,
 }
@@ -174,8 +173,8 @@ pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
     loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect()
 }
 
-/// Times sensing of one oscillating force at [`ASKED_NODES`] nodes and of two at neighbours, over `periods` periods of each on `truth`, with noise
-/// `noise_mm` (mm). `further` estimators are added to those on beams.
+/// Times sensing of one oscillating force at [`ASKED_NODES`] nodes, and of two forces at neighbouring nodes, over `periods` periods of each on
+/// `truth`. The noise is `noise_mm` (mm). `further` estimators are added to those on beams.
 pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,
@@ -199,7 +198,8 @@ pub(crate) fn sensing(
         let estimators: Vec<&TimedEstimator<'_>> = beams.iter().chain(&further).collect();
         let of_task = estimators.iter().map(|timed| sensed(task, timed, noise_mm, &streams));
         let mut of_task = of_task.collect::<Result<Vec<_>, _>>()?;
-        // Timing is complete, so this may run in parallel. The model error does not depend on the start: a cold start has that of the warm one.
+        // Timing is complete, so this may run in parallel. The model error does not depend on the starting point, so a cold start has that of a warm
+        // start.
         let once: Vec<&&TimedEstimator<'_>> = estimators.iter().filter(|timed| timed.start != Start::Cold).collect();
         let biases = once.par_iter().map(|timed| largest_bias(timed, noise_mm, &streams));
         let biases: Vec<Option<f64>> = biases.collect::<Result<_, _>>()?;
@@ -267,8 +267,8 @@ pub fn sensed(
     })
 }
 
-/// Model error of an estimator: largest error over frames without noise, in standard deviations of the noise. Those are taken from the Cramer-Rao
-/// bound, because the estimator's stated deviation grows with its model error.
+/// Model error of an estimator: largest error over frames without noise, in standard deviations of the noise. These standard deviations follow from
+/// the Cramer-Rao bound, because the estimator's stated one grows with its model error.
 ///
 /// # Errors
 /// [`ExperimentError`] if the estimator does not support the contacts.

@@ -8,7 +8,6 @@ use finray_model::statics::solve;
 
 const SOLVED_ANGLES_DEG: [f64; 3] = [-40.0, 0.0, 40.0];
 
-/// Loads, with the shapes of the reference.
 struct ReferenceSolutions {
     loads: Vec<Load>,
     reference: Vec<FingerShape>,
@@ -56,8 +55,8 @@ pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: 
     }
 }
 
-/// Times beams on several meshes and lattices of several finenesses. Each has the drawn force at `nodes` nodes along the front plate in three
-/// directions. Errors are against beams of [`CONVERGED_ELEMENTS`] elements a member. Empty for a finger without such nodes.
+/// Times beams on several meshes and lattices of several finenesses under the drawn force, at `nodes` nodes along the front plate in three
+/// directions. Errors are against beams of [`CONVERGED_ELEMENTS`] elements per member. Empty for a finger without such nodes.
 ///
 /// # Errors
 /// [`ExperimentError`] if the reference has no equilibrium or a lattice cannot be built.
@@ -81,7 +80,7 @@ pub fn solving(finger: &Finger, nodes: usize, forces: ReportForces) -> Result<Ve
     for (setting, lattice) in lattices(finger)? {
         points.push(solved.point(LATTICE, setting, |load| lattice.equilibrium(&[*load]).ok()));
     }
-    // Settling takes a hundred times longer, so one load must suffice.
+    // Settling takes a hundred times longer, so only one load is settled.
     let one = ReferenceSolutions {
         loads: solved.loads.into_iter().take(1).collect(),
         reference: solved.reference.into_iter().take(1).collect(),

@@ -10,16 +10,16 @@ use finray_numerics::optimise::{Convergence, LeastSquaresProblem, LevenbergMarqu
 
 /// Direction assumed for the weights, degrees from the inward normal.
 pub const ANGLE_DEG: f64 = 0.0;
-/// Targets at nodes 14 to 24: mean of sensed / true - 1, and its tolerance. Forces were sensed too large at 14, 16 and 24. There the errors over six
-/// weights scatter by about 5 points, so the mean is uncertain by 2. At 18 to 22 the signs are not published and the errors stay below 5 %, so the
-/// target is 0 with tolerance 3 points.
+/// Targets at nodes 14 to 24: mean of sensed / true - 1, and its tolerance. The paper sensed too large forces at 14, 16 and 24. There the errors
+/// over six weights scatter by about 5 points, so the mean is uncertain by 2. At 18 to 22 the signs are not published and the errors stay below 5 %,
+/// so the target is 0 with tolerance 3 points.
 pub const TARGETS: [(f64, f64); 6] =
     [(0.563, 0.02), (0.121, 0.02), (0.0, 0.03), (0.0, 0.03), (0.0, 0.03), (0.200, 0.02)];
 /// Tolerance of the calibrated modulus relative to the published one; small, because equality is required.
 const MODULUS_TOLERANCE: f64 = 1e-3;
 /// Step of ln(factor) for finite differences; errors are smooth to nine digits.
 const DIFFERENCE: f64 = 1e-4;
-/// Largest relative change of a factor at convergence; finite differences allow no smaller one.
+/// The fit has converged if no factor changes by more than this, relative. Finite differences allow no smaller value.
 const SMALLEST_STEP: f64 = 1e-7;
 /// Largest number of iterations; every set of zones needs fewer.
 const MAX_STEPS: usize = 40;
@@ -31,13 +31,13 @@ const LARGEST_STEP: f64 = 0.5;
 pub struct TwinFit {
     /// The zones.
     pub set: ZoneSet,
-    /// The fitted finger. Its modulus is chosen so that the paper's calibration gives the published one.
+    /// The fitted finger. Its modulus is chosen so that the paper's calibration gives the published modulus.
     pub finger: Finger,
     /// Modulus factor of each group of zones, dimensionless.
     pub factors: Vec<f64>,
     /// Standard deviation of each factor, dimensionless, with the tolerances of [`TARGETS`] as independent standard deviations.
     pub sigmas: Vec<f64>,
-    /// Ratio of the modulus outside the zones to the published one.
+    /// Ratio of the modulus outside the zones to the published modulus.
     pub modulus_factor: f64,
     /// Mean of sensed / true - 1 at each node of Table I.
     pub errors: Vec<f64>,
@@ -45,7 +45,7 @@ pub struct TwinFit {
     pub misfit: f64,
 }
 
-/// Fits a set of zones on the co-rotational finger with four elements a member. Each trial runs the protocol of Table I.
+/// Fits a set of zones on the co-rotational finger with four elements per member. Each trial runs the protocol of Table I.
 ///
 /// # Errors
 /// [`ExperimentError`] if the starting finger has no equilibrium under a weight.
@@ -107,7 +107,8 @@ fn run(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<(Finger, Ta
     Ok((finger, table))
 }
 
-/// Residuals of the fit: differences from the targets over their tolerances, then that of the calibrated modulus. Unknowns are logarithms of factors.
+/// Residuals of the fit: differences from the targets over their tolerances, then the relative difference of the calibrated modulus over its
+/// tolerance. Unknowns are logarithms of factors.
 struct TwinProblem<'p> {
     paper: &'p Finger,
     set: &'p ZoneSet,
@@ -118,7 +119,7 @@ impl LeastSquaresProblem for TwinProblem<'_> {
     type Error = ExperimentError;
 
     fn residual(&mut self, logs: &DVector<f64>) -> Result<DVector<f64>, Refusal<ExperimentError>> {
-        // A finger without equilibrium under the weights is too soft.
+        // A finger without equilibrium under the weights counts as too soft.
         let (_, table) = run(self.paper, self.set, logs).map_err(Refusal::Here)?;
         let errors = mean_errors(&table).into_iter().zip(TARGETS).map(|(error, (target, off))| (error - target) / off);
         let modulus = (table.modulus_factor - 1.0) / MODULUS_TOLERANCE;

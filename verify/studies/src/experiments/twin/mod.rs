@@ -19,7 +19,7 @@ pub type Section = (Part, f64, f64);
 pub struct ZoneSet {
     /// Name in tables.
     pub name: &'static str,
-    /// Groups of zones, each with the starting factor of its fit: the result of a fit that started from 0.2.
+    /// Groups of zones, each with the starting factor of its fit: the result of an earlier fit that started from 0.2.
     pub groups: &'static [(&'static [Section], f64)],
 }
 
@@ -30,7 +30,7 @@ const BASE: &[Section] = &[(Part::Front, 0.0, 1.0), (Part::Back, 0.0, 1.0)];
 const NEXT: &[Section] = &[(Part::Front, 8.0, 10.0), (Part::Back, 8.0, 10.0)];
 const TIP: &[Section] = &[(Part::Front, 10.0, 12.0), (Part::Back, 10.0, 12.0)];
 
-/// Zones of the twin: the members at the base, two members before those at the tip, and two at the tip.
+/// Zones of the twin: the members at the base, the two members next to the tip zone, and the two members at the tip.
 pub const TWIN: ZoneSet =
     ZoneSet { name: "base, before the tip, tip (drawn here)", groups: &[(BASE, 0.72), (NEXT, 0.153), (TIP, 0.064)] };
 

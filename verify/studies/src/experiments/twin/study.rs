@@ -13,13 +13,13 @@ use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimat
 
 /// Indices of the zones in the twin's scene that share a factor, front and back.
 pub const GROUPS: [[usize; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
-/// Nodes loaded by weights for the calibration of the zones: those of Table I and of the paper's calibration.
+/// Nodes loaded by weights for the calibration of the zones: the nodes of Table I and of the paper's calibration.
 pub const LOADED: [usize; 9] = [14, 16, 17, 18, 19, 20, 21, 22, 24];
 /// Nodes at which sensing is tested on the twin: the contact nodes except the tip.
 const SENSED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
-/// Elements a member for the calibration of zones. Averaged over 54 shapes, noise is smaller than the error of a coarse mesh.
+/// Elements per member for the calibration of zones. Averaged over 54 shapes, noise is smaller than the error of a coarse mesh.
 const CALIBRATION_ELEMENTS: usize = 12;
-/// Largest mean relative error at a node with known zones: 10 % above the Cramer-Rao bound at the worst node (24).
+/// Tolerance of the mean relative error at a node with known zones: 10 % above the Cramer-Rao bound at the worst node (24).
 const SENSED: f64 = 0.013;
 /// Tolerance of rms error over sigma around 1, exceeded by chance once in thousands for 10 repetitions of 4 parameters (standard error 0.11).
 const COVERED: f64 = 0.45;
@@ -33,13 +33,13 @@ pub struct TwinStudy {
     pub before: TableOne,
     /// Table I on the twin.
     pub after: TableOne,
-    /// Modulus by eq. (11) on the twin, from all weights of Table I and the calibration, relative to that from the paper's three nodes.
+    /// Modulus by eq. (11) on the twin, from all weights of Table I and the calibration, relative to the modulus from the paper's three nodes.
     pub recalibrated: f64,
     /// Fits of the twin's zones, then of alternative sets.
     pub fits: Vec<TwinFit>,
     /// Standard deviation of a coordinate's noise in calibrations and sensing, mm.
     pub noise_mm: f64,
-    /// The twin's factors calibrated from noisy shapes, one estimate a repetition.
+    /// The twin's factors calibrated from noisy shapes, one estimate per repetition.
     pub calibrations: Vec<FactorEstimate>,
     /// Results of sensing at each node.
     pub sensing: Vec<TwinSensing>,
@@ -112,7 +112,7 @@ impl TwinStudy {
         Ok(TwinStudy { finger, before: before.clone(), after, recalibrated, fits, noise_mm, calibrations, sensing })
     }
 
-    /// Residuals of the fit: the twin's errors beside those of Table I, to which its zones were fitted.
+    /// Residuals of the fit: the twin's errors beside the errors of Table I, to which the zones were fitted.
     pub fn comparisons(&self) -> Vec<Comparison> {
         let comparison = |row: &TableOneRow| Comparison {
             problem: "digital twin of Table I: residual of its fit".to_owned(),
@@ -130,7 +130,7 @@ impl TwinStudy {
         rms(factors.map(|(factor, sigma)| factor.ln() / sigma)).unwrap_or(f64::NAN)
     }
 
-    /// Checks of results on the twin. Its agreement with Table I is not checked: three factors were fitted to these six numbers.
+    /// Checks of results on the twin. The twin's agreement with Table I is not checked, because three factors were fitted to these six numbers.
     /// [`comparisons`](TwinStudy::comparisons) show the residuals of the fit.
     pub fn checks(&self) -> Vec<Check> {
         let problem = "digital twin of Table I";

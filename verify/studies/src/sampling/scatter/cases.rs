@@ -6,39 +6,33 @@ use crate::prelude::*;
 use crate::sampling::noise::{Noise, with_sample};
 use finray_model::statics::equilibria;
 
-/// Number of successive draws without equilibrium after which the finger counts as unable to carry any force of the range.
+/// After this number of successive draws without equilibrium, the finger counts as unable to carry any force of the range.
 const MOST_DRAWS: usize = 100;
-/// Number of cases that share prepared estimators; a thread computes one such block at a time.
+/// Number of cases per block. Cases of a block share prepared estimators, and one thread computes a block.
 const BLOCK: u64 = 100;
 /// Share of the noise at which the first-order response is computed. Forces then change by some per cent of sigma, far above the convergence
-/// tolerance of the search. The effect of curvature is a tenth of that at full noise.
+/// tolerance of the search. The effect of curvature is a tenth of its size at full noise.
 const LITTLE: f64 = 0.1;
 
-/// One case, measured at every noise level and sensed by every estimator.
 pub(super) struct Case {
     /// True forces, N.
     pub forces_n: Vec<f64>,
-    /// Samples by noise level.
     samples: Vec<Sample>,
-    /// Number of draws that were repeated because the finger has no equilibrium under them.
+    /// Number of draws that were repeated because the finger has no equilibrium under the drawn forces.
     pub not_carried: usize,
 }
 
-/// Estimates from one noise sample.
 struct Sample {
     /// The bound: standard deviations stated by an estimator of the true finger. `None` without noise, or if a force is not identifiable.
     bound: Option<Sensed>,
     /// First-order errors caused by the noise, N, of an estimator of the true finger; `None` without noise, or if not requested.
     first_order: Option<Vec<f64>>,
-    /// Estimates by estimator; `None` if it refused.
+    /// Estimates by estimator; `None` if the estimator refused.
     sensed: Vec<Option<Sensed>>,
 }
 
-/// Estimate of one estimator from one noise sample.
 pub(super) struct CaseEstimate<'c> {
-    /// The case.
     pub case: &'c Case,
-    /// The bound of this sample.
     pub bound: Option<&'c Sensed>,
     /// Errors of the forces to first order in the noise of this sample, N.
     pub first_order: Option<&'c [f64]>,
@@ -47,7 +41,6 @@ pub(super) struct CaseEstimate<'c> {
 }
 
 impl Case {
-    /// Estimate of estimator number `estimator` at noise level number `level`.
     pub fn estimate(&self, level: usize, estimator: usize) -> CaseEstimate<'_> {
         let sample = &self.samples[level];
         CaseEstimate {
@@ -97,7 +90,7 @@ struct CaseRunner<'a> {
     contacts: &'a [Contact],
     kinematics: Kinematics,
     ratio_limits: &'a RatioLimits<'a>,
-    /// Recognises draws that are too large; created at the first such draw.
+    /// Recognises forces above the limit load; created at the first such draw.
     scout: Option<Scout<'a>>,
     bound: Box<dyn PreparedEstimator + 'a>,
     estimators: Vec<Box<dyn PreparedEstimator + 'a>>,
@@ -126,13 +119,13 @@ impl<'a> CaseRunner<'a> {
         })
     }
 
-    /// Deforms the finger by all draws together; `None` for draws without equilibrium after all repetitions.
+    /// Deforms the finger by all draws together. A draw without equilibrium is repeated; `None` if all its repetitions have none.
     fn carried(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<CarriedDraw>> {
         let mut carried: Vec<Option<CarriedDraw>> = draws.iter().map(|_| None).collect();
         let size_n = |number: &usize| draws[*number].forces_n.iter().sum::<f64>();
         let mut open: Vec<usize> = (0..draws.len()).collect();
         open.sort_by(|a, b| size_n(b).total_cmp(&size_n(a)));
-        // The largest draw alone shows whether the others need a scout.
+        // The largest draw alone shows whether the other draws need a scout.
         let others = open.split_off(open.len().min(1));
         let mut open = self.attempt(&mut draws, open, &mut carried, range_n);
         open.extend(others);
@@ -183,7 +176,6 @@ impl<'a> CaseRunner<'a> {
         again
     }
 
-    /// Estimates of every estimator from the noise samples of a deformed finger.
     fn case(&mut self, request: &ScatterRequest, carried: &CarriedDraw, controlled: bool) -> Case {
         let sample = |&noise_mm: &f64| {
             let seen = with_sample(&carried.clean, &carried.noise, noise_mm);
@@ -220,7 +212,6 @@ struct Draw {
 }
 
 impl Draw {
-    /// Draw of case number `number` of the stream.
     fn new(request: &ScatterRequest, contacts: &[Contact], range_n: [f64; 2], stream: u64, number: u64) -> Draw {
         let mut chance = Noise::of_stream(request.seed, stream);
         chance.go_to(number);
@@ -242,11 +233,9 @@ impl Draw {
     }
 }
 
-/// A draw with equilibrium.
 struct CarriedDraw {
     forces_n: Vec<f64>,
     noise: Vec<f64>,
-    /// Measurement without noise.
     clean: Measurement,
     not_carried: usize,
 }

@@ -4,13 +4,13 @@ use crate::prelude::*;
 use finray_model::statics::Ladder;
 use std::sync::OnceLock;
 
-/// Carried fraction below which forces on this mesh are clearly too large. The true finger's mesh has 0.990 to 1.001 times the limit load of the
-/// estimator's mesh, over 432 random pairs of forces on two fingers.
+/// Forces are clearly too large if this mesh carries less than this fraction of them. Over 432 random pairs of forces on two fingers, the true
+/// finger's mesh has 0.990 to 1.001 times the limit load of the estimator's mesh.
 const CLEARLY_TOO_LARGE: f64 = 0.98;
-/// Largest angle, rad, between a ratio of forces and a known one, whose limit load then replaces a solve.
+/// A known limit load replaces a solve if the two ratios of forces differ by at most this angle, rad.
 const NEIGHBOURS: f64 = 0.1;
-/// Margin of the neighbours' limits: forces are too large if the larger limit is below this share of them. They are carried if they are below this
-/// share of the smaller limit.
+/// Margin of the limits of neighbouring ratios. Forces are too large if this share of the forces exceeds the larger limit. Forces are carried if
+/// they are below this share of the smaller limit.
 const BETWEEN_NEIGHBOURS: f64 = 0.9;
 
 /// Largest angle, rad, between the ratios of forces whose limit loads are computed once for all blocks of cases.
@@ -35,7 +35,6 @@ impl<'m> RatioLimits<'m> {
         RatioLimits { mesh, kinematics, contacts, range_n, limits: OnceLock::new() }
     }
 
-    /// A scout that starts with these limits.
     pub(super) fn scout(&self) -> Scout<'m> {
         let statics = Statics::ladder(self.mesh, self.kinematics);
         let mut scout = Scout { mesh: self.mesh, contacts: self.contacts, statics, limits: Vec::new() };
@@ -71,7 +70,7 @@ impl<'m> RatioLimits<'m> {
     }
 }
 
-/// A finger on a coarser mesh than the true one, with known limits of the forces that it carries.
+/// The finger on a coarser mesh than the true finger's, with the limit loads found so far.
 pub(super) struct Scout<'m> {
     mesh: &'m Mesh,
     contacts: &'m [Contact],
@@ -79,7 +78,7 @@ pub(super) struct Scout<'m> {
     limits: Vec<Limit>,
 }
 
-/// Load class of some forces, determined on the scout's finger.
+/// Whether the scout's finger carries some forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LoadClass {
     /// The scout's finger carries the forces.
@@ -97,7 +96,7 @@ struct Limit {
     size_n: f64,
 }
 
-/// Ratio of one or two forces, as an angle, rad. Load paths follow one ratio from rest in a straight line.
+/// Ratio of one or two forces, as an angle, rad. A load path keeps its ratio from rest to full load.
 #[derive(Clone, Copy)]
 struct Ray(f64);
 
@@ -136,7 +135,7 @@ impl Scout<'_> {
         }
     }
 
-    /// Limit loads (N) of the nearest known ratios on both sides, the lower one first; `None` if one of them is too far.
+    /// Limit loads (N) of the nearest known ratios on both sides, the lower limit first; `None` if one of these ratios is too far.
     fn known_limits_n(&self, Ray(angle): Ray) -> Option<[f64; 2]> {
         let nearest = |side: f64| {
             let away = |limit: &Limit| side * (limit.ray.0 - angle);

@@ -1,4 +1,4 @@
-//! Blocks of a sweep, computed in parallel and written in order.
+//! Blocks (groups of cells) of a sweep, computed in parallel and written in order.
 
 use super::samples::NoiseSamples;
 use super::tally::Tally;
@@ -9,19 +9,20 @@ use crate::truths::Truth;
 use std::ops::Range;
 use std::time::Duration;
 
-/// Pieces of work of each thread between two writes: enough that waiting for the slowest piece costs little.
+/// Number of pieces of work per thread between two writes. With many pieces, waiting for the slowest piece costs little.
 const PIECES_A_THREAD: usize = 16;
-/// Time of a round of pieces below which waiting for threads and files would dominate. Pieces then grow; a stopped run loses at most twice this.
+/// If a round of pieces takes less time than this, waiting for threads and files dominates, and pieces grow. A stopped run loses at most twice this
+/// time.
 const LEAST_TIME: Duration = Duration::from_millis(10);
-/// Largest number of rows in memory, except if single blocks hold more.
+/// Largest number of rows in memory, unless a single block has more.
 const MOST_ROWS: usize = 1 << 16;
 
-/// A sweep of truths and estimators over a grid.
+/// A sweep of true fingers and estimators over a grid.
 pub struct Sweep<'s> {
     finger: &'s Finger,
     truths: Vec<&'s dyn Truth>,
     estimators: Vec<&'s dyn Estimator>,
-    /// The estimators prepared for many contacts, where preparation saves time: for the true finger's kinematics, and for a linear true finger.
+    /// Estimators prepared once for many contacts, if that saves time: for the true finger's kinematics, and for a linear true finger.
     for_many: Vec<[Option<Box<dyn Estimator + 's>>; 2]>,
     grid: &'s Grid,
     noise: NoiseSamples,
@@ -40,7 +41,7 @@ impl<'s> Sweep<'s> {
         Sweep { finger, truths, estimators, for_many, grid, noise: NoiseSamples::new(grid, finger) }
     }
 
-    /// Number of blocks, one for each truth and contact.
+    /// Number of blocks, one for each true finger and contact.
     pub fn block_count(&self) -> usize {
         self.truths.len() * self.grid.contact_count()
     }
@@ -50,7 +51,7 @@ impl<'s> Sweep<'s> {
         self.estimators.len() * self.grid.noise_levels_mm.len() * self.grid.forces_n.len()
     }
 
-    /// Computes the cells of a block, by estimator, then noise level, then force.
+    /// Computes the cells of a block, ordered by estimator, then noise level, then force.
     pub fn block(&self, number: usize) -> Vec<Cell> {
         let truth = self.truths[number / self.grid.contact_count()];
         let contact = self.grid.contact(number % self.grid.contact_count());
@@ -114,7 +115,7 @@ impl<'s> Sweep<'s> {
         self.grid.noise_levels_mm.iter().flat_map(of_level)
     }
 
-    /// Computes blocks in parallel and passes to `write`, in order, a number of blocks and their rows. Memory holds few blocks a thread.
+    /// Computes blocks in parallel and passes to `write`, in order, a number of blocks and their rows. Memory holds few blocks per thread.
     ///
     /// # Errors
     /// The first error of `write` or of the CSV writer.

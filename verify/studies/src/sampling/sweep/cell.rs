@@ -1,9 +1,9 @@
-//! The cells of a sweep.
+//! Cells of a sweep, each with the results for one force at one position and direction.
 
 use crate::truths::TruthId;
 use finray_model::estimators::{EstimatorError, EstimatorId};
 
-/// One force at one position and direction, at one noise level, on one truth, by one estimator.
+/// One force at one position, direction and noise level, on one true finger, sensed by one estimator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     /// The true finger.
@@ -29,11 +29,11 @@ pub struct Outcome {
     pub samples: usize,
     /// Number of answered samples.
     pub answered: usize,
-    /// Errors of the answered samples; `None` if fewer than half of the samples were answered, because those are biased.
+    /// Errors of the answered samples; `None` if fewer than half of the samples were answered, because few answers are biased.
     pub errors: Option<Errors>,
-    /// Coverage of the stated intervals; `None` if none are stated, or nothing was answered.
+    /// Numbers of stated intervals that contain the true force; `None` if the estimator states no intervals, or answered no sample.
     pub covered: Option<Covered>,
-    /// Reason why the finger has no equilibrium or the first refused sample has no answer; `None` if all were answered.
+    /// Reason why the finger has no equilibrium, or why the first refused sample was refused; `None` if all were answered.
     pub refusal: Option<String>,
 }
 
@@ -50,19 +50,19 @@ pub struct Errors {
     pub sigma_n: Option<f64>,
 }
 
-/// Numbers of answered samples with the true force within 1.96 stated standard deviations, with and without a warning.
+/// Numbers of answers whose interval of 1.96 stated standard deviations contains the true force, with and without a warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Covered {
     /// Number of answers with a warning.
     pub warned: usize,
-    /// Number of answers without a warning whose interval contains the true force.
+    /// Among answers without a warning: the number whose interval contains the true force.
     pub covered: usize,
-    /// Number of answers with a warning whose interval contains the true force.
+    /// Among answers with a warning: the number whose interval contains the true force.
     pub covered_warned: usize,
 }
 
 impl Cell {
-    /// Standard deviation of sensed / true over the noise samples; `None` if at most one noisy sample was answered.
+    /// Standard deviation of sensed / true over the noise samples, dimensionless; `None` if fewer than two noisy samples were answered.
     pub fn spread(&self) -> Option<f64> {
         let known = self.noise_mm == 0.0 || self.outcome.answered > 1;
         self.outcome.errors.filter(|_| known).map(|errors| errors.spread)
@@ -70,7 +70,6 @@ impl Cell {
 }
 
 impl Outcome {
-    /// Outcome of a cell with every sample refused.
     pub(super) fn refused(samples: usize, error: &EstimatorError) -> Outcome {
         Outcome { samples, answered: 0, errors: None, covered: None, refusal: Some(error.to_string()) }
     }

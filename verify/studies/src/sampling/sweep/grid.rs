@@ -2,10 +2,10 @@
 
 use crate::prelude::*;
 
-/// Largest angle between force and normal, degrees: at larger angles a force slides rather than presses.
+/// Directions of a grid reach up to this angle from the normal, degrees. At larger angles a force slides rather than presses.
 const LARGEST_ANGLE_DEG: f64 = 80.0;
 
-/// The grid of one request, shared by all truths and estimators.
+/// The grid of one request, shared by all true fingers and estimators.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
     /// Positions on the front plate, mm from the base.
@@ -25,8 +25,9 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Positions (mm from the base) and directions (degrees). There are about `positions` positions up to the tip, evenly spaced in every member of the
-    /// front plate. A plate with more nodes than `positions` is sampled at a subset of nodes. Directions are from -80 to 80 degrees in steps of `step_deg`.
+    /// Positions (mm from the base) and directions (degrees) of a grid. About `positions` positions reach up to the tip, evenly spaced in every
+    /// member of the front plate. A plate with more nodes than `positions` is sampled at a subset of its nodes. Directions are from -80 to 80
+    /// degrees in steps of `step_deg`.
     pub fn grid(finger: &Finger, positions: usize, step_deg: f64) -> (Vec<f64>, Vec<f64>) {
         let mut nodes = finger.plate_positions_mm(Plate::Front);
         nodes.dedup();

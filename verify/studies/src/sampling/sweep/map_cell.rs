@@ -1,4 +1,4 @@
-//! Cells of an accuracy map: those of a sweep with one truth, estimator and noise level.
+//! Cells of an accuracy map: the cells of a sweep with one true finger, estimator and noise level.
 
 use super::Cell;
 use serde::{Deserialize, Serialize};
@@ -12,9 +12,9 @@ pub struct MapCell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Mean of |sensed / true - 1| over answered samples; `None` without equilibrium, or if more than half are refused.
+    /// Mean of |sensed / true - 1| over answered samples; `None` without equilibrium, or if more than half of the samples are refused.
     pub mean_error: Option<f64>,
-    /// Mean of sensed / true - 1, dimensionless: the systematic error.
+    /// Mean of sensed / true - 1, dimensionless: the systematic error. `None` like `mean_error`.
     pub bias: Option<f64>,
     /// Standard deviation of sensed / true over the noise samples, dimensionless.
     pub spread: Option<f64>,
@@ -22,22 +22,22 @@ pub struct MapCell {
     pub samples: usize,
     /// Number of answered samples, over which the errors above are averaged.
     pub answered: usize,
-    /// Number of answered samples with a warning; `None` if no standard deviation is stated.
+    /// Number of answers with a warning; `None` if no standard deviation is stated.
     pub warned: Option<usize>,
-    /// Number of answered samples without a warning whose interval of 1.96 stated standard deviations contains the true force.
+    /// Among answers without a warning: the number whose interval of 1.96 stated standard deviations contains the true force.
     pub covered: Option<usize>,
-    /// Number of answered samples with a warning whose interval of 1.96 stated standard deviations contains the true force.
+    /// Among answers with a warning: the number whose interval of 1.96 stated standard deviations contains the true force.
     pub covered_warned: Option<usize>,
 }
 
-/// Outcome of a cell, or of one position and direction under several forces.
+/// Outcome of one force, or the worst outcome of several forces, at one position and direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CellState {
     /// At least half of the samples were answered.
     Answered,
-    /// The finger has equilibrium, but the estimator refuses more than half of the samples, so its few answers are biased.
+    /// The finger has equilibrium, but the estimator refuses more than half of the samples. Its few answers are biased.
     Refused,
-    /// The finger has no equilibrium under the force, so there is nothing to sense.
+    /// The finger has no equilibrium under the force, so no force can be sensed.
     WithoutEquilibrium,
 }
 

@@ -1,4 +1,4 @@
-//! Merging the shards of a sweep.
+//! Merges the shards of a sweep, which independent machines have computed.
 
 use super::request::lines_of_head;
 use super::{Head, Request, Shard};
@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// All shards of one request; only their heads are in memory.
+/// All shards of one request. Only their heads are in memory.
 #[derive(Debug)]
 pub struct Shards {
     request: Request,
@@ -22,7 +22,7 @@ pub enum MergeError {
     /// A file is unreadable, incomplete, given twice, or belongs to another request.
     #[error(transparent)]
     File(#[from] FileError),
-    /// Shards are missing.
+    /// At least one shard is missing.
     #[error("incomplete: of {of} shards, {found} were given; missing: {missing}")]
     Missing {
         /// Numbers of the first few missing shards, from 1.
@@ -41,7 +41,7 @@ pub enum MergeError {
 const NAMED: usize = 10;
 
 impl Shards {
-    /// Checks that files are the shards of one request: all of them, each once and complete.
+    /// Opens the shards of one request, and checks that each shard is given once and is complete.
     ///
     /// # Errors
     /// [`MergeError`] with the first invalid file, or the missing shards.
@@ -62,7 +62,7 @@ impl Shards {
                 return foreign(&format!("number of shards ({} instead of {of})", shard.of));
             }
             if let Some((other, _)) = files.insert(shard.number, (path.clone(), rows_at)) {
-                let message = format!("is shard {shard}, as is {}: each is needed once", other.display());
+                let message = format!("is shard {shard}, and so is {}: give each shard once", other.display());
                 return Err(FileError::content(path, message).into());
             }
         }

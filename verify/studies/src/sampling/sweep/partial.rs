@@ -1,4 +1,4 @@
-//! An unfinished table, written row by row beside its final path.
+//! An unfinished table of a sweep, written row by row beside its final path.
 
 use super::Head;
 use super::request::lines_of_head;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The file `OUT.partial`: a [`Head`], the table's header and the rows of finished blocks.
 ///
-/// A stopped run leaves it behind. The next run with the same request drops an incomplete last block and continues. It is locked while written.
+/// A stopped run leaves this file behind. The next run with the same request drops an incomplete last block and continues. A run locks the file.
 #[derive(Debug)]
 pub struct Partial {
     out: PathBuf,

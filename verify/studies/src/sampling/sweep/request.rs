@@ -31,7 +31,7 @@ impl Request {
         env!("CARGO_PKG_VERSION").to_owned()
     }
 
-    /// Number of blocks, one for each truth and contact.
+    /// Number of blocks, one for each true finger and contact.
     pub fn block_count(&self) -> usize {
         self.truths.len() * self.grid.contact_count()
     }
@@ -98,10 +98,7 @@ impl Head {
     }
 }
 
-/// Lines of a file that may be a head: those behind a mark. The reader then stands at the first line without a mark.
-///
-/// # Errors
-/// [`std::io::Error`] of the reader.
+/// Lines of a file that may be a head: the lines that begin with a mark. The reader then stands at the first line without a mark.
 pub(super) fn lines_of_head(reader: &mut impl BufRead) -> std::io::Result<String> {
     let mut lines = String::new();
     while reader.fill_buf()?.starts_with(&MARK.as_bytes()[..1]) {

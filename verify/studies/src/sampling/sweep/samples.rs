@@ -5,7 +5,7 @@ use crate::sampling::noise::Noise;
 use finray_model::Finger;
 use std::ops::Range;
 
-/// Random numbers that are drawn once and kept, 2 MB: 5600 samples of the paper's finger. Further samples are drawn again for each block.
+/// Number of random numbers that are drawn once and kept: 2 MB, 5600 samples of the paper's finger. Further samples are drawn again for each block.
 const KEPT: usize = 1 << 18;
 /// Number of samples that a block processes together.
 const AT_ONCE: usize = 256;
@@ -45,7 +45,6 @@ impl NoiseSamples {
         }
     }
 
-    /// Number of coordinates of one sample.
     pub(super) fn coordinates(&self) -> usize {
         self.coordinates
     }

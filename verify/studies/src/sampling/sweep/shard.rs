@@ -5,7 +5,7 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// One of several shares of a sweep: a range of consecutive blocks, so that shards in sequence form the whole.
+/// A share of a sweep: a range of consecutive blocks. Shards in sequence form the whole sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
     /// Number of this shard, from 1.
@@ -15,7 +15,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Blocks of this shard among `count` blocks; empty if there are more shards than blocks and this one has none.
+    /// Blocks of this shard among `count` blocks; empty if there are more shards than blocks and this shard has none.
     pub fn blocks(self, count: usize) -> Range<usize> {
         // u128, because the product of two counts may overflow usize.
         let bound = |shards: usize| (count as u128 * shards as u128 / self.of as u128) as usize;

@@ -9,13 +9,12 @@ use finray_files::csv_text;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Table {
-    /// One accuracy map. Truth, estimator and noise level are constant and have no column.
+    /// One accuracy map. True finger, estimator and noise level are constant and have no column.
     Map,
     /// All results of each cell.
     Sweep,
 }
 
-/// A row of [`Table::Sweep`].
 #[derive(Serialize)]
 struct Row {
     truth: TruthId,
@@ -51,9 +50,6 @@ impl Table {
     }
 
     /// Rows of the cells as CSV without header, one line each.
-    ///
-    /// # Errors
-    /// [`csv::Error`] of the writer; none occurs in memory.
     pub(super) fn rows(self, cells: &[Cell]) -> Result<String, csv::Error> {
         let text = match self {
             Table::Map => csv_text(cells.iter().map(MapCell::from))?,

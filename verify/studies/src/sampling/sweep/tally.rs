@@ -42,12 +42,10 @@ impl Tally {
         }
     }
 
-    /// Adds a refused sample.
     pub(super) fn refuse(&mut self, error: &EstimatorError) {
         self.refusal.get_or_insert_with(|| error.to_string());
     }
 
-    /// Results over `samples` samples.
     pub(super) fn outcome(&self, samples: usize) -> Outcome {
         let count = self.answered as f64;
         let enough = self.answered > 0 && 2 * self.answered >= samples;

@@ -14,12 +14,12 @@ const STEP_DEG: f64 = 22.5;
 const MOST_STEPS: usize = 40;
 /// Rotation of the motor at which the first node meets its cap, degrees.
 const TOUCH_DEG: f64 = 45.0;
-/// Largest gap between a rod and a cap that it touches, mm: rounding of the equilibrium.
+/// A rod touches its cap up to this gap, mm: rounding of the equilibrium.
 const ON_CAP_MM: f64 = 1e-9;
 /// Largest number of Newton steps to find the touched caps and their forces.
 const MOST_NEWTON_STEPS: usize = 60;
 
-/// A step at rest, before sensing.
+/// Equilibrium of the finger after one step of the motor, before sensing.
 #[derive(Debug, Clone)]
 pub struct ClosedStep {
     /// Motor angle by which the gripper has closed, degrees.
@@ -34,7 +34,8 @@ pub struct ClosedStep {
     pub gaps_mm: Vec<f64>,
 }
 
-/// Closes a finger on caps in front of its nodes. Returns the steps with a force, until one exceeds the paper's range or has no equilibrium.
+/// Closes a finger on caps in front of its nodes. Returns the steps with a force, until a force exceeds the paper's range or a step has no
+/// equilibrium.
 ///
 /// # Errors
 /// [`ExperimentError`] for nodes that are not on the finger.
@@ -75,9 +76,8 @@ fn across(placement: &Placement) -> Vector {
     placement.axes().transpose() * Vector::x()
 }
 
-/// Displacements of markers and gaps of rods at the final forces.
 struct Pressed {
-    /// Displacements, mm, two coordinates a marker.
+    /// Displacements, mm, two coordinates per marker.
     displacements_mm: DVector<f64>,
     /// Gap between each node's rod and its cap, mm.
     gaps_mm: Vec<f64>,
@@ -94,7 +94,8 @@ struct Caps<'m> {
 }
 
 impl Caps<'_> {
-    /// Finds forces at which no rod penetrates its cap, and only rods on their cap have a force, by Newton's method on the gaps. `None` without equilibrium.
+    /// Finds forces at which no rod penetrates its cap, and only rods on their cap carry a force, by Newton's method on the gaps. `None` without
+    /// equilibrium.
     fn press(&mut self, placement: &Placement) -> Result<Option<Pressed>, LoadError> {
         let across = across(placement);
         let angle_deg = angle_deg(self.finger, across);
