@@ -39,13 +39,13 @@ pub(super) struct Situation<'s> {
 }
 
 impl Situation<'_> {
-    /// Counts over a region, which contains positions (share of the plate length) and directions (degrees).
+    /// Counts over a region; `region` says whether a position (share of the plate length) and direction (degrees) belong to it.
     pub(super) fn counts(&self, finger: &Finger, region: impl Fn(f64, f64) -> bool) -> TrustCounts {
         let length_mm = finger.plate_length_mm(Plate::Front);
         TrustCounts::of(self.cells.iter().filter(|cell| region(cell.s_mm / length_mm, cell.angle_deg)))
     }
 
-    /// Counts over all cells.
+    /// Counts of trusted, refused and other cells over the whole map.
     pub(super) fn all(&self) -> TrustCounts {
         TrustCounts::of(&self.cells)
     }

@@ -207,8 +207,8 @@ fn doubled_area(corners: &[Vector]) -> f64 {
 /// A corner or side of an object, identified by its index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Feature {
-    /// A corner, or the centre of a disc.
+    /// A corner of a polygon, or the centre of a disc.
     Corner(usize),
-    /// The side from the corner with this index to the next.
+    /// The side of a polygon from the corner with this index to the next corner.
     Side(usize),
 }

@@ -10,13 +10,13 @@ const NEAR_AN_END: f64 = 1.0 / 6.0;
 /// A region of cells (positions and directions). For every estimator, cells along the normal were computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Region {
-    /// Along the normal, within a sixth of the plate's length from the base.
+    /// Forces along the normal, within a sixth of the plate's length from the base.
     Base,
-    /// Along the normal, between the regions near base and tip.
+    /// Forces along the normal, between the regions near base and tip.
     Middle,
-    /// Along the normal, within a sixth of the plate's length from the tip.
+    /// Forces along the normal, within a sixth of the plate's length from the tip.
     Tip,
-    /// Every position and direction.
+    /// Forces at every position and in every direction.
     All,
 }
 

@@ -74,9 +74,9 @@ const EACH: &str = "each";
 
 #[derive(Clone, Copy, ValueEnum)]
 enum KinematicsArgument {
-    // Small displacements.
+    // Linear kinematics, for small displacements.
     Linear,
-    // Co-rotational; four mesh elements per member, or eight if only one factor is estimated.
+    // Co-rotational kinematics. The mesh has four elements per member, or eight if only one factor is estimated.
     Corotational,
 }
 
