@@ -5,13 +5,13 @@
 pub struct Guide {
     /// Topic name, the argument of `finray guide`.
     pub name: &'static str,
-    /// Task of the page, one line.
+    /// Task that the page explains, in one line.
     pub task: &'static str,
     /// Text of the page, Markdown.
     pub text: &'static str,
 }
 
-/// Declares one documented module per page, and the list of all pages.
+/// Declares one documented module per page, and the list `GUIDES` of all pages.
 macro_rules! guides {
     ($($module:ident, $name:literal: $task:literal;)*) => {
         $(
@@ -34,7 +34,7 @@ guides! {
     maps_and_sweeps, "maps-and-sweeps": "Map where a finger senses forces reliably";
     clusters, "clusters": "Divide a large map or sweep among many machines";
     press_and_grasp, "press-and-grasp": "Press an object onto a finger, or grasp it with two";
-    networks, "networks": "Train a sensing network, or use one that ships";
+    networks, "networks": "Train a sensing network, or use a shipped one";
     reading_the_report, "reading-the-report": "Make the report and read it";
     accuracy, "accuracy": "How accurate forces are: photographs, images, simulation";
     architecture, "architecture": "How the program is divided, and where to add to it";

@@ -1,13 +1,13 @@
 //! Verification and accuracy maps of fin-ray force sensing, with the command-line program `finray`.
 //!
 //! Each layer is a crate that depends only on the layers below it:
-//! - [`figures`] draws charts and knows nothing of fingers; [`files`] reads and writes files.
+//! - [`figures`] draws charts and is independent of fingers; [`files`] reads and writes files.
 //! - [`lattice`] models a finger, or two fingers and an object, as rigid bodies and springs.
 //! - The studies: [`truths`] are reference models of the finger, [`estimators`] are tested on them, and [`sampling`] draws the test cases.
 //!   [`problems`] have known answers, [`experiments`] are the single studies, [`study`] runs all of them for a scene, and [`claims`] compares the
 //!   results with the paper's statements.
 //! - [`report`] presents the results as pages.
-//! - This crate is the program, with its [`guide`]. Physics lives in [`finray_model`].
+//! - This crate is the program, with its [`guide`]. The physics is in [`finray_model`].
 #![forbid(unsafe_code)]
 
 pub mod guide;

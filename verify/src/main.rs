@@ -1,6 +1,6 @@
 //! The program `finray`: reads arguments, runs a command, writes files. Physics lives in `finray_model`, checks and maps in `finray_verify`.
 #![forbid(unsafe_code)]
-// The denied macros panic when a write fails; `print_message` and `write_text` do not.
+// The denied macros panic if standard output or error is closed; `print_message` and `write_text` do not.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod commands;
@@ -53,7 +53,7 @@ enum Command {
     Train(train::Arguments),
     /// Print a shell completion script, for instance: finray completions bash > ~/.finray.bash
     Completions {
-        /// Shell.
+        /// Shell that reads the script
         shell: clap_complete::Shell,
     },
 }

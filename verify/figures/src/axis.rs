@@ -1,4 +1,4 @@
-//! Axes: limits, ticks, and the coordinate that plotters draws.
+//! Axes: their limits and ticks, and the coordinate type for plotters.
 
 use std::ops::Range;
 
@@ -8,37 +8,37 @@ use super::error::{FigureError, require, require_finite, require_limits};
 use super::sheet::{SPACE, TICK_TEXT};
 use super::text::{fixed, number, width_of};
 
-/// Scale of an axis.
+/// Relation between values and positions on an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scale {
-    /// Equal lengths are equal differences.
+    /// Linear: equal differences have equal lengths.
     Linear,
-    /// Equal lengths are equal ratios; values must be above 0.
+    /// Logarithmic: equal ratios have equal lengths; values must be above 0.
     Log,
 }
 
 impl Scale {
-    /// The number proportional to position: the value or its logarithm.
+    /// The quantity that is proportional to the position on the axis: the value or its logarithm.
     pub(super) fn measure(self, value: f64) -> f64 {
         if self == Self::Log { value.log10() } else { value }
     }
 
-    /// Relative position of a value between limits, 0 to 1.
+    /// Relative position of a value between the limits, 0 to 1.
     pub(super) fn fraction(self, value: f64, limits: [f64; 2]) -> f64 {
         let [value, low, high] = [value, limits[0], limits[1]].map(|number| self.measure(number));
         (value - low) / (high - low)
     }
 }
 
-/// One axis of a figure.
+/// One axis of a figure: label, scale, limits and ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// Quantity and unit.
+    /// Label with quantity and unit.
     pub(super) label: String,
     pub(super) scale: Scale,
-    /// Given limits; `None` to follow the data.
+    /// Limits of the axis; `None` if they follow from the data.
     pub(super) limits: Option<[f64; 2]>,
-    /// Given ticks with their names; `None` for round values.
+    /// Ticks with their names; `None` for ticks at round values.
     pub(super) ticks: Option<Vec<(f64, String)>>,
 }
 
@@ -53,18 +53,18 @@ impl Axis {
         Self { scale: Scale::Log, ..Self::linear(label) }
     }
 
-    /// An axis of named categories at 0, 1, 2, ...
+    /// An axis of named categories, which lie at 0, 1, 2, ...
     pub fn categories(label: impl Into<String>, names: Vec<String>) -> Self {
         let end = names.len() as f64 - 0.5;
         Self::linear(label).within(-0.5, end).named((0..).map(f64::from).zip(names).collect())
     }
 
-    /// Sets the limits; data beyond them extend the axis. Cells of a map are cut off at the limits.
+    /// Sets the limits. Data beyond the limits extend the axis, but the cells of a map are cut off at the limits.
     pub fn within(self, low: f64, high: f64) -> Self {
         Self { limits: Some([low, high]), ..self }
     }
 
-    /// Sets ticks at these values.
+    /// Sets ticks at these values, named by the values.
     pub fn with_ticks(self, ticks: impl IntoIterator<Item = f64>) -> Self {
         self.named(ticks.into_iter().map(|value| (value, number(value))).collect())
     }
@@ -74,12 +74,12 @@ impl Axis {
         Self { ticks: Some(ticks), ..self }
     }
 
-    /// Number of given ticks; for categories their number.
+    /// Number of given ticks; for an axis of categories, the number of categories.
     pub(super) fn names(&self) -> usize {
         self.ticks.as_ref().map_or(0, Vec::len)
     }
 
-    /// Computes limits and the ticks that fit `pixels`. Without given limits, round numbers just beyond the data are used.
+    /// Computes the limits, and the ticks that fit into `pixels`. Without given limits, the limits are round numbers just beyond the data.
     pub(super) fn ruler(&self, data: &[f64], pixels: f64, upright: bool) -> Result<Ruler, FigureError> {
         require_finite(&self.label, data.iter())?;
         require(self.limits.is_some() || !data.is_empty(), FigureError::Empty, &self.label)?;
@@ -99,18 +99,18 @@ impl Axis {
     }
 }
 
-/// An axis with limits and ticks; the coordinate type of plotters' charts.
+/// An axis with known limits and ticks; it is the coordinate type of plotters' charts.
 #[derive(Debug, Clone)]
 pub(super) struct Ruler {
     pub(super) scale: Scale,
-    /// Limits of the axis.
+    /// Lower and upper limit of the axis.
     pub(super) span: [f64; 2],
-    /// Values of the ticks with their names; an empty name draws no label.
+    /// Values of the ticks with their names; a tick with an empty name has no label.
     pub(super) ticks: Vec<(f64, String)>,
 }
 
 impl Ruler {
-    /// Removes ticks beyond the limits, and names that would touch the previous name.
+    /// Removes ticks beyond the limits, and names of ticks that would touch the previous name.
     fn thin(&mut self, pixels: f64, upright: bool) {
         let (span, scale, mut free) = (self.span, self.scale, f64::NEG_INFINITY);
         self.ticks.retain(|(value, _)| (-1e-9..=1.0 + 1e-9).contains(&scale.fraction(*value, span)));
@@ -133,7 +133,7 @@ impl Ranged for Ruler {
 
     fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
         let part = self.scale.fraction(*value, self.span);
-        // The logarithm of zero or less is not finite; such values are drawn at the lower end of the axis.
+        // On a logarithmic axis, a value of zero or less is drawn at the lower end of the axis.
         let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.0 };
         from + (part * f64::from(to - from)).round() as i32
     }
@@ -153,10 +153,10 @@ impl ValueFormatter<f64> for Ruler {
     }
 }
 
-/// Round values between the limits, at most about `most`.
+/// Round values between the limits; their number is about `most` or less.
 pub(super) fn round_ticks(scale: Scale, [low, high]: [f64; 2], most: f64) -> Vec<(f64, String)> {
     let decades = (high / low).log10();
-    // Less than a decade contains too few powers of ten, so it has the ticks of a linear axis.
+    // A logarithmic axis of less than a decade contains too few powers of ten, so it has the ticks of a linear axis.
     if scale == Scale::Linear || decades < 1.0 {
         let step = round_up((high - low) / most);
         let decimals = (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
@@ -173,7 +173,7 @@ pub(super) fn round_ticks(scale: Scale, [low, high]: [f64; 2], most: f64) -> Vec
     within.map(|value| (value, number(value))).collect()
 }
 
-/// The smallest of 1, 2, 5 times a power of ten, not below a positive value.
+/// The smallest number of the form 1, 2 or 5 times a power of ten that is not below a positive value.
 fn round_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0]
@@ -186,7 +186,7 @@ fn round_up(value: f64) -> f64 {
 fn round_out(scale: Scale, [low, high]: [f64; 2]) -> [f64; 2] {
     match scale {
         Scale::Linear if low == high => {
-            // A single value gets room on both sides, in its own order of magnitude.
+            // An axis for a single value extends to both sides of it, by half of the value.
             let room = if low == 0.0 { 1.0 } else { low.abs() * 0.5 };
             [low - room, high + room]
         }
@@ -194,7 +194,7 @@ fn round_out(scale: Scale, [low, high]: [f64; 2]) -> [f64; 2] {
             let step = round_up((high - low) / 8.0);
             [(low / step + 1e-9).floor() * step, (high / step - 1e-9).ceil() * step]
         }
-        // The largest round number not above a value is the inverse of the smallest not below its inverse.
+        // The largest round number not above a value is the inverse of the smallest round number not below its inverse.
         Scale::Log => match [1.0 / round_up(1.0 / low), round_up(high)] {
             [low, high] if low < high => [low, high],
             [low, high] => [low / 2.0, high * 2.0],

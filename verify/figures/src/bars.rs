@@ -12,7 +12,7 @@ use super::panels::Plot;
 use super::sheet::{LEFT, Sheet, TICK_TEXT, font};
 use super::text::{number, widest};
 
-/// The bars of one source.
+/// One bar per category, all of one colour.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bars {
     /// Text in the legend, for instance "paper".
@@ -23,7 +23,7 @@ pub struct Bars {
     pub values: Vec<Option<f64>>,
 }
 
-/// Share of a category's width that its bars fill.
+/// Share of a category's width that its bars fill together.
 const FILLED: f64 = 0.82;
 
 impl Bars {
@@ -33,7 +33,7 @@ impl Bars {
         require(self.values.iter().flatten().all(|value| *value >= 0.0), FigureError::NotPositive, &self.label)
     }
 
-    /// Values that the axis must include: all heights, and 0, so that lengths are proportional to values.
+    /// Values that the vertical axis must include: all heights and 0, so that bar lengths are proportional to values.
     pub(super) fn heights(&self) -> impl Iterator<Item = f64> {
         self.values.iter().flatten().copied().chain([0.0])
     }
@@ -43,7 +43,7 @@ impl Bars {
         Entry::patch(&self.label, self.hue.ink())
     }
 
-    /// Area of bar `nth` among `of` bars of a category; without a value its height is 0.
+    /// Area of bar number `nth` of the `of` bars in a category; without a value its height is 0.
     fn area(plot: &Plot, [nth, of]: [usize; 2], category: usize, value: Option<f64>) -> Area {
         let bar = FILLED / of as f64;
         let left = category as f64 - FILLED / 2.0 + bar * nth as f64;
@@ -56,29 +56,29 @@ impl Bars {
     }
 }
 
-/// Size and direction of the values above bars.
+/// Size and orientation of the values that are written above bars.
 pub(super) struct Writing {
-    /// Whether values are written vertically, because they are wider than their bars.
+    /// Whether the values are written vertically, because they are wider than their bars.
     rising: bool,
     size: f64,
-    /// Room for the longest value above its bar, px.
+    /// Space for the longest value above its bar, px.
     pub(super) height: f64,
 }
 
 impl Writing {
-    /// Chooses size and direction for bars that share a plot of this width, px.
+    /// Chooses size and orientation for bars in a plot that is `pixels` wide, px.
     pub(super) fn of(bars: &[Bars], categories: &Axis, pixels: f64) -> Self {
         let texts: Vec<String> =
             bars.iter().flat_map(|bars| &bars.values).flatten().map(|value| number(*value)).collect();
         let bar = pixels * FILLED / (categories.names() * bars.len()).max(1) as f64;
         let rising = widest(&texts, TICK_TEXT) + 2.0 > bar;
-        // The height of vertical text equals the bar's width, so that it does not cover neighbours, but stays legible.
+        // The size of vertical text is at most the bar's width, so that it does not cover the text of neighbours, but at least legible.
         let size = if rising { bar.clamp(13.0, TICK_TEXT) } else { TICK_TEXT };
         let height = if rising { widest(&texts, size) } else { size } + 10.0;
         Self { rising, size, height: if bars.is_empty() { 0.0 } else { height } }
     }
 
-    /// Writes the values above their bars; a dash for a missing value.
+    /// Writes the values above their bars, and a dash for a missing value.
     pub(super) fn write(&self, sheet: &Sheet, plot: &Plot, bars: &Bars, nth: [usize; 2]) -> Result<(), FigureError> {
         bars.values.iter().enumerate().try_for_each(|(category, value)| {
             let bar = Bars::area(plot, nth, category, *value);

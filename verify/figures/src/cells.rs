@@ -1,21 +1,21 @@
-//! Cells of a map: values over a grid.
+//! Cells of a map: values on a rectangular grid.
 
 use super::error::{FigureError, require, require_finite, require_len};
 
-/// Values over a grid.
+/// Values on a rectangular grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cells {
-    /// Text above the plot.
+    /// Text above the plot of the cells.
     pub note: String,
     /// Positions of the columns, ascending or descending, not necessarily equidistant.
     pub x: Vec<f64>,
     /// Positions of the rows, ascending or descending.
     pub y: Vec<f64>,
-    /// One row per entry of `y` with one value per entry of `x`; `None` for a missing value.
+    /// Values by row, then column: one row per entry of `y`, one value per entry of `x`; `None` for a missing value.
     pub values: Vec<Vec<Option<f64>>>,
 }
 
-/// Share of the axis that a single row or column of cells occupies, so that it is visible.
+/// A single row or column of cells has no neighbours that set its width; it occupies this share of the axis.
 const LONE: f64 = 0.1;
 
 impl Cells {
@@ -37,7 +37,7 @@ impl Cells {
     }
 }
 
-/// Edges of cells: midway between neighbours, and as far beyond the first and last.
+/// Edges of cells: midway between neighbouring positions. The first and last edge are as far from their position as the next edge.
 pub(super) fn edges(positions: &[f64], limits: Option<[f64; 2]>) -> Vec<f64> {
     let [first, .., last] = positions else {
         let half = limits.map_or(0.5, |[low, high]| LONE / 2.0 * (high - low));

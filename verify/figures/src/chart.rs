@@ -1,4 +1,4 @@
-//! Charts: series, grouped bars, reference values, and drawings to scale.
+//! Charts: series, grouped bars, reference lines, and drawings to scale.
 
 use plotters::style::Color;
 
@@ -14,49 +14,49 @@ use super::series::Series;
 use super::sheet::{Dash, LEFT, SPACE, Sheet, TICK_TEXT, font, pen};
 use super::text::{widest, wrap};
 
-/// Series and bars over the same two axes.
+/// Series, bars and areas over a horizontal and a vertical axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// Heading, description and size.
+    /// Heading, description and size of the figure.
     pub frame: Frame,
-    /// Horizontal axis; categories for bars.
+    /// Horizontal axis; an axis of categories if there are bars.
     pub x: Axis,
-    /// Vertical axis.
+    /// Vertical axis of the chart.
     pub y: Axis,
-    /// Filled areas behind everything else.
+    /// Filled areas, drawn behind everything else.
     pub patches: Vec<Patch>,
     /// Series of points.
     pub series: Vec<Series>,
-    /// Bars side by side in each category; all start at 0.
+    /// Sets of bars, side by side in each category; all bars start at 0.
     pub bars: Vec<Bars>,
-    /// Reference values on the vertical axis, with their texts, for instance "10 %".
+    /// Values on the vertical axis with a reference line and its text, for instance "10 %".
     pub references: Vec<(f64, String)>,
-    /// Whether both axes have the same scale, in mm.
+    /// Whether both axes have the same scale, in mm, as in a drawing.
     pub equal_axes: bool,
 }
 
-/// Room around a drawing to scale for numbers and clamps, px.
+/// Space around a drawing to scale for numbers and clamps, px.
 const MARGIN: f64 = 44.0;
-/// Room for tick labels of four characters left of such a drawing, and room right of it, px.
+/// Space left of a drawing to scale for tick labels of four characters, and space to its right, px.
 pub(super) const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];
 
 impl Chart {
-    /// A chart of series only.
+    /// A chart with only series.
     pub fn new(frame: Frame, [x, y]: [Axis; 2], series: Vec<Series>) -> Self {
         Self { frame, x, y, patches: Vec::new(), series, bars: Vec::new(), references: Vec::new(), equal_axes: false }
     }
 
-    /// A chart of bars over named categories.
+    /// A chart with only bars, over named categories.
     pub fn of_bars(frame: Frame, axes: [Axis; 2], bars: Vec<Bars>) -> Self {
         Self { bars, ..Self::new(frame, axes, Vec::new()) }
     }
 
-    /// A drawing in which both axes have the same scale, mm.
+    /// A drawing in which both axes have the same scale, in mm.
     pub fn to_scale(frame: Frame, labels: [&str; 2], series: Vec<Series>) -> Self {
         Self { equal_axes: true, ..Self::new(frame, labels.map(Axis::linear), series) }
     }
 
-    /// Adds reference values with their texts.
+    /// Adds horizontal reference lines at these values, with their texts.
     pub fn compared(self, references: impl IntoIterator<Item = (f64, String)>) -> Self {
         Self { references: references.into_iter().collect(), ..self }
     }
@@ -73,7 +73,7 @@ impl Chart {
         let outlines = self.patches.iter().map(|patch| &patch.outline);
         let points = || self.series.iter().map(|series| &series.points).chain(outlines.clone()).flatten();
         let ends = self.series.iter().flat_map(Series::ends).flatten().copied();
-        // On a logarithmic axis, lower ends at or below zero are drawn at the axis's lower end.
+        // On a logarithmic axis, an error bar whose lower end is zero or less is drawn from the lower end of the axis.
         let ends = ends.filter(|end| self.y.scale == Scale::Linear || *end > 0.0);
         let of_bars = self.bars.iter().flat_map(Bars::heights);
         let up =
@@ -103,7 +103,7 @@ impl Chart {
         })
     }
 
-    /// Axes with the same scale around the data, and the height of the plot, px.
+    /// Axes with the same scale that contain the data, and the height of the plot, px.
     pub(super) fn scaled(&self, data: &[Vec<f64>; 2]) -> ([Axis; 2], Option<f64>) {
         let ends = |data: &Vec<f64>| [f64::min, f64::max].map(|of| data.iter().copied().reduce(of).unwrap_or(0.0));
         let [[left, right], [low, high]] = [ends(&data[0]), ends(&data[1])];
@@ -118,7 +118,7 @@ impl Chart {
         ([axis(&self.x, (left + right) / 2.0, width), axis(&self.y, (low + high) / 2.0, height)], Some(height))
     }
 
-    /// Writes the labels of points where they hide neither lines nor symbols nor each other.
+    /// Writes the labels of points at positions where they hide neither lines nor symbols nor other labels.
     fn draw_labels(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
         let joined = self.series.iter().filter(|series| series.dash != Dash::None);
         let lines: Lines = joined.map(|series| plot.line(&series.points)).collect();
@@ -130,7 +130,7 @@ impl Chart {
     }
 }
 
-/// Draws horizontal reference lines with their texts right of the plot; a text that would touch the one above moves down.
+/// Draws horizontal reference lines, with their texts right of the plot. A text that would touch the text above is moved down.
 fn draw_references(sheet: &Sheet, plot: &Plot, words: Vec<(f64, Vec<String>)>) -> Result<(), FigureError> {
     const LINE: f64 = TICK_TEXT * 1.2;
     let Area { left, right, .. } = plot.area;

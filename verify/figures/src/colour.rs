@@ -1,20 +1,20 @@
-//! Colours: inks that follow the page, and named colours of lines and bars.
+//! Colours: placeholders for the page's own colours, and named colours of lines and bars.
 
 use plotters::style::{Color, RGBAColor, RGBColor};
 
-/// Placeholder for the page's text colour. The SVG writer replaces this and the next two colours, which no palette contains.
+/// Placeholder for the page's text colour. The SVG writer replaces this colour and the next two, which occur in no figure otherwise.
 pub(super) const TEXT: RGBColor = RGBColor(1, 2, 3);
-/// Placeholder for the page's text colour with an outline in the background colour: legible across lines.
+/// Placeholder for text in the page's text colour with an outline in the background colour, which is legible on top of lines.
 pub(super) const OVER_LINES: RGBColor = RGBColor(1, 2, 4);
-/// Placeholder for dark text with a white outline in light and dark mode: legible on the colours of a map.
+/// Placeholder for dark text with a white outline in light and dark mode, which is legible on the colours of a map.
 pub(super) const ON_MAP: RGBColor = RGBColor(1, 2, 5);
-/// The ink that replaces [`ON_MAP`].
+/// The dark colour that replaces [`ON_MAP`].
 pub(super) const DARK: RGBColor = RGBColor(0x14, 0x17, 0x1a);
 
-/// A line or bar colour that colour-blind readers can distinguish (Okabe and Ito's palette without black and pale yellow).
+/// A colour of lines or bars that colour-blind readers can distinguish: the palette of Okabe and Ito without black and pale yellow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Hue {
-    /// Blue, slightly lighter than the published one, so that it is visible on a dark page.
+    /// Blue, slightly lighter than in the published palette, so that it is visible on a dark page.
     Blue,
     /// Vermilion.
     Vermilion,
@@ -38,7 +38,7 @@ impl Hue {
         [Hue::Blue, Hue::Vermilion, Hue::Green, Hue::Orange, Hue::Purple, Hue::SkyBlue][n % 6]
     }
 
-    /// The colour for drawing.
+    /// The colour as red, green, blue and opacity.
     pub(super) fn ink(self) -> RGBAColor {
         let ink = match self {
             Self::Blue => RGBColor(0x1f, 0x82, 0xc4),

@@ -5,29 +5,31 @@ use std::fmt;
 use plotters::drawing::DrawingAreaErrorKind;
 use thiserror::Error;
 
-/// Data that cannot be drawn correctly, or a drawing that failed. Each variant names the list in question.
+/// Reason why a figure cannot be drawn. The text in each variant names the list that is at fault.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FigureError {
-    /// A list has no entries.
+    /// A list that must have entries is empty.
     #[error("nothing to draw: {0} is empty")]
     Empty(String),
-    /// Two lists that belong together have different lengths.
-    #[error("{0} has {2} entries, {1} expected")]
+    /// Two lists that must have equal lengths have different lengths.
+    #[error("{0}: expected {1} entries, found {2}")]
     Mismatch(String, usize, usize),
-    /// A number is not a number or infinite.
-    #[error("{0} holds a number that is not finite")]
+    /// A value is infinite or not a number.
+    #[error("{0}: expected finite numbers, found one that is infinite or not a number")]
     NotFinite(String),
-    /// A number is below zero, or not above zero on a logarithmic scale.
-    #[error("{0} holds a number that is too small for its scale")]
+    /// A value is below zero, or on a logarithmic scale not above zero.
+    #[error(
+        "{0}: expected numbers that the scale can show (0 or more; above 0 on a logarithmic axis), found a smaller one"
+    )]
     NotPositive(String),
-    /// Coordinates of a grid neither rise nor fall throughout.
-    #[error("{0} must rise, or fall, from each entry to the next")]
+    /// Positions of a grid neither increase nor decrease from each entry to the next.
+    #[error("{0}: expected numbers that increase, or decrease, from each entry to the next")]
     NotMonotone(String),
     /// The lower limit is not below the upper one.
-    #[error("{0} leaves no room to draw: {1} to {2}")]
+    #[error("{0}: expected a lower limit below the upper one, found {1} to {2}")]
     NoRoom(String, f64, f64),
-    /// The drawing could not be written.
-    #[error("the drawing could not be written: {0}")]
+    /// Plotters could not draw the figure.
+    #[error("cannot draw the figure: {0}")]
     Drawing(String),
 }
 
@@ -37,22 +39,22 @@ impl From<DrawingAreaErrorKind<fmt::Error>> for FigureError {
     }
 }
 
-/// `Ok` if `holds`; otherwise the refusal of the named list.
+/// `Ok` if `holds`; otherwise the error `refusal` for the list named `what`.
 pub(super) fn require(holds: bool, refusal: fn(String) -> FigureError, what: &str) -> Result<(), FigureError> {
     if holds { Ok(()) } else { Err(refusal(what.to_owned())) }
 }
 
-/// Refuses numbers that are not finite.
+/// Rejects lists with a value that is infinite or not a number.
 pub(super) fn require_finite<'a>(what: &str, mut all: impl Iterator<Item = &'a f64>) -> Result<(), FigureError> {
     require(all.all(|number| number.is_finite()), FigureError::NotFinite, what)
 }
 
-/// Refuses a list whose length is not `expected`.
+/// Rejects a list whose length is not `expected`.
 pub(super) fn require_len<T>(what: &str, list: &[T], expected: usize) -> Result<(), FigureError> {
     if list.len() == expected { Ok(()) } else { Err(FigureError::Mismatch(what.to_owned(), expected, list.len())) }
 }
 
-/// Refuses limits whose lower end is not below the upper one.
+/// Rejects limits whose lower end is not below the upper end.
 pub(super) fn require_limits(what: &str, [low, high]: [f64; 2]) -> Result<(), FigureError> {
     require_finite(what, [low, high].iter())?;
     if low < high { Ok(()) } else { Err(FigureError::NoRoom(what.to_owned(), low, high)) }

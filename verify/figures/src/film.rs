@@ -1,6 +1,6 @@
-//! Animated drawings to scale: a sequence of shots, shown and hidden by CSS alone, without scripts.
+//! Animated drawings to scale: a sequence of shots that CSS shows and hides, without scripts.
 //!
-//! A chosen shot is shown where nothing moves: in print, for readers who ask for no motion, and in programs without animation.
+//! A single chosen shot is shown in print, to readers who ask for no motion, and by programs without animation.
 
 use super::chart::{Chart, SIDES};
 use super::error::{FigureError, require};
@@ -13,32 +13,32 @@ use plotters_backend::BackendStyle;
 /// An animated drawing to scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
-    /// Heading, description and size.
+    /// Heading, description and size of the figure.
     pub frame: Frame,
     /// Labels of the horizontal and the vertical axis, which have the same scale.
     pub labels: [&'static str; 2],
-    /// Series that stay in every shot.
+    /// Series that every shot shows.
     pub fixed: Vec<Series>,
-    /// Shots in order.
+    /// Shots in the order in which they are shown.
     pub shots: Vec<Shot>,
-    /// Index from 0 of the shot shown where nothing moves.
+    /// Index, from 0, of the shot that is shown if the animation does not run.
     pub still: usize,
     /// Duration of a shot, s.
     pub shot_s: f64,
 }
 
-/// One picture of an animation.
+/// One still drawing of an animation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
-    /// Lines of text above the drawing.
+    /// Lines of text above this shot's drawing.
     pub words: Vec<String>,
-    /// Series of the drawing. Their symbols and labels are left out.
+    /// Series of the drawing; only their lines are drawn, without symbols and labels.
     pub series: Vec<Series>,
 }
 
-/// Height of a line of text, px.
+/// Height of a line of text above a shot, px.
 const LINE: f64 = LABEL_TEXT * 1.4;
-/// Overlap of successive shots, percent of the whole duration, so that no gap appears between them.
+/// Overlap of successive shots, percent of the whole duration, so that the animation does not flicker.
 const OVERLAP: f64 = 0.02;
 
 impl Film {
@@ -72,7 +72,7 @@ impl Film {
         })
     }
 
-    /// CSS of the animation. Films with equal numbers of shots share the class names, and their definitions are equal.
+    /// CSS of the animation. Animations with equal numbers of shots use the same class names, with equal definitions.
     fn style(&self) -> String {
         let count = self.shots.len();
         let (all_s, share) = (self.shot_s * count as f64, (100.0 / count as f64 + OVERLAP).min(100.0));
@@ -85,7 +85,7 @@ impl Film {
         )
     }
 
-    /// Opening tag of a shot. Negative delays start all shots in their positions within the cycle.
+    /// Opening tag of a shot. A negative delay sets the time within the cycle at which the shot starts.
     fn opening(&self, shot: usize) -> String {
         let count = self.shots.len();
         let still = if shot == self.still { " still" } else { "" };
@@ -95,7 +95,7 @@ impl Film {
 }
 
 impl Shot {
-    /// Draws a shot. Lines of equal style become one path, because a film has many lines.
+    /// Draws a shot. Lines of equal style are combined into one path, because a film has many lines.
     fn draw(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
         let left = plot.area.left + SPACE;
         for (line, words) in self.words.iter().enumerate() {

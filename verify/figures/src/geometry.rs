@@ -1,4 +1,4 @@
-//! Points, lines and rectangles of a drawing.
+//! Points, lines and rectangles in a drawing.
 
 /// A point (x, y), in data coordinates (usually mm) or on the sheet (px).
 pub type Point = [f64; 2];
@@ -6,7 +6,7 @@ pub type Point = [f64; 2];
 /// Several lines, each given by its points in order.
 pub type Lines = Vec<Vec<Point>>;
 
-/// An axis-parallel rectangle on the sheet, px.
+/// A rectangle on the sheet with horizontal and vertical sides, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
     /// Left edge, px.
@@ -20,7 +20,7 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// The rectangle of this size about a centre.
+    /// The rectangle with this centre, width and height, px.
     pub(super) fn about([x, y]: Point, width: f64, height: f64) -> Self {
         Self { left: x - width / 2.0, top: y - height / 2.0, right: x + width / 2.0, bottom: y + height / 2.0 }
     }
@@ -30,7 +30,7 @@ impl Area {
         Self { left: a[0].min(b[0]), top: a[1].min(b[1]), right: a[0].max(b[0]), bottom: a[1].max(b[1]) }
     }
 
-    /// The bounding rectangle of points.
+    /// The smallest rectangle that contains all points.
     pub(super) fn around(points: impl Iterator<Item = Point>) -> Self {
         let areas = points.map(|point| Self::between(point, point));
         let join = |a: Self, b: Self| Self {
@@ -54,18 +54,18 @@ impl Area {
         between([self.left, self.top], [self.right, self.bottom], 0.5)
     }
 
-    /// The closed outline.
+    /// Its outline as a closed line.
     pub(super) fn outline(&self) -> [Point; 5] {
         let Self { left, top, right, bottom } = *self;
         [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]
     }
 
-    /// The horizontal centre line.
+    /// The horizontal line through its centre.
     pub(super) fn level(&self) -> [Point; 2] {
         [self.left, self.right].map(|x| [x, self.centre()[1]])
     }
 
-    /// Whether the rectangle contains another one.
+    /// Whether this rectangle contains the other.
     pub(super) fn holds(&self, other: &Self) -> bool {
         let across = self.left <= other.left && other.right <= self.right;
         across && self.top <= other.top && other.bottom <= self.bottom
@@ -76,7 +76,7 @@ impl Area {
         self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
     }
 
-    /// The part of a segment inside the rectangle (Liang and Barsky).
+    /// The part of a line segment that lies inside the rectangle (Liang and Barsky); `None` if no part does.
     pub(super) fn clip(&self, from: Point, to: Point) -> Option<[Point; 2]> {
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
@@ -98,22 +98,22 @@ impl Area {
     }
 }
 
-/// The segments of lines.
+/// The line segments between successive points of the lines.
 pub(super) fn segments<'a>(lines: impl IntoIterator<Item = &'a Vec<Point>>) -> impl Iterator<Item = [Point; 2]> {
     lines.into_iter().flat_map(|line| line.windows(2)).map(|pair| [pair[0], pair[1]])
 }
 
-/// Distance between two points.
+/// Distance between two points, in their unit.
 pub(super) fn distance(a: Point, b: Point) -> f64 {
     (b[0] - a[0]).hypot(b[1] - a[1])
 }
 
-/// The point at a share, 0 to 1, of the way from `a` to `b`.
+/// The point at a share, 0 to 1, of the distance from `a` to `b`.
 pub(super) fn between(a: Point, b: Point, part: f64) -> Point {
     [a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part]
 }
 
-/// The point at a given distance from `from` in a direction.
+/// The point at the distance `length` from `from` in a direction (unit vector).
 pub(super) fn along(from: Point, direction: Point, length: f64) -> Point {
     [from[0] + direction[0] * length, from[1] + direction[1] * length]
 }
@@ -124,7 +124,7 @@ pub(super) fn direction(a: Point, b: Point) -> Option<Point> {
     (length > 0.0).then(|| [(b[0] - a[0]) / length, (b[1] - a[1]) / length])
 }
 
-/// Distance of a point from a segment.
+/// Distance of a point from a line segment, in their unit.
 pub(super) fn gap(at: Point, [from, to]: [Point; 2]) -> f64 {
     let along = direction(from, to).unwrap_or([0.0, 0.0]);
     let reach = (at[0] - from[0]) * along[0] + (at[1] - from[1]) * along[1];

@@ -1,4 +1,4 @@
-//! Positions of labels that hide neither lines nor each other.
+//! Positions of labels at which they hide neither lines nor other labels.
 
 use super::colour::OVER_LINES;
 use super::error::FigureError;
@@ -6,17 +6,17 @@ use super::geometry::{Area, Lines, Point, along, distance, segments};
 use super::sheet::{Sheet, TICK_TEXT, font};
 use super::text::width_of;
 
-/// A label near its anchor.
+/// A text near a point.
 pub(super) struct Label {
-    /// Text of the label; empty for none.
+    /// Text of the label; an empty text is not drawn.
     pub(super) text: String,
-    /// The point to which the label belongs, px.
+    /// The point that the label names, px.
     pub(super) anchor: Point,
     /// Unit vector of the preferred direction from the anchor.
     pub(super) side: Point,
 }
 
-/// Lines and areas that labels avoid.
+/// Lines and areas that labels should not cover.
 pub(super) struct Obstacles {
     /// Lines on the sheet, px.
     pub(super) lines: Lines,
@@ -27,7 +27,7 @@ pub(super) struct Obstacles {
 }
 
 impl Obstacles {
-    /// Writes each label in turn at its position of least cost; later labels avoid it.
+    /// Writes each label in turn at the position with the least cost; later labels avoid it.
     pub(super) fn write(&mut self, sheet: &Sheet, labels: &[Label]) -> Result<(), FigureError> {
         for label in labels.iter().filter(|label| !label.text.is_empty()) {
             sheet.words(&label.text, self.position(label), &font(TICK_TEXT).color(&OVER_LINES))?;
@@ -35,14 +35,14 @@ impl Obstacles {
         Ok(())
     }
 
-    /// The best centre of a label near its anchor, px. It hides nothing, unless every candidate would.
+    /// The best centre of a label near its anchor, px. There the label hides nothing, if such a position exists.
     fn position(&mut self, label: &Label) -> Point {
         let [width, height] = [width_of(&label.text, TICK_TEXT) + 4.0, TICK_TEXT + 2.0];
         let start = label.side[1].atan2(label.side[0]);
         let candidates = [5.0, 9.0, 14.0, 20.0, 28.0, 40.0].into_iter().flat_map(|gap| {
             (0..24).map(move |turn| {
                 let (up, across) = (start + f64::from(turn) * std::f64::consts::TAU / 24.0).sin_cos();
-                // The distance is such that the label's edge, not its centre, keeps the gap.
+                // `reach` keeps the edge of the label, not its centre, at the same distance from the anchor.
                 let reach = (across.abs() * width + up.abs() * height) / 2.0 - 1.0;
                 along(label.anchor, [across, up], gap + reach)
             })
@@ -60,7 +60,7 @@ impl Obstacles {
         let (at, from) = (area.centre(), label.anchor);
         let far = distance(from, at);
         let turned = 1.0 - ((at[0] - from[0]) * label.side[0] + (at[1] - from[1]) * label.side[1]) / far.max(1e-9);
-        // A label over a line is legible; a label over another label is not.
+        // Text is legible on top of a line, but not on top of other text.
         100.0 * crossed as f64 + 1000.0 * hidden as f64 + 1000.0 * outside + far + 18.0 * turned
     }
 }

@@ -1,4 +1,4 @@
-//! The legend: samples with text, in rows below the plots, where they hide no data.
+//! The legend: samples with text, in rows below the plots, so that it hides no data.
 
 use plotters::style::Color;
 
@@ -7,10 +7,10 @@ use super::geometry::Area;
 use super::sheet::{LEFT, Sheet, TICK_TEXT, font};
 use super::text::{widest, wrap};
 
-/// Draws a sample into an area.
+/// Function that draws a sample of a line, symbol or colour into an area.
 type Sample<'a> = Box<dyn Fn(&Sheet, Area) -> Result<(), FigureError> + 'a>;
 
-/// A sample with text after it.
+/// An entry of the legend: a sample, and text to its right.
 pub(super) struct Entry<'a> {
     text: String,
     sample: Sample<'a>,
@@ -22,7 +22,7 @@ impl<'a> Entry<'a> {
         Self { text: text.into(), sample: Box::new(sample) }
     }
 
-    /// A filled patch.
+    /// An entry whose sample is an area of one colour.
     pub(super) fn patch(text: impl Into<String>, ink: impl Color + Copy + 'a) -> Self {
         Self::new(text, move |sheet, area| sheet.cell(Area::about(area.centre(), 26.0, 15.0), ink))
     }
@@ -33,7 +33,7 @@ const GAP: f64 = 8.0;
 const BETWEEN: f64 = 24.0;
 const ROW: f64 = 24.0;
 
-/// Legend entries in rows: lines of text, left edge and row of each.
+/// Legend entries arranged in rows; each with its lines of text, left edge and row.
 pub(super) struct Legend<'a> {
     entries: Vec<(Sample<'a>, Vec<String>, f64, usize)>,
     rows: usize,
@@ -43,7 +43,7 @@ impl<'a> Legend<'a> {
     /// Arranges the entries that have text in rows between two horizontal positions, px.
     pub(super) fn lay_out(entries: Vec<Entry<'a>>, [left, right]: [f64; 2]) -> Self {
         let mut placed = Vec::new();
-        // `row` is the current row, `next` the first row below everything in it.
+        // `row` is the current row of text; `next` is the first row below all entries of the current row.
         let (mut x, mut row, mut next) = (left, 0, 0);
         for Entry { text, sample } in entries.into_iter().filter(|entry| !entry.text.is_empty()) {
             let lines = wrap(&text, TICK_TEXT, right - left - SAMPLE - GAP);
@@ -63,7 +63,7 @@ impl<'a> Legend<'a> {
         self.rows as f64 * ROW
     }
 
-    /// Draws the rows below `top`, px.
+    /// Draws the legend with its upper edge at `top`, px.
     pub(super) fn draw(&self, sheet: &Sheet, top: f64) -> Result<(), FigureError> {
         for (sample, lines, x, row) in &self.entries {
             let y = |line: usize| top + ((row + line) as f64 + 0.5) * ROW;

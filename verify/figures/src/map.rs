@@ -16,11 +16,11 @@ use super::text::{width_of, wrap};
 /// Cells over two quantities, in a single plot or in rows and columns of small plots.
 #[derive(Debug, Clone)]
 pub struct Map {
-    /// Heading, description and size.
+    /// Heading, description and size of the figure.
     pub frame: Frame,
-    /// Horizontal axis; without limits it ends with the cells.
+    /// Horizontal axis; without given limits it ends at the outermost cells.
     pub x: Axis,
-    /// Vertical axis.
+    /// Vertical axis of every plot.
     pub y: Axis,
     /// Classes of the values, in ascending order.
     pub classes: Vec<Class>,
@@ -28,31 +28,31 @@ pub struct Map {
     pub plots: Vec<Option<Cells>>,
     /// Names of the rows of small plots; empty for a single plot.
     pub rows: Vec<String>,
-    /// Names of the columns of small plots.
+    /// Names of the columns of small plots; empty for a single plot.
     pub columns: Vec<String>,
-    /// Meaning of a cell without value, for instance "no equilibrium"; such cells are hatched.
+    /// Text in the legend for cells without a value, for instance "no equilibrium"; these cells are hatched.
     pub missing_label: String,
-    /// An additional scale along the top, for instance node numbers.
+    /// An additional axis along the top, for instance node numbers.
     pub top: Option<Axis>,
     /// Format of the values written into the cells; `None` writes no values.
     pub written: Option<fn(f64) -> String>,
-    /// Whether the cell at a row and column is meaningless and left blank.
+    /// Whether the cell at a row and column is left blank, because it has no meaning.
     pub blank: fn(usize, usize) -> bool,
 }
 
 const SMALL_HEIGHT: f64 = 104.0;
 const NOTE_TEXT: f64 = 15.0;
 const NOTE_LINE: f64 = NOTE_TEXT * 1.3;
-/// Overlap of neighbouring cells, px: printers leave hairlines between areas that only touch.
+/// Overlap of neighbouring cells, px. Without it, printers leave fine gaps between the cells.
 const OVERLAP: f64 = 1.0;
 
 impl Map {
-    /// A single map without additional scales.
+    /// A map with a single plot, without values in the cells and without a second axis.
     pub fn new(frame: Frame, axes: [Axis; 2], classes: Vec<Class>, cells: Cells) -> Self {
         Self::grid(frame, axes, classes, Vec::new(), vec![Some(cells)])
     }
 
-    /// Small maps, row by row, with the names of rows and columns.
+    /// Small plots, row by row, with names for the rows.
     pub fn grid(
         frame: Frame,
         [x, y]: [Axis; 2],
@@ -67,7 +67,7 @@ impl Map {
     /// Draws the map as SVG.
     ///
     /// # Errors
-    /// [`FigureError`] if there is nothing to draw, or if the lists do not match.
+    /// [`FigureError`] if there is nothing to draw, or if lists have different lengths.
     pub fn svg(&self) -> Result<String, FigureError> {
         self.check()?;
         let cells: Vec<&Cells> = self.plots.iter().flatten().collect();
@@ -81,7 +81,7 @@ impl Map {
         (panels.grid, panels.rows, panels.columns, panels.legend) =
             ([false; 2], &self.rows, &self.columns, self.legend());
         panels.sides[1] = if self.columns.is_empty() { 4.0 * SPACE } else { 2.0 * SPACE };
-        // Notes are as wide as their plots; all have as many lines as the longest needs.
+        // Notes are as wide as their plots. All have the space for as many lines as the longest note needs.
         let note_width = (self.frame.width - 160.0) / self.columns.len().max(1) as f64 - 2.0 * SPACE;
         let notes: Vec<Vec<String>> = (self.plots.iter())
             .map(|plot| plot.as_ref().map_or(Vec::new(), |cells| wrap(&cells.note, NOTE_TEXT, note_width)))
@@ -103,7 +103,7 @@ impl Map {
                         &font(NOTE_TEXT).pos(LEFT),
                     )?;
                 }
-                // A plot without data differs from a map without values.
+                // A plot without data is labelled as such, unlike a map whose cells have no values.
                 let Some(cells) = cells else {
                     sheet.words("–", plot.area.centre(), &font(TICK_TEXT))?;
                     continue;
@@ -114,7 +114,7 @@ impl Map {
         })
     }
 
-    /// Fills the cells row by row, equal neighbours as one rectangle, and hatches cells without value.
+    /// Fills the cells row by row, combines neighbours of one class into one rectangle, and hatches cells without a value.
     fn fill(&self, sheet: &Sheet, plot: &Plot, cells: &Cells) -> Result<(), FigureError> {
         let columns = edges(&cells.x, self.x.limits);
         for (row, (values, ys)) in cells.values.iter().zip(edges(&cells.y, self.y.limits).windows(2)).enumerate() {
@@ -157,7 +157,7 @@ impl Map {
         shades::check(&self.classes, self.values().flatten().fold(0.0, f64::max))
     }
 
-    /// The values of all cells that are not blank, including missing ones.
+    /// The values of all cells that are not left blank; `None` for a missing value.
     fn values(&self) -> impl Iterator<Item = Option<f64>> {
         let rows = self.plots.iter().flatten().flat_map(|cells| cells.values.iter().enumerate());
         let values =

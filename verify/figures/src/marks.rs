@@ -6,7 +6,7 @@ use super::error::FigureError;
 use super::geometry::{Point, along, direction, distance};
 use super::sheet::{Sheet, pen};
 
-/// Symbol at each point of a series, so that series differ by more than colour.
+/// Symbol at each point of a series. Series with different symbols differ by more than colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marker {
     /// Filled circle.
@@ -15,7 +15,7 @@ pub enum Marker {
     Square,
     /// Filled triangle, point up.
     Triangle,
-    /// Filled square on its corner.
+    /// Filled square, standing on a corner.
     Diamond,
     /// Two crossing strokes.
     Cross,
@@ -31,7 +31,7 @@ impl Marker {
         [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Cross][n % 5]
     }
 
-    /// Draws the symbol centred at a point. Sizes differ so that all symbols look equally heavy.
+    /// Draws the symbol centred at a point. Sizes differ, so that all symbols appear equally large.
     pub(super) fn draw(self, sheet: &Sheet, [x, y]: Point, ink: RGBAColor) -> Result<(), FigureError> {
         let at = |corners: &[Point]| corners.iter().map(|[dx, dy]| [x + dx, y + dy]).collect::<Vec<Point>>();
         match self {
@@ -55,10 +55,10 @@ impl Marker {
     }
 }
 
-/// Draws an arrow with its point at `to`.
+/// Draws an arrow with its head at the point `to`.
 pub(super) fn arrow(sheet: &Sheet, [from, to]: [Point; 2], ink: RGBAColor) -> Result<(), FigureError> {
     let Some(forward) = direction(from, to) else { return Ok(()) };
-    // The shaft of a short arrow stays visible; it ends inside the head, where the joint is hidden.
+    // The head of a short arrow is smaller, so that its shaft stays visible. The shaft ends inside the head.
     let head = 13.0_f64.min(distance(from, to) * 0.6);
     let (neck, across) = (along(to, forward, -head), [-forward[1], forward[0]]);
     sheet.line(&[from, along(to, forward, -head * 0.8)], pen(ink, 2.6))?;

@@ -1,4 +1,4 @@
-//! The layout shared by all figures: heading, vertical axis label, plots, horizontal axis label, legend.
+//! The layout that all figures share: heading, vertical axis label, plots, horizontal axis label, legend.
 
 use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
 use plotters::coord::cartesian::Cartesian2d;
@@ -16,40 +16,40 @@ use super::text::{widest, width_of, wrap};
 
 /// Heading, description and size of a figure.
 ///
-/// The drawing scales with the page; its width in px sets the size of text relative to lines.
+/// A figure scales with the page. Its width in px sets the size of text relative to that of lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// Heading; empty for none.
+    /// Heading; empty for a figure without heading.
     pub(super) title: String,
     alt: String,
     /// Width of the figure, px.
     pub(super) width: f64,
-    /// Height of a plot, px; `None` for the default.
+    /// Height of a plot, px; `None` for the default height.
     pub(super) plot_height: Option<f64>,
 }
 
 impl Frame {
-    /// A figure as wide as the page (900 px). The heading may be empty; `alt` describes the content for readers who cannot see it.
+    /// A figure as wide as the page (900 px). The heading may be empty. `alt` describes the figure for readers who cannot see it.
     pub fn full(title: impl Into<String>, alt: impl Into<String>) -> Self {
         Self { title: title.into(), alt: alt.into(), width: 900.0, plot_height: None }
     }
 
-    /// A figure for half a row, or for a phone (560 px).
+    /// A figure that is half as wide as the page, or as wide as a phone (560 px).
     pub fn half(title: impl Into<String>, alt: impl Into<String>) -> Self {
         Self { width: 560.0, ..Self::full(title, alt) }
     }
 
-    /// A figure for a third of a row (400 px).
+    /// A figure that is a third as wide as the page (400 px).
     pub fn third(title: impl Into<String>, alt: impl Into<String>) -> Self {
         Self { width: 400.0, ..Self::full(title, alt) }
     }
 
-    /// Sets the plot height, px; for drawings of equal aspect it is the largest height.
+    /// Sets the height of a plot, px. For a drawing to scale, this is the largest height.
     pub fn with_plot_height(self, pixels: f64) -> Self {
         Self { plot_height: Some(pixels), ..self }
     }
 
-    /// Height of a single plot, px. Narrow plots are squarer, so that their curves are not flattened.
+    /// Height of a single plot, px. Narrow plots are relatively higher, so that their curves are not flattened.
     pub(super) fn height(&self) -> f64 {
         self.plot_height.unwrap_or(self.width * if self.width > 700.0 { 0.46 } else { 0.62 })
     }
@@ -75,7 +75,7 @@ pub(super) struct Plot {
 }
 
 impl Plot {
-    /// Draws the axes, and grid lines of x and y where requested. `left`, `top` and `bottom` are the room for tick labels, px.
+    /// Draws both axes, and grid lines of x and y where requested. `left`, `top` and `bottom` are the space for tick labels, px.
     pub(super) fn new(
         sheet: &Sheet,
         area: Area,
@@ -102,7 +102,7 @@ impl Plot {
         Ok(Self { chart, area })
     }
 
-    /// Position of a data point on the sheet, px; points beyond an axis are moved to its end.
+    /// Position of a data point on the sheet, px. A point beyond an axis is moved to the end of the axis.
     pub(super) fn at(&self, [x, y]: Point) -> Point {
         let (x, y) = self.chart.backend_coord(&(x, y));
         [f64::from(x), f64::from(y)].map(|units| units / super::svg::UNITS)
@@ -114,35 +114,35 @@ impl Plot {
     }
 }
 
-/// Everything around the plots of a figure.
+/// Everything that a figure has around its plots.
 pub(super) struct Panels<'a> {
     /// Heading, description and size of the figure.
     pub(super) frame: &'a Frame,
     /// Horizontal and vertical axis.
     pub(super) axes: [&'a Axis; 2],
-    /// Values that the axes must include if their limits are not given.
+    /// Values in x and y that the axes must include if their limits are not given.
     pub(super) data: [Vec<f64>; 2],
-    /// Height of a plot, px.
+    /// Height of each plot, px.
     pub(super) height: f64,
-    /// Room kept free in each plot above the axis's upper limit, px.
+    /// Space kept free in each plot above the upper limit of the vertical axis, px.
     pub(super) head: f64,
-    /// An additional scale along the top.
+    /// An additional axis along the top, for instance node numbers.
     pub(super) top: Option<&'a Axis>,
-    /// Smallest room left of the plots, and room right of them, px.
+    /// Smallest space left of the plots, and space right of the plots, px.
     pub(super) sides: [f64; 2],
     /// Whether to draw grid lines at the ticks of x and y.
     pub(super) grid: [bool; 2],
     /// Names of the rows of small multiples; empty for a single plot.
     pub(super) rows: &'a [String],
-    /// Names of the columns of small multiples.
+    /// Names of the columns of small multiples; empty for a single plot.
     pub(super) columns: &'a [String],
-    /// Room above each plot, px.
+    /// Space above each plot for its note, px.
     pub(super) above: f64,
     /// Entries of the legend.
     pub(super) legend: Vec<Entry<'a>>,
 }
 
-/// Smallest room for the names of rows, px.
+/// Smallest space left of the plots for the names of rows, px.
 const ROW_NAMES: f64 = 92.0;
 /// Width of bold letters relative to plain ones.
 const BOLD: f64 = 1.16;
@@ -172,7 +172,7 @@ impl<'a> Panels<'a> {
         }
     }
 
-    /// Draws everything around the plots; `paint` draws into the plots, row by row.
+    /// Draws everything around the plots, and returns the SVG. `paint` draws into the plots, which are ordered row by row.
     pub(super) fn draw(
         self,
         paint: impl FnOnce(&Sheet, &[Plot]) -> Result<(), FigureError>,
@@ -184,7 +184,7 @@ impl<'a> Panels<'a> {
         let mut y = y_axis.ruler(&self.data[1], self.height - self.head, true)?;
         y.span[1] += (y.span[1] - y.span[0]) * self.head / (self.height - self.head);
         let tick_room = (widest(y.ticks.iter().map(|tick| &tick.1), TICK_TEXT) + 2.5 * SPACE).max(self.sides[0]);
-        // Words in a row's name are never broken; bold letters are wider than plain ones.
+        // Row names are broken only between words, so the longest word sets the space; bold letters are wider than plain ones.
         let words = self.rows.iter().flat_map(|name| name.split_whitespace());
         let longest = words.map(|word| width_of(word, LABEL_TEXT * BOLD) + SPACE).fold(ROW_NAMES, f64::max);
         let left = tick_room + if self.rows.is_empty() { 0.0 } else { longest };
@@ -208,7 +208,7 @@ impl<'a> Panels<'a> {
             let at = [SPACE, (index as f64 + 0.5) * HEADING_LINE];
             sheet.words(line, at, &bold(HEADING_TEXT))?;
         }
-        // The label is horizontal, above the plots, so that it can be read without tilting the head.
+        // The label of the vertical axis is written horizontally, above the plots, so that it is easy to read.
         sheet.words(&y_axis.label, [SPACE, heading_height + LABEL_LINE * 0.4], &font(LABEL_TEXT).pos(LEFT))?;
         let middle = (left + frame.width - self.sides[1]) / 2.0;
         sheet.words(&x_axis.label, [middle, bottom + TICKS + LABEL_LINE * 0.4], &font(LABEL_TEXT))?;

@@ -1,4 +1,4 @@
-//! Filled areas of a drawing to scale.
+//! Filled areas in a drawing to scale.
 
 use plotters::style::{Color, RGBColor};
 
@@ -10,12 +10,12 @@ use super::panels::Plot;
 use super::shades::{Class, Paint};
 use super::sheet::{Dash, Sheet, pen};
 
-/// An area of a drawing.
+/// A filled area of a drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patch {
-    /// Class of the area, listed in the legend once for all areas that share it.
+    /// Class of the area. The legend lists each class once.
     pub class: Class,
-    /// Corners of the area, in order.
+    /// Corners of the area, in order along its outline.
     pub outline: Vec<Point>,
 }
 
@@ -29,7 +29,7 @@ impl Patch {
         fill(self.class.fill, sheet, &plot.line(&self.outline))
     }
 
-    /// One legend entry per class, in the order in which `patches` have them.
+    /// One legend entry per class, in the order in which the classes occur in `patches`.
     pub(super) fn legend(patches: &[Patch]) -> Vec<Entry<'_>> {
         let mut listed: Vec<&Class> = Vec::new();
         for Patch { class, .. } in patches {
@@ -45,13 +45,13 @@ impl Patch {
     }
 }
 
-/// Polygons for which a map would be hatched get an outline only.
+/// Fills a polygon. A class that a map would hatch gets only an outline.
 fn fill(paint: Paint, sheet: &Sheet, corners: &[Point]) -> Result<(), FigureError> {
     let closed: Vec<Point> = corners.iter().chain(corners.first()).copied().collect();
     match paint {
         Paint::Colour([r, g, b]) => {
             sheet.polygon(&closed, RGBColor(r, g, b))?;
-            // A thin edge separates neighbours of one colour.
+            // A thin edge separates neighbouring areas of one colour.
             sheet.line(&closed, pen(TEXT.mix(0.5), 0.8))
         }
         Paint::Hatch { rising } => {

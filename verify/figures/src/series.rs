@@ -9,12 +9,12 @@ use super::marks::{Marker, arrow};
 use super::panels::Plot;
 use super::sheet::{Dash, Sheet, pen};
 
-/// A series of points.
+/// A series of points with its style, legend text and labels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Text in the legend; a series with empty text is not listed.
     pub label: String,
-    /// Points in the order in which they are joined.
+    /// Points in the order in which the line joins them.
     pub points: Vec<Point>,
     /// Colour of the series.
     pub hue: Hue,
@@ -26,17 +26,17 @@ pub struct Series {
     pub marker: Option<Marker>,
     /// Uncertainty at each point.
     pub spread: Spread,
-    /// Text at each point; empty for none at all.
+    /// Text at each point; an empty list for a series without such texts.
     pub labels: Vec<String>,
 }
 
-/// Uncertainty of a series: lower and upper end for each point.
+/// Uncertainty of a series.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Spread {
-    /// Unknown uncertainty.
+    /// The uncertainty is unknown and not drawn.
     #[default]
     None,
-    /// A vertical bar at each point.
+    /// A vertical bar at each point, from the first value to the second.
     Bars(Vec<[f64; 2]>),
 }
 
@@ -52,7 +52,7 @@ impl Series {
         Self { hue: Hue::Neutral, dash: Dash::Dotted, marker: None, ..Self::nth(0, label, points) }
     }
 
-    /// Lines without symbols that share one legend entry; one series per line.
+    /// One series per line, without symbols; all have a common legend entry.
     pub fn lines(label: &str, lines: Lines, hue: Hue, width: f64) -> Vec<Self> {
         let plain = |points| Self { hue, width, marker: None, ..Self::nth(0, "", points) };
         let mut series: Vec<Self> = lines.into_iter().map(plain).collect();
@@ -88,7 +88,7 @@ impl Series {
         if self.labels.is_empty() { Ok(()) } else { require_len(&self.label, &self.labels, self.points.len()) }
     }
 
-    /// Draws the line through points, and the symbols at `signs`.
+    /// Draws the line through `line`, and the symbols at `signs`, px.
     fn stroke(&self, sheet: &Sheet, line: &[Point], signs: &[Point]) -> Result<(), FigureError> {
         match (self.dash, line) {
             (Dash::Arrow, [from, .., to]) => arrow(sheet, [*from, *to], self.hue.ink())?,
@@ -97,7 +97,7 @@ impl Series {
         self.marker.map_or(Ok(()), |marker| signs.iter().try_for_each(|at| marker.draw(sheet, *at, self.hue.ink())))
     }
 
-    /// Draws error bars first, then line and symbols.
+    /// Draws the error bars, then the line and the symbols above them.
     pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
         let (points, ink) = (plot.line(&self.points), self.hue.ink());
         let spread = self.points.iter().zip(self.ends()).map(|([x, _], ends)| ends.map(|end| plot.at([*x, end])));
@@ -126,7 +126,8 @@ impl Series {
         plot.line(&self.points).into_iter().filter(|_| self.marker.is_some()).map(area)
     }
 
-    /// Labels of the points. They lie behind an arrow's start; in a drawing outside, perpendicular to the nearest line; otherwise to the upper right.
+    /// Labels of the points. At an arrow, a label lies behind its start. In a drawing, it lies outside, perpendicular to the nearest line. Otherwise
+    /// it lies to the upper right of the point.
     pub(super) fn words(&self, plot: &Plot, lines: &Lines, middle: Option<Point>) -> Vec<Label> {
         let points = plot.line(&self.points);
         let behind = points.windows(2).next().and_then(|ends| direction(ends[1], ends[0]));
@@ -140,7 +141,7 @@ impl Series {
     }
 }
 
-/// Direction away from the middle, perpendicular to the nearest line.
+/// Unit vector away from `middle`, perpendicular to the nearest line.
 fn outward(at: Point, lines: &Lines, middle: Point) -> Point {
     let away = direction(middle, at).unwrap_or([0.0, -1.0]);
     let nearest = segments(lines).min_by(|a, b| gap(at, *a).total_cmp(&gap(at, *b)));

@@ -1,4 +1,4 @@
-//! Classes of values and their colours in a map.
+//! Classes of values, and the fill of each class in a map.
 
 use plotters::style::RGBColor;
 
@@ -7,14 +7,14 @@ use super::geometry::Area;
 use super::legend::Entry;
 use super::sheet::Sheet;
 
-/// A range of values with one fill.
+/// A range of values that share a fill.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Class {
-    /// Largest value of the class; values of the previous class are smaller.
+    /// Largest value of the class. The class begins above the largest value of the previous class.
     pub up_to: f64,
-    /// Text in the legend; classes without values are not listed.
+    /// Text in the legend, which lists only classes with values.
     pub label: String,
-    /// Text written on the map, so that classes differ by more than colour; may be empty.
+    /// Text that the map writes on the cells, so that classes differ by more than colour; may be empty.
     pub sign: String,
     /// Fill of the cells.
     pub fill: Paint,
@@ -32,12 +32,12 @@ pub enum Paint {
     },
 }
 
-/// Checks that the largest value has a class.
+/// Checks that the largest value lies in a class.
 pub(super) fn check(classes: &[Class], largest: f64) -> Result<(), FigureError> {
     require(classes.last().is_some_and(|class| largest <= class.up_to), FigureError::Empty, "class of a value")
 }
 
-/// The class of a value.
+/// The class that contains a value.
 pub(super) fn class(classes: &[Class], value: f64) -> &Class {
     &classes[classes.iter().take_while(|class| value > class.up_to).count()]
 }

@@ -15,18 +15,18 @@ use super::svg::{Svg, UNITS};
 pub(super) const TICK_TEXT: f64 = 16.0;
 /// Text size of axis labels, px.
 pub(super) const LABEL_TEXT: f64 = 17.0;
-/// Space between neighbours, px.
+/// Space between neighbouring elements, px.
 pub(super) const SPACE: f64 = 8.0;
 
-/// Position of text that begins at its anchor.
+/// Alignment of text whose left edge is at the given position.
 pub(super) const LEFT: Pos = Pos { h_pos: HPos::Left, v_pos: VPos::Center };
 
 type DrawResult = Result<(), FigureError>;
 
-/// How the points of a series are joined.
+/// How a line joins the points of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dash {
-    /// Not joined.
+    /// The points are not joined.
     None,
     /// An arrow from the first point to the last.
     Arrow,
@@ -38,28 +38,28 @@ pub enum Dash {
     Dotted,
 }
 
-/// A stroke of the given width, px.
+/// Style of a line with the given colour and width, px.
 pub(super) fn pen(ink: impl Color, width: f64) -> ShapeStyle {
     ink.stroke_width(units(width) as u32)
 }
 
-/// The stroke of axes, ticks and outlines.
+/// Style of axes, ticks and outlines.
 pub(super) fn axis_pen() -> ShapeStyle {
     pen(TEXT.mix(0.65), 1.2)
 }
 
-/// Text of the given size, px, centred at its position.
+/// Style of text of the given size, px, centred at its position.
 pub(super) fn font(size: f64) -> TextStyle<'static> {
     let font = ("sans-serif", size * UNITS).into_font();
     TextStyle::from(font).color(&TEXT).pos(Pos::new(HPos::Center, VPos::Center))
 }
 
-/// Bold text that begins at its position.
+/// Style of bold text of the given size, px, that begins at its position.
 pub(super) fn bold(size: f64) -> TextStyle<'static> {
     TextStyle { font: font(size).font.style(FontStyle::Bold), ..font(size).pos(LEFT) }
 }
 
-/// Pixels in whole drawing units.
+/// Converts pixels to drawing units, rounded to a whole number.
 pub(super) fn units(pixels: f64) -> i32 {
     (pixels * UNITS).round() as i32
 }
@@ -68,7 +68,7 @@ fn path(points: &[Point]) -> Vec<(i32, i32)> {
     points.iter().map(|[x, y]| (units(*x), units(*y))).collect()
 }
 
-/// The drawing area, and the SVG text that it writes to.
+/// The drawing area, and the SVG text that it writes.
 pub(super) struct Sheet(pub(super) DrawingArea<Svg, Shift>, pub(super) Svg);
 
 impl Sheet {
@@ -119,10 +119,10 @@ impl Sheet {
         Ok(self.0.draw_text(text, style, path(&[at])[0])?)
     }
 
-    /// Fills an area with slanted lines, for cells without data; the lines of neighbouring areas meet.
+    /// Fills an area with slanted lines, for cells without data. The lines of neighbouring areas continue each other.
     pub(super) fn hatch(&self, area: Area, rising: bool) -> DrawResult {
         const STEP: f64 = 8.0;
-        // Points on one slanted line have a constant sum, or difference, of coordinates.
+        // On one slanted line, the sum (or difference) of the coordinates is constant.
         let sign = if rising { 1.0 } else { -1.0 };
         let sums = [area.top, area.bottom].map(|y| [area.left, area.right].map(|x| y + sign * x));
         let ends = |of: fn(f64, f64) -> f64| sums.as_flattened().iter().copied().reduce(of).unwrap_or(0.0) / STEP;

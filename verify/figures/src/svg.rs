@@ -1,6 +1,6 @@
-//! The SVG backend for plotters.
+//! SVG backend for plotters.
 //!
-//! Plotters draws in integer units; one unit is a tenth of a pixel, so that curves stay smooth. Neutral colours become the page's own: text in
+//! Plotters draws in whole units. One unit is a tenth of a pixel, so that curves stay smooth. Neutral colours become the page's colours: text in
 //! `currentColor`, outlines of text in the page's background.
 
 use std::cell::RefCell;
@@ -21,17 +21,17 @@ pub(super) const UNITS: f64 = 10.0;
 
 type Done = Result<(), DrawingErrorKind<Error>>;
 
-/// A drawing in progress; clones write to the same text.
+/// A drawing in progress; its clones write to the same SVG text.
 #[derive(Clone, Default)]
 pub(super) struct Svg {
-    /// SVG text so far.
+    /// The SVG text written so far.
     pub(super) text: Rc<RefCell<String>>,
     /// Width and height in drawing units.
     pub(super) size: (u32, u32),
 }
 
 impl Svg {
-    /// Writes an element, unless its colour is fully transparent.
+    /// Writes an SVG element, unless its colour is fully transparent.
     fn element(&self, colour: BackendColor, text: &str) -> Done {
         if colour.alpha == 0.0 {
             return Ok(());
@@ -44,7 +44,7 @@ impl Svg {
     }
 }
 
-/// A `fill` or `stroke` attribute with its opacity.
+/// A `fill` or `stroke` attribute with colour and opacity.
 pub(super) fn paint(name: &str, colour: BackendColor) -> String {
     let (r, g, b) = colour.rgb;
     let opacity = if colour.alpha < 1.0 { format!(" opacity=\"{}\"", colour.alpha) } else { String::new() };
@@ -63,7 +63,7 @@ fn list(points: impl IntoIterator<Item = BackendCoord>) -> String {
     points.into_iter().map(|(x, y)| format!("{},{}", px(x), px(y))).collect::<Vec<_>>().join(" ")
 }
 
-/// Escapes text for markup.
+/// Escapes characters that have a meaning in markup.
 pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
@@ -91,7 +91,7 @@ impl DrawingBackend for Svg {
         self.draw_path([from, to], style)
     }
 
-    /// Rectangles are always filled. Their edges are not smoothed, so that neighbours leave no gap.
+    /// Fills the rectangle in every style. Edges are not smoothed, so that neighbours leave no gap.
     fn draw_rect<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S, _: bool) -> Done {
         let [x, y, width, height] = [from.0, from.1, to.0 - from.0, to.1 - from.1].map(px);
         let shape =
@@ -108,7 +108,7 @@ impl DrawingBackend for Svg {
         )
     }
 
-    /// Circles are always filled.
+    /// Fills the circle in every style.
     fn draw_circle<S: BackendStyle>(&mut self, (x, y): BackendCoord, radius: u32, style: &S, _: bool) -> Done {
         let [x, y, radius] = [x, y, radius as i32].map(px);
         self.filled(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\""), style)
@@ -125,7 +125,7 @@ impl DrawingBackend for Svg {
             HPos::Center => "middle",
             HPos::Right => "end",
         };
-        // Distance of the baseline below a line's top, middle or bottom, as a share of the text size.
+        // Distance of the baseline below the anchor (top, middle or bottom of the line), as a share of the text size.
         let down = match anchor.v_pos {
             VPos::Top => 0.76,
             VPos::Center => 0.35,

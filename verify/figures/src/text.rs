@@ -1,8 +1,8 @@
-//! Width of text and notation of numbers.
+//! Widths of text, and formats of numbers.
 //!
-//! The reader's fonts are unknown when a figure is drawn. Widths are estimates that are large enough for common sans-serif faces.
+//! When a figure is drawn, the reader's fonts are unknown. Widths are estimates that suffice for common sans-serif fonts.
 
-/// Estimated width of one line of text, in the unit of `size`.
+/// Estimated width of one line of text, in the unit of `size` (the text size).
 pub(super) fn width_of(text: &str, size: f64) -> f64 {
     let ems = text.chars().map(|letter| match letter {
         'i' | 'j' | 'l' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' => 0.32,
@@ -15,12 +15,12 @@ pub(super) fn width_of(text: &str, size: f64) -> f64 {
     ems.sum::<f64>() * size
 }
 
-/// Estimated width of the widest line.
+/// Estimated width of the widest line of text, in the unit of `size`.
 pub(super) fn widest<'a>(lines: impl IntoIterator<Item = &'a String>, size: f64) -> f64 {
     lines.into_iter().map(|line| width_of(line, size)).fold(0.0, f64::max)
 }
 
-/// Breaks text at spaces into lines no wider than `width`; a long word stays whole.
+/// Breaks text at spaces into lines of at most `width`; a word longer than that stays whole.
 pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -32,7 +32,7 @@ pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     lines
 }
 
-/// A number to about three significant digits, with a true minus sign; very small or large numbers have a power of ten.
+/// A number with about three significant digits and a true minus sign. Very small and very large numbers have a power of ten.
 pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     if size > 0.0 && !(1e-3..1e5).contains(&size) {

@@ -1,4 +1,4 @@
-//! Shapes of the finger by key node: what `solve` and `press` write.
+//! Displacements of the finger's key nodes as CSV, as `solve` and `press` write them.
 
 use super::FileError;
 use super::table::Table;
@@ -17,7 +17,7 @@ struct Row {
     theta_rad: f64,
 }
 
-/// The joint of a node's rib, where brackets hold ribs off the plates.
+/// Joint between a rib and its bracket, mm: undeformed position and displacement.
 #[derive(Serialize)]
 struct Hinge {
     hinge_x_mm: f64,
@@ -26,11 +26,11 @@ struct Hinge {
     hinge_uy_mm: f64,
 }
 
-/// CSV of a shape: `node,x_mm,y_mm,ux_mm,uy_mm,theta_rad`, a row a key node, undeformed position and displacement; with brackets
-/// also `hinge_x_mm,hinge_y_mm,hinge_ux_mm,hinge_uy_mm`, those of the joint at their end.
+/// Displacements as CSV: `node,x_mm,y_mm,ux_mm,uy_mm,theta_rad`, one row per key node, with its undeformed position. If the ribs have brackets, also
+/// `hinge_x_mm,hinge_y_mm,hinge_ux_mm,hinge_uy_mm` of the joint between bracket and rib.
 ///
 /// # Errors
-/// None in memory; the signature is the CSV writer's.
+/// A `csv::Error` from the CSV writer; none is expected, because the text is written to memory.
 pub fn to_csv(shape: &FingerShape, finger: &Finger) -> Result<String, csv::Error> {
     let row = |motion: &NodeMotion| Row {
         node: motion.node.0,
@@ -52,10 +52,10 @@ pub fn to_csv(shape: &FingerShape, finger: &Finger) -> Result<String, csv::Error
     super::csv_text(shape.motions().iter().map(|motion| (row(motion), hinge(motion))))
 }
 
-/// Reads the shape of a whole finger: `node,ux_mm,uy_mm,theta_rad`, found by name, a row a key node in any order.
+/// Reads the displacements of all key nodes from the columns `node,ux_mm,uy_mm,theta_rad`. The file has one row per key node, in any order.
 ///
 /// # Errors
-/// [`FileError`] naming the line for anything that is not a node of this finger, and for nodes that are missing.
+/// [`FileError`] with the line of a node that this finger does not have or that is listed twice, and for missing nodes.
 pub fn load_shape(path: &Path, finger: &Finger) -> Result<FingerShape, FileError> {
     let table = Table::read(path, ["node", "ux_mm", "uy_mm", "theta_rad"])?;
     let mut motions: Vec<Option<(Vector, f64)>> = vec![None; finger.key_node_count()];
@@ -72,7 +72,7 @@ pub fn load_shape(path: &Path, finger: &Finger) -> Result<FingerShape, FileError
     }
     if let Some(missing) = motions.iter().position(Option::is_none) {
         let message = format!(
-            "expected a row for each node of the finger, as solve and press write them; node {} is missing",
+            "expected one row for each node of the finger, as in a file of solve or press; node {} is missing",
             missing + 1
         );
         return Err(FileError::content(path, message));

@@ -1,4 +1,4 @@
-//! Image files: PNG and JPEG, by their content.
+//! Reads PNG and JPEG images, recognised by their content, and names images in tables.
 
 use super::{FileError, read_bytes};
 use image::metadata::Orientation;
@@ -7,23 +7,23 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Component, Path, PathBuf};
 
-/// Largest side of an image, px, and most memory that decoding may take, bytes.
+/// Largest width and height of an image, px, and largest memory for decoding, bytes.
 const LARGEST_SIDE_PX: u32 = 20_000;
 const MOST_MEMORY: u64 = 1 << 30;
 
-/// Reads an image as red, green and blue of 8 bits: grey becomes three equal channels, 16 bits are rounded, and what is transparent is
-/// taken for opaque. It is turned as its EXIF orientation says, as viewers show it. `-` is standard input.
+/// Reads an image as 8-bit red, green and blue. Grey becomes three equal channels, 16 bits are rounded to 8, and transparency is ignored. The image
+/// is rotated by its EXIF orientation, as viewers show it. `-` is standard input.
 ///
 /// # Errors
-/// [`FileError`] for what is no PNG or JPEG file, is damaged, or is larger than 20 000 px a side.
+/// [`FileError`] if the file is not PNG or JPEG, is damaged, or is wider or higher than 20 000 px.
 pub fn load_image(path: &Path) -> Result<RgbImage, FileError> {
     load_turned_image(path).map(|(image, _)| image)
 }
 
-/// The same, with the turn that its EXIF orientation asked for.
+/// Reads an image as [`load_image`] does, and also returns the EXIF orientation by which it was rotated.
 ///
 /// # Errors
-/// As [`load_image`].
+/// As for [`load_image`].
 pub fn load_turned_image(path: &Path) -> Result<(RgbImage, Orientation), FileError> {
     let bytes = read_bytes(path)?;
     let wrong = |message: String| FileError::content(path, message);
@@ -37,7 +37,9 @@ pub fn load_turned_image(path: &Path) -> Result<(RgbImage, Orientation), FileErr
     limits.max_alloc = Some(MOST_MEMORY);
     reader.limits(limits);
     let mut image = reader.decode().map_err(|error| match error {
-        ImageError::Limits(_) => wrong(format!("expected an image of at most {LARGEST_SIDE_PX} px a side")),
+        ImageError::Limits(_) => {
+            wrong(format!("expected an image of at most {LARGEST_SIDE_PX} px in width and height"))
+        }
         _ => wrong("expected a whole image; this one is damaged or cut off".to_owned()),
     })?;
     let orientation = orientation(&bytes, format);
@@ -45,7 +47,7 @@ pub fn load_turned_image(path: &Path) -> Result<(RgbImage, Orientation), FileErr
     Ok((image.into_rgb8(), orientation))
 }
 
-/// The EXIF orientation of an image file; none where there is none that can be read.
+/// The EXIF orientation of an image file; "no rotation" if none can be read.
 fn orientation(bytes: &[u8], format: ImageFormat) -> Orientation {
     let of_head = || ImageReader::with_format(Cursor::new(bytes), format).into_decoder().ok()?.orientation().ok();
     match of_head() {
@@ -56,10 +58,10 @@ fn orientation(bytes: &[u8], format: ImageFormat) -> Orientation {
     }
 }
 
-/// The orientation in a PNG file's chunk eXIf, which may stand behind the pixels, where the decoder does not look before it has them.
+/// The orientation in the eXIf chunk of a PNG file. The chunk may follow the pixels, where the decoder does not search for it.
 fn after_pixels(png: &[u8]) -> Option<Orientation> {
     const SIGNATURE: usize = 8;
-    // Around the data: its length, the name of the chunk, and a check sum behind it.
+    // Bytes of a chunk besides its data: length (4), name (4) and checksum (4).
     const AROUND: usize = 12;
     let mut rest = png.get(SIGNATURE..)?;
     loop {
@@ -72,11 +74,10 @@ fn after_pixels(png: &[u8]) -> Option<Orientation> {
     }
 }
 
-/// What a table of several images calls them: the names of their files, each with as many of its folders, joined by `/`, as distinguish it from the
-/// others.
+/// Names of images in a table: their file names, each preceded by as many folders, joined by `/`, as distinguish it from the others.
 ///
 /// # Errors
-/// [`FileError`] for an image that is given twice.
+/// [`FileError`] if an image is given twice.
 pub fn image_names(paths: &[PathBuf]) -> Result<Vec<String>, FileError> {
     let parts: Vec<Vec<String>> = paths.iter().map(|path| parts_of(path)).collect();
     let mut names: Vec<Option<String>> = vec![None; paths.len()];
@@ -94,7 +95,7 @@ pub fn image_names(paths: &[PathBuf]) -> Result<Vec<String>, FileError> {
     names.into_iter().zip(paths).map(|(name, path)| name.ok_or_else(|| twice(path))).collect()
 }
 
-/// The folders of a file from the root, and its name; `..` leaves the folder before it.
+/// The folders of a file from the root, then its name; `..` removes the folder before it.
 fn parts_of(path: &Path) -> Vec<String> {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     whole.components().fold(Vec::new(), |mut parts, part| {
@@ -107,11 +108,11 @@ fn parts_of(path: &Path) -> Vec<String> {
     })
 }
 
-/// The image of a table that is meant by a name or path: the image of this name, else the only one whose path may be the same, as one ends with the
-/// other.
+/// Finds an image of a table by name or path: the image with exactly this name, else the only image whose path may be the same. Two paths may be the
+/// same if one is the end of the other.
 ///
 /// # Errors
-/// What is wrong with the name, in words.
+/// A message if no image, or more than one, matches.
 pub fn image_named<'n>(wanted: &str, names: &[&'n str]) -> Result<&'n str, String> {
     let path: PathBuf = Path::new(wanted).components().filter(|part| *part != Component::CurDir).collect();
     let given = names.iter().copied().filter(|name| !name.is_empty() && path.ends_with(name));
@@ -121,7 +122,7 @@ pub fn image_named<'n>(wanted: &str, names: &[&'n str]) -> Result<&'n str, Strin
     let ends = |name: &&str| !wanted.is_empty() && Path::new(name).ends_with(&path);
     match names.iter().copied().filter(ends).collect::<Vec<_>>()[..] {
         [name] => Ok(name),
-        [] => Err(format!("image {wanted:?} is not among those that were located")),
+        [] => Err(format!("image {wanted:?} is not among the located images")),
         [one, other, ..] => Err(format!("image {wanted:?} may be {one} or {other}: give more of its path")),
     }
 }
@@ -129,7 +130,7 @@ pub fn image_named<'n>(wanted: &str, names: &[&'n str]) -> Result<&'n str, Strin
 /// An image as the bytes of a PNG file.
 ///
 /// # Errors
-/// None in memory; the signature is the encoder's.
+/// An `ImageError` from the encoder; none is expected, because the bytes are written to memory.
 pub fn to_png(image: &RgbImage) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     image.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)?;

@@ -1,4 +1,4 @@
-//! Input and output: scenes, displacements and measurements as text, results as whole files.
+//! Input and output: scenes, displacements, observations and images from files, and results written as whole files.
 #![forbid(unsafe_code)]
 
 mod images;
@@ -25,53 +25,53 @@ pub use scene::{load_scene, load_scene_and_text, with_values};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// A file that cannot be read, understood or written.
+/// Reason why a file cannot be read, understood or written.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{}: cannot be read: {reason}", name_of(path))]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
-    /// Its content is not what it should be.
+    /// The content of the file is invalid.
     #[error("{}: {message}", name_of(path))]
     Content {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Line, key or column, and what was expected.
+        /// Line, key or column of the fault, and the expected content.
         message: String,
     },
-    /// It cannot be written.
+    /// The file cannot be written.
     #[error("{}: cannot be written: {reason}", name_of(path))]
     Unwritable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
 }
 
 impl FileError {
-    /// The error for content of a file, with line, key or column and what was expected.
+    /// The error for invalid content of a file. The message says line, key or column, and the expected content.
     pub fn content(path: &Path, message: impl ToString) -> FileError {
         FileError::Content { path: path.to_owned(), message: message.to_string() }
     }
 
-    /// Whether the user's input is at fault (and not the writing of results).
+    /// Whether the error lies in the user's input, and not in the writing of results.
     pub fn is_bad_input(&self) -> bool {
         !matches!(self, FileError::Unwritable { .. })
     }
 }
 
-/// Whether a path stands for standard input or output.
+/// Whether a path is `-`, which stands for standard input or output.
 pub fn is_standard_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// A path as messages have it: `standard input` for `-`.
+/// Name of a file in messages: `standard input` for `-`, otherwise the path.
 pub fn name_of(path: &Path) -> String {
     if is_standard_stream(path) { "standard input".to_owned() } else { path.display().to_string() }
 }

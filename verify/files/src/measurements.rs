@@ -1,4 +1,4 @@
-//! Measured shapes under known loads: what `calibrate` reads.
+//! Measured displacements under known loads as CSV, as `calibrate` reads them.
 
 use super::FileError;
 use super::table::Table;
@@ -8,11 +8,11 @@ use finray_model::observation::LargestClampedMotion;
 use finray_model::{Finger, Load, Mesh, Vector};
 use std::path::Path;
 
-/// Reads `case,load_node,fx_n,fy_n,node,ux_mm,uy_mm`; the rows of a case repeat its load. Rows of clamped nodes carry noise, whose standard
-/// deviation of one coordinate may be known, mm; they are ignored if noise explains them.
+/// Reads `case,load_node,fx_n,fy_n,node,ux_mm,uy_mm`; every row of a case repeats its load. `noise_mm` is the standard deviation of the noise in one
+/// coordinate, mm. Rows of clamped nodes are ignored if this noise explains their displacement.
 ///
 /// # Errors
-/// [`FileError`] naming the line for anything that does not fit the finger, or a case whose load changes.
+/// [`FileError`] with the line of a row that does not fit the finger, or of a load that differs from the first row of its case.
 pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<CalibrationCase>, FileError> {
     let mesh = Mesh::key_nodes(finger);
     let table = Table::read(path, ["case", "load_node", "fx_n", "fy_n", "node", "ux_mm", "uy_mm"])?;
@@ -21,7 +21,7 @@ pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<C
     let all = table.rows().iter().map(|row| table.vector(row, [5, 6])).collect::<Result<Vec<_>, FileError>>()?;
     let clamped = LargestClampedMotion::of(noise_mm, all.iter().flatten().copied());
     for (row, displacement) in table.rows().iter().zip(all) {
-        // A row without displacement says that its marker is hidden, as no row does.
+        // Empty cells mean a hidden marker, as a missing row does.
         let Some(displacement) = displacement else { continue };
         let force = Vector::new(table.number(row, 2)?, table.number(row, 3)?);
         let load = Load::at_node(table.node(row, 1)?, force);
@@ -44,7 +44,7 @@ pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<C
         }
     }
     match cases.is_empty() {
-        true => Err(FileError::content(path, "expected displacements, found those of hidden markers alone")),
+        true => Err(FileError::content(path, "expected displacements, but all markers are hidden")),
         false => Ok(cases),
     }
 }

@@ -1,4 +1,4 @@
-//! Sensing networks in files.
+//! Reads sensing networks from files.
 
 use super::{FileError, read_bytes};
 use finray_model::sensing::network::Network;
@@ -8,15 +8,15 @@ use std::path::Path;
 /// Reads a network that `finray train` has written.
 ///
 /// # Errors
-/// [`FileError`] if the file cannot be read, is no network or is damaged.
+/// [`FileError`] if the file cannot be read, is not a network or is damaged.
 pub fn load_network(path: &Path) -> Result<Network, FileError> {
     load_network_and_digest(path).map(|(network, _)| network)
 }
 
-/// Reads a network as [`load_network`], with the SHA-256 of its file in hexadecimal digits.
+/// Reads a network as [`load_network`] does, and also returns the SHA-256 of its file in hexadecimal digits.
 ///
 /// # Errors
-/// [`FileError`] if the file cannot be read, is no network or is damaged.
+/// [`FileError`] if the file cannot be read, is not a network or is damaged.
 pub fn load_network_and_digest(path: &Path) -> Result<(Network, String), FileError> {
     let bytes = read_bytes(path)?;
     let network = Network::from_bytes(&bytes).map_err(|error| FileError::content(path, error))?;

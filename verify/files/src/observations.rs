@@ -1,4 +1,4 @@
-//! Observations as tables: what `locate` writes, and what `sense` and `calibrate` read.
+//! Tables of observed markers: written by `locate`, read by `sense` and `calibrate`.
 
 use super::table::{Row, Table, header};
 use super::{FileError, image_named};
@@ -15,28 +15,28 @@ const BASE_COLUMNS: [&str; 2] = ["base_sigma_mm", "base_sigma_deg"];
 const OWN_SIGMA: &str = "marker_sigma_mm";
 const SIGMA: &str = "sigma_mm";
 const REFUSED: &str = "refused";
-/// Images that a message lists.
+/// Largest number of images that a message lists.
 const SHOWN: usize = 5;
 
-/// Which coordinates of a table are read.
+/// Columns from which a table's marker coordinates are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coordinates {
-    /// `ux_mm,uy_mm`; where the scene has its markers on hinges, a table of `solve` gives `hinge_ux_mm,hinge_uy_mm` instead.
+    /// Displacements `ux_mm,uy_mm`. If the scene has its markers on hinges and the table has `hinge_ux_mm,hinge_uy_mm`, these instead.
     Displacements,
-    /// `x_mm,y_mm`, where a marker was located.
+    /// Located positions of the markers, `x_mm,y_mm`.
     Positions,
 }
 
-/// An image in which no finger was located, and why.
+/// An image in which no finger was located.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RefusedImage {
-    /// Its name.
+    /// Name of the image.
     pub image: String,
-    /// Why it was refused.
+    /// Reason why no finger was located.
     pub reason: String,
 }
 
-/// A table of observations, by its columns; rows are in the order of the file in all of them.
+/// A table of observed markers. Each field holds some columns of the file; all have the same rows in the same order.
 pub struct ObservationTable {
     path: PathBuf,
     coordinates: Coordinates,
@@ -46,17 +46,17 @@ pub struct ObservationTable {
     own_sigmas: Option<Table<1>>,
     poses: Option<Table<3>>,
     base_sigmas: Option<Table<2>>,
-    /// Positions beside displacements: they show what displacements count from.
+    /// Deformed positions, mm, where the table has them beside displacements. Position minus displacement gives the undeformed position.
     positions: Option<Table<2>>,
     refused: Option<Table<1>>,
 }
 
 impl ObservationTable {
-    /// Finds the columns `node` and coordinates, and `image,sigma_mm,marker_sigma_mm,base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg` where
-    /// they are there. Further columns are ignored.
+    /// Reads the columns `node` and two coordinates. The columns `image,sigma_mm,marker_sigma_mm,base_x_mm,base_y_mm,base_deg,base_sigma_mm,
+    /// base_sigma_deg,refused` are optional; further columns are ignored.
     ///
     /// # Errors
-    /// [`FileError`] for a text that is no table with rows.
+    /// [`FileError`] if the text is not a CSV table, has no rows, or lacks a required column.
     pub fn new(path: &Path, text: &str, finger: &Finger, coordinates: Coordinates) -> Result<Self, FileError> {
         let columns = header(text);
         let has = |wanted: &[&str]| wanted.iter().all(|name| columns.iter().any(|column| column == name));
@@ -73,7 +73,7 @@ impl ObservationTable {
             path: path.to_owned(),
             coordinates,
             images: single("image")?,
-            // Only `locate` writes where a deformed finger is; it names its images.
+            // Only `locate` writes deformed positions, and its tables have the column `image`.
             positions: has(&["image", "x_mm", "y_mm"])
                 .then(|| Table::of_text(path, text, ["x_mm", "y_mm"]))
                 .transpose()?,
@@ -89,7 +89,7 @@ impl ObservationTable {
     /// Names of the images, in the order of their first rows.
     ///
     /// # Errors
-    /// [`FileError`] where the table has no column `image`.
+    /// [`FileError`] if the table has no column `image`.
     pub fn images(&self) -> Result<Vec<&str>, FileError> {
         let Some(table) = &self.images else {
             return Err(self.wrong("expected a column image, as locate writes it"));
@@ -103,17 +103,17 @@ impl ObservationTable {
         Ok(images)
     }
 
-    /// Why an image was refused when it was located; `None` of one that was not.
+    /// Reason why `locate` refused an image; `None` if it did not refuse the image.
     pub fn refused(&self, image: &str) -> Option<&str> {
         let (images, refused) = self.images.as_ref().zip(self.refused.as_ref())?;
         let reasons = images.rows().iter().zip(refused.rows()).filter(|(name, _)| name.cells[0] == image);
         reasons.map(|(_, refused)| refused.cells[0].as_str()).find(|reason| !reason.is_empty())
     }
 
-    /// The observation of an image; without a name, that of a table of a single one.
+    /// The observation of the named image. Without a name, the table must have a single image or no column `image`.
     ///
     /// # Errors
-    /// [`FileError`] naming the line of a cell that is not what its column has, or for an image that is not there.
+    /// [`FileError`] with the line of an invalid cell, or for an image that is missing, ambiguous or refused.
     pub fn observation(&self, image: Option<&str>) -> Result<Observation, FileError> {
         let image = self.image_meant(image)?;
         if let Some(reason) = image.and_then(|image| self.refused(image)) {
@@ -125,7 +125,7 @@ impl ObservationTable {
         Ok(Observation { image: image.unwrap_or_default().to_owned(), markers, base })
     }
 
-    /// The error in terms of the file, for an observation of the same image that is none of the scene's finger.
+    /// Converts an error of the model about an image's observation to one that names file, line and column.
     pub fn error(&self, image: Option<&str>, error: &ObservationError) -> FileError {
         let Ok(chosen) = self.image_meant(image).map(|image| self.rows_of(image)) else { return self.wrong(error) };
         let row = |i: usize| chosen.get(i).map(|&row| &self.rows.rows()[row]);
@@ -150,7 +150,7 @@ impl ObservationTable {
         FileError::content(&self.path, message)
     }
 
-    /// The name of the image that is meant; `None` in a table without names.
+    /// The name of the image that `image` means; `None` if the table has no column `image`.
     fn image_meant(&self, image: Option<&str>) -> Result<Option<&str>, FileError> {
         if self.images.is_none() {
             return match image {
@@ -171,7 +171,7 @@ impl ObservationTable {
         })
     }
 
-    /// Indices of the rows of an image that have a marker; without coordinates a row says that its marker is hidden.
+    /// Indices of the rows of an image with a visible marker; a row without coordinates belongs to a hidden marker.
     fn rows_of(&self, image: Option<&str>) -> Vec<usize> {
         let of_image =
             |i: &usize| self.images.as_ref().is_none_or(|names| Some(names.rows()[*i].cells[0].as_str()) == image);
@@ -183,7 +183,7 @@ impl ObservationTable {
         let row = &self.rows.rows()[i];
         let node = self.rows.node(row, 0)?;
         let at = self.rows.vector(row, [1, 2])?;
-        // An empty cell says nothing.
+        // An empty cell means an unknown standard deviation.
         let number = |table: &Option<Table<1>>| {
             let table = table.as_ref().filter(|table| !table.rows()[i].cells[0].is_empty());
             table.map(|table| table.number(&table.rows()[i], 0)).transpose()
@@ -201,7 +201,7 @@ impl ObservationTable {
         })
     }
 
-    /// Where the base is, and how well it is known, as a row has it; all rows of an image say the same.
+    /// Pose of the base and its uncertainty from row `i`; all rows of an image repeat them.
     fn base(&self, i: usize) -> Result<Option<ObservedBase>, FileError> {
         let Some(poses) = &self.poses else { return Ok(None) };
         let number = |column| poses.number(&poses.rows()[i], column);
@@ -231,7 +231,7 @@ struct MarkerRow<'o> {
     sigma_mm: Option<f64>,
 }
 
-/// Where the base is, repeated on each row of its image.
+/// Pose of the base and its uncertainty, repeated on each row of its image.
 #[derive(Serialize, Default)]
 struct BaseRow {
     base_x_mm: Option<f64>,
@@ -242,17 +242,17 @@ struct BaseRow {
     marker_sigma_mm: Option<f64>,
 }
 
-/// Ends a row of a table in which images were refused.
+/// Last column of a table in which images were refused.
 #[derive(Serialize)]
 struct RefusedRow<'o> {
     refused: &'o str,
 }
 
-/// CSV of observations: `image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm`, a row a marker; where images show the base also
-/// `base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm`; where images were refused also `refused`, with one row of such an image.
+/// Observations as CSV: `image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm`, one row per marker. If all images show the base, also
+/// `base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm`. If images were refused, also `refused`; a refused image has one row.
 ///
 /// # Errors
-/// None in memory; the signature is the CSV writer's.
+/// A `csv::Error` from the CSV writer; none is expected, because the text is written to memory.
 pub fn to_csv(seen: &[Result<Observation, RefusedImage>]) -> Result<String, csv::Error> {
     let shows_base = seen.iter().flatten().all(|seen| seen.base.is_some());
     let rows = seen.iter().flat_map(rows_of_image);

@@ -1,4 +1,4 @@
-//! Whether a file of displacements was made with the scene that reads it.
+//! Checks whether a file of displacements was made with the scene that reads it.
 
 use super::FileError;
 use super::table::{Table, header};
@@ -9,25 +9,24 @@ use nalgebra::{Isometry2, Point2};
 use std::path::Path;
 
 const AT_REST: [&str; 5] = ["node", "x_mm", "y_mm", "ux_mm", "uy_mm"];
-/// How far from where a finger has them a file may have its undeformed nodes, as a share of the front plate's length: a real finger is not quite
-/// its scene.
+/// A file belongs to another finger if its undeformed nodes differ from the scene's by more than this share of the front plate's length. A real finger
+/// differs slightly from its scene.
 const UNLIKE_SHARE: f64 = 0.05;
 const SEEN: [&str; 7] = ["u_px", "v_px", "x_mm", "y_mm", "base_x_mm", "base_y_mm", "base_deg"];
 
-/// A key node that a file has elsewhere than a finger, both without load, mm.
+/// A key node whose undeformed position in a file differs from the finger's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elsewhere {
-    /// The node.
+    /// The key node.
     pub node: NodeId,
-    /// Where the file has it.
+    /// Undeformed position in the file, mm.
     pub stated: Vector,
-    /// Where the finger has it.
+    /// Undeformed position of the finger's node, mm.
     pub own: Vector,
 }
 
-/// The node that is farthest from where a finger has it without load, of a file of another finger. `None` where the nodes are this finger's, or
-/// the file does not say where its nodes are: `solve` writes the undeformed position beside the displacement, `locate` the deformed one, of the
-/// node or its marker.
+/// The key node whose undeformed position differs most from the finger's, if it differs enough to be another finger's. `None` if all nodes agree, or if
+/// the file has no positions. `solve` writes undeformed positions, `locate` deformed ones, each of the nodes or of their markers; all four are tried.
 pub fn of_another_finger(path: &Path, text: &str, finger: &Finger) -> Option<Elsewhere> {
     let table = Table::of_text(path, text, AT_REST).ok()?;
     let off_mm = |found: &Elsewhere| (found.stated - found.own).norm();
@@ -47,12 +46,12 @@ pub fn of_another_finger(path: &Path, text: &str, finger: &Finger) -> Option<Els
     (off_mm(&farthest) > UNLIKE_SHARE * finger.plate_length_mm(Plate::Front)).then_some(farthest)
 }
 
-/// By how much a file of `locate` differs, at worst, from what a scene would have made of the same markers, mm: in where they are without load,
-/// and in where its camera sees their pixels in the frame of the base. Zero but for rounding where it was located with this scene, or has not the
-/// columns to say.
+/// Largest difference, mm, between a file of `locate` and the positions that the given scene yields for the same markers. It compares undeformed
+/// positions, and the camera's view of each pixel in the frame of the base. The result is 0 within rounding if the file was located with this scene, or
+/// if it lacks the columns.
 ///
 /// # Errors
-/// [`FileError`] for cells that are no numbers.
+/// [`FileError`] with the line of a cell that is not a number.
 pub(super) fn misplaced_mm(path: &Path, text: &str, scene: &Scene) -> Result<f64, FileError> {
     let columns = header(text);
     let has = |wanted: &[&str]| wanted.iter().all(|name| columns.iter().any(|column| column == name));
@@ -76,7 +75,7 @@ pub(super) fn misplaced_mm(path: &Path, text: &str, scene: &Scene) -> Result<f64
             };
             let number = |column| table.number(row, column);
             let base = Isometry2::new(Vector::new(number(4)?, number(5)?), number(6)?.to_radians());
-            // A pixel that this camera sees nowhere on the plane was another's.
+            // A pixel whose ray misses the plane of the markers was not located by this camera.
             let at = camera.on_plane(&pixel, markers.height_mm);
             let off_mm = at.map_or(f64::INFINITY, |at| ((base.inverse() * Point2::from(at)).coords - stated).norm());
             worst_mm = worst_mm.max(off_mm);

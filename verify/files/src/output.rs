@@ -1,4 +1,4 @@
-//! Results are written whole or not at all.
+//! Writes result files whole or not at all.
 
 use super::{FileError, is_standard_stream};
 use serde::Serialize;
@@ -6,10 +6,10 @@ use std::fs::{File, Metadata, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Rows as CSV text with a header from the field names; numbers in the shortest form that reads back the same.
+/// Rows as CSV text. The header has the field names of `R`; numbers have the shortest form that reads back the same.
 ///
 /// # Errors
-/// None in memory; the signature is the CSV writer's.
+/// A `csv::Error` from the CSV writer; none is expected, because the text is written to memory.
 pub fn csv_text<R: Serialize>(rows: impl IntoIterator<Item = R>) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
@@ -19,11 +19,10 @@ pub fn csv_text<R: Serialize>(rows: impl IntoIterator<Item = R>) -> Result<Strin
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Writes text to a file, or to standard output for `-`. A reader of standard output that has seen enough, as `head`,
-/// is no error.
+/// Writes text to a file, or to standard output for `-`. A closed pipe on standard output, as left by `head`, is no error.
 ///
 /// # Errors
-/// [`FileError::Unwritable`], with the file as it was before.
+/// [`FileError::Unwritable`] if the file cannot be written; the file is then unchanged.
 pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
     write_bytes(path, text.as_bytes())
 }
@@ -31,7 +30,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
 /// Writes bytes as [`write_text`] writes text.
 ///
 /// # Errors
-/// [`FileError::Unwritable`], with the file as it was before.
+/// [`FileError::Unwritable`] if the file cannot be written; the file is then unchanged.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     if is_standard_stream(path) {
         let unwritable = |reason| FileError::Unwritable { path: PathBuf::from("standard output"), reason };
@@ -44,11 +43,11 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_all_or_nothing(&[(path.to_owned(), bytes)])
 }
 
-/// Writes several files: each first under a temporary name beside its place, then all are moved there. A new file has the mode that the umask
-/// leaves; one that is there keeps its mode, and a link leads to it. With standard output among them, one after the other.
+/// Writes several files: each first under a temporary name in its folder; all are then renamed. A new file has the mode that the umask leaves. An
+/// existing file keeps its mode, and a symbolic link is followed. If standard output is among the paths, the files are written one after the other.
 ///
 /// # Errors
-/// [`FileError::Unwritable`] for the first file that cannot be written, as a read-only one; no file is left half-written.
+/// [`FileError::Unwritable`] for the first file that cannot be written, for instance a read-only one; no file is left half-written.
 pub fn write_all_or_nothing<C: AsRef<[u8]>>(files: &[(PathBuf, C)]) -> Result<(), FileError> {
     if files.iter().any(|(path, _)| is_standard_stream(path)) {
         return files.iter().try_for_each(|(path, contents)| write_bytes(path, contents.as_ref()));
@@ -58,7 +57,7 @@ pub fn write_all_or_nothing<C: AsRef<[u8]>>(files: &[(PathBuf, C)]) -> Result<()
     write_from(sources.collect())
 }
 
-/// Writes several files as [`write_all_or_nothing`], each from what is read.
+/// Writes several files as [`write_all_or_nothing`] does, each from a reader.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] for the first file that cannot be written, or whose source cannot be read.
@@ -68,14 +67,14 @@ pub fn write_from(sources: Vec<(&Path, &mut dyn Read)>) -> Result<(), FileError>
         let unwritable = |reason| FileError::Unwritable { path: path.to_owned(), reason };
         let target = link_target(path).map_err(unwritable)?;
         let existing = writable_metadata(&target).map_err(unwritable)?;
-        // A device or pipe is written to; replacing it by a file would take it away.
+        // A device or pipe is written to directly: renaming a file onto its path would replace the device.
         if existing.as_ref().is_some_and(|existing| !existing.is_file()) {
             let mut there = File::create(&target).map_err(unwritable)?;
             std::io::copy(source, &mut there).map_err(unwritable)?;
             continue;
         }
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        // Made and written without tempfile's own errors, which name the temporary file.
+        // `File::create_new` reports errors without the name of the temporary file, which tempfile's own errors contain.
         let made = tempfile::Builder::new().prefix(".finray-").make_in(folder, |at| File::create_new(at));
         let mut file = made.map_err(unwritable)?;
         if let Some(existing) = existing {
@@ -92,10 +91,10 @@ pub fn write_from(sources: Vec<(&Path, &mut dyn Read)>) -> Result<(), FileError>
     Ok(())
 }
 
-/// Refuses a file that is there and cannot be written: better known before hours of work than after.
+/// Checks before a long computation that an existing file can be written. A path without a file passes.
 ///
 /// # Errors
-/// [`FileError::Unwritable`].
+/// [`FileError::Unwritable`] if the path is a folder, or a file that is read-only or otherwise not writable.
 pub fn require_writable(path: &Path) -> Result<(), FileError> {
     if is_standard_stream(path) {
         return Ok(());
@@ -108,10 +107,10 @@ pub fn require_writable(path: &Path) -> Result<(), FileError> {
     writable.map_err(|reason| FileError::Unwritable { path: path.to_owned(), reason })
 }
 
-/// Links that are followed; systems follow 40 or fewer.
+/// Largest number of symbolic links that are followed; operating systems follow at most 40.
 const MOST_LINKS: usize = 40;
 
-/// The file that a path leads to through symbolic links, whether it is there or not.
+/// The path to which symbolic links lead, whether or not a file exists there.
 fn link_target(path: &Path) -> std::io::Result<PathBuf> {
     let mut target = path.to_owned();
     for _ in 0..MOST_LINKS {
@@ -120,10 +119,10 @@ fn link_target(path: &Path) -> std::io::Result<PathBuf> {
             Err(_) => return Ok(target),
         }
     }
-    Err(std::io::Error::other("its symbolic links go round in a circle"))
+    Err(std::io::Error::other("its symbolic links form a loop"))
 }
 
-/// What is at a path already. A read-only file is refused for a superuser too, who could write it.
+/// Metadata of an existing file; `None` if no file exists. A read-only file is refused even for a superuser, who could write it.
 fn writable_metadata(target: &Path) -> std::io::Result<Option<Metadata>> {
     let Ok(existing) = target.metadata() else { return Ok(None) };
     if existing.is_file() {
@@ -135,11 +134,11 @@ fn writable_metadata(target: &Path) -> std::io::Result<Option<Metadata>> {
     Ok(Some(existing))
 }
 
-/// Gives a file the owner and group of another, as far as the system lets.
+/// Gives a file the owner and group of an existing file, as far as the system permits.
 #[cfg(unix)]
 fn keep_owner(file: &File, existing: &Metadata) {
     use std::os::unix::fs::MetadataExt;
-    // Only a superuser gives files away, but a member of the group may give it the file.
+    // Only a superuser can change the owner; other users can still set a group to which they belong.
     if std::os::unix::fs::fchown(file, Some(existing.uid()), Some(existing.gid())).is_err() {
         let _ = std::os::unix::fs::fchown(file, None, Some(existing.gid()));
     }
@@ -148,31 +147,31 @@ fn keep_owner(file: &File, existing: &Metadata) {
 #[cfg(not(unix))]
 fn keep_owner(_: &File, _: &Metadata) {}
 
-/// Whether a path is standard output, a device or a pipe: nothing can stand beside it, and nothing can take its place.
+/// Whether a path is standard output, a device or a pipe. Such a path cannot be replaced by a renamed temporary file.
 pub fn is_stream(out: &Path) -> bool {
     is_standard_stream(out) || out.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
-/// Standard output, a device or a pipe, written bit by bit.
+/// Standard output, a device or a pipe to which results are written piece by piece.
 pub struct Stream {
     name: PathBuf,
     to: Box<dyn Write>,
 }
 
-/// Whether anybody still reads a [`Stream`].
+/// Whether the other end of a [`Stream`] still reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reader {
-    /// There is one.
+    /// The other end still reads.
     Listens,
-    /// It has seen enough, as `head`.
+    /// The other end has closed the pipe, as `head` does after its last line.
     Left,
 }
 
 impl Stream {
-    /// Opens what [`is_stream`] is true for.
+    /// Opens a path for which [`is_stream`] is true.
     ///
     /// # Errors
-    /// [`FileError::Unwritable`].
+    /// [`FileError::Unwritable`] if the path cannot be opened for writing.
     pub fn open(out: &Path) -> Result<Stream, FileError> {
         if is_standard_stream(out) {
             return Ok(Stream { name: PathBuf::from("standard output"), to: Box::new(std::io::stdout()) });
@@ -182,10 +181,10 @@ impl Stream {
         Ok(Stream { name: out.to_owned(), to: Box::new(there) })
     }
 
-    /// Writes bytes at once.
+    /// Writes bytes and flushes them.
     ///
     /// # Errors
-    /// [`FileError::Unwritable`]; that nobody reads any more is none.
+    /// [`FileError::Unwritable`] if writing fails. A closed pipe is no error; it gives [`Reader::Left`].
     pub fn write(&mut self, bytes: &[u8]) -> Result<Reader, FileError> {
         match self.to.write_all(bytes).and_then(|()| self.to.flush()) {
             Ok(()) => Ok(Reader::Listens),
@@ -195,10 +194,10 @@ impl Stream {
     }
 }
 
-/// Refuses a folder that cannot be made because a file is in the way: better known before minutes of work than after.
+/// Checks before a long computation that a folder exists or can be created, so that no file has its name.
 ///
 /// # Errors
-/// [`FileError::Unwritable`].
+/// [`FileError::Unwritable`] if a file is where the folder should be.
 pub fn require_folder(folder: &Path) -> Result<(), FileError> {
     match folder.ancestors().find(|part| part.exists()) {
         Some(part) if !part.is_dir() => {
@@ -208,7 +207,7 @@ pub fn require_folder(folder: &Path) -> Result<(), FileError> {
     }
 }
 
-/// Writes files into a folder, which is made if it does not exist; either all of them or none.
+/// Writes files into a folder, which is created if needed; either all files are written or none.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] for the first file that cannot be written.

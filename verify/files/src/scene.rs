@@ -1,4 +1,4 @@
-//! Scene files.
+//! Reads scene files and changes values in their text.
 
 use super::{FileError, read_text};
 use finray_model::Scene;
@@ -7,26 +7,26 @@ use std::path::Path;
 /// Reads and checks a scene file; `-` is standard input.
 ///
 /// # Errors
-/// [`FileError`] naming file, line and key.
+/// [`FileError`] with file, line and key of the first fault.
 pub fn load_scene(path: &Path) -> Result<Scene, FileError> {
     load_scene_and_text(path).map(|(scene, _)| scene)
 }
 
-/// Reads and checks a scene file as [`load_scene`], and keeps its text.
+/// Reads and checks a scene file as [`load_scene`] does, and also returns its text.
 ///
 /// # Errors
-/// [`FileError`] naming file, line and key.
+/// [`FileError`] with file, line and key of the first fault.
 pub fn load_scene_and_text(path: &Path) -> Result<(Scene, String), FileError> {
     let text = read_text(path)?;
     let scene = Scene::from_toml(&text).map_err(|error| FileError::content(path, error))?;
     Ok((scene, text))
 }
 
-/// The text of a scene with some values changed, all else as it stands there. A key is a path as errors name it, `finger.ribs.bracket_mm` or
-/// `base.reference[2].at_mm`; tables that are missing are added.
+/// The text of a scene with some values changed; comments and all other values stay. A key is a path as in error messages, for instance
+/// `finger.ribs.bracket_mm` or `base.reference[2].at_mm`. Missing tables are added; `None` removes a key.
 ///
 /// # Errors
-/// What is wrong with the text: none where it was read as a scene before.
+/// A message if the text is not valid TOML or lacks a table that a key names. A text that was read as a scene gives no error.
 pub fn with_values(text: &str, values: &[(String, Option<toml_edit::Value>)]) -> Result<String, String> {
     let mut document: toml_edit::DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| error.to_string())?;
     for (path, value) in values {
@@ -50,7 +50,7 @@ pub fn with_values(text: &str, values: &[(String, Option<toml_edit::Value>)]) ->
             continue;
         };
         match table.get_mut(key).and_then(toml_edit::Item::as_value_mut) {
-            // What stands behind a value, as a comment, stays there.
+            // Comments behind the old value are kept.
             Some(old) => {
                 let decor = old.decor().clone();
                 *old = value.clone();

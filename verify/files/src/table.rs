@@ -4,7 +4,7 @@ use super::{FileError, read_text};
 use finray_model::Vector;
 use std::path::{Path, PathBuf};
 
-/// A table with the wanted columns of a CSV file, in the wanted order.
+/// The requested columns of a CSV file, in the requested order.
 pub struct Table<const N: usize> {
     path: PathBuf,
     text: String,
@@ -12,26 +12,26 @@ pub struct Table<const N: usize> {
     rows: Vec<Row<N>>,
 }
 
-/// One row and where it begins in the text.
+/// One row of a table, and the byte at which the row begins in the text.
 pub struct Row<const N: usize> {
     byte: usize,
-    /// The wanted cells, in the wanted order.
+    /// The requested cells, in the requested order.
     pub cells: [String; N],
 }
 
 impl<const N: usize> Table<N> {
-    /// Reads the named columns; further columns are ignored.
+    /// Reads the named columns of a file; further columns are ignored.
     ///
     /// # Errors
-    /// [`FileError`] for short rows, missing columns and files without rows.
+    /// [`FileError`] if the file cannot be read, lacks a column, has a row with too few or too many cells, or has no rows.
     pub fn read(path: &Path, columns: [&'static str; N]) -> Result<Table<N>, FileError> {
         Table::of_text(path, &read_text(path)?, columns)
     }
 
-    /// As [`Table::read`], from the text of the file.
+    /// Reads the named columns as [`Table::read`] does, but from `text`; `path` names the file in errors.
     ///
     /// # Errors
-    /// As [`Table::read`].
+    /// As for [`Table::read`], apart from reading the file.
     pub fn of_text(path: &Path, text: &str, columns: [&'static str; N]) -> Result<Table<N>, FileError> {
         let text = text.trim_start_matches('\u{feff}').to_owned();
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
@@ -65,20 +65,20 @@ impl<const N: usize> Table<N> {
         Ok(Table { path: path.to_owned(), text, columns, rows })
     }
 
-    /// The rows, in the order of the file.
+    /// Rows of the table, in the order of the file.
     pub fn rows(&self) -> &[Row<N>] {
         &self.rows
     }
 
-    /// The error for something wrong in a row.
+    /// The error for an invalid row; the message is preceded by file and line.
     pub fn wrong(&self, row: &Row<N>, message: impl ToString) -> FileError {
         FileError::content(&self.path, format!("line {}: {}", line_of(&self.text, row.byte), message.to_string()))
     }
 
-    /// A finite number.
+    /// The finite number in a cell; `column` is an index into the requested columns.
     ///
     /// # Errors
-    /// [`FileError`] naming the line for anything else.
+    /// [`FileError`] with the line of a cell that is not a finite number.
     pub fn number(&self, row: &Row<N>, column: usize) -> Result<f64, FileError> {
         let cell = &row.cells[column];
         cell.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
@@ -86,10 +86,10 @@ impl<const N: usize> Table<N> {
         })
     }
 
-    /// The vector of two columns; `None` where both are empty, as of a hidden marker.
+    /// The vector whose components are in two columns; `None` if both cells are empty, as for a hidden marker.
     ///
     /// # Errors
-    /// [`FileError`] naming the line where a cell is no finite number, or only one of the two is empty.
+    /// [`FileError`] with the line if a cell is not a finite number, or if only one of the two is empty.
     pub fn vector(&self, row: &Row<N>, columns: [usize; 2]) -> Result<Option<Vector>, FileError> {
         let [x, y] = columns;
         let is_half = |empty: usize, given: usize| {
@@ -107,7 +107,7 @@ impl<const N: usize> Table<N> {
         }
     }
 
-    /// A node number.
+    /// The node number in a cell.
     pub(crate) fn node(&self, row: &Row<N>, column: usize) -> Result<finray_model::NodeId, FileError> {
         let cell = &row.cells[column];
         cell.parse().map(finray_model::NodeId).map_err(|_| {
@@ -116,7 +116,7 @@ impl<const N: usize> Table<N> {
     }
 }
 
-/// Names of the columns of a CSV text; none if it has none.
+/// Names of the columns of a CSV text; empty if the text has no header.
 pub fn header(text: &str) -> Vec<String> {
     let text = text.trim_start_matches('\u{feff}');
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
@@ -137,8 +137,8 @@ fn byte_of(position: Option<&csv::Position>) -> usize {
     position.map_or(0, |position| position.byte() as usize)
 }
 
-/// Line of a record that the reader found at a byte. The reader starts a record where the last one ended, before the
-/// second half of its line end and before empty lines, so its own count of lines is behind.
+/// Number of the line with the record that the CSV reader found at a byte. The reader's own line count is too small: its record starts before the
+/// preceding line end and empty lines.
 fn line_of(text: &str, byte: usize) -> usize {
     let ends = text[byte..].bytes().take_while(|b| matches!(b, b'\r' | b'\n')).count();
     1 + text[..byte + ends].bytes().filter(|b| *b == b'\n').count()

@@ -1,4 +1,4 @@
-//! Several images of one finger with the forces that were measured: what `calibrate` reads.
+//! Several images of one finger with measured contact forces, as `calibrate` reads them.
 
 use super::observations::{Coordinates, ObservationTable, RefusedImage};
 use super::table::{Table, header};
@@ -7,33 +7,33 @@ use finray_model::calibration::LocatedView;
 use finray_model::{Scene, Vector};
 use std::path::Path;
 
-/// Images that were located.
+/// Images that `locate` has read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocatedViews {
-    /// Each image.
+    /// Images in which a finger was located.
     pub views: Vec<LocatedView>,
-    /// Images that were refused when they were located.
+    /// Images that `locate` refused.
     pub refused: Vec<RefusedImage>,
-    /// By how much the file differs, at worst, from what this scene would have made of the same markers, mm: zero but for rounding where they were
-    /// located with it.
+    /// Largest difference, mm, between the file and the positions that this scene yields for the same markers. It is 0 within rounding if the markers
+    /// were located with this scene.
     pub misplaced_mm: f64,
 }
 
-/// A contact force that was measured in an image.
+/// A measured contact force in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredForce {
-    /// The image, by its name among those that were located.
+    /// Name of the image among the located ones.
     pub image: String,
-    /// The force in the frame of the camera's pose, N.
+    /// Force on the finger in the frame of the camera's pose, N.
     pub force: Vector,
-    /// What pressed the finger, where the file says it.
+    /// Name of the object that pressed the finger; `None` if the file does not state it.
     pub object: Option<String>,
 }
 
-/// Reads what `locate` wrote of several images, and [`forces`] that were measured.
+/// Reads a table of `locate` with several images, and their measured [`forces`].
 ///
 /// # Errors
-/// [`FileError`] for anything that does not fit the finger, or a force of an image that is not there.
+/// [`FileError`] for a row that does not fit the finger, or for a force whose image is not in the table.
 pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<LocatedViews, FileError> {
     let text = super::read_text(located)?;
     let misplaced_mm = super::origin::misplaced_mm(located, &text, scene)?;
@@ -57,11 +57,11 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Loca
     Ok(LocatedViews { views: located.map(|image| view(image)).collect::<Result<_, _>>()?, refused, misplaced_mm })
 }
 
-/// Reads `image,fx_n,fy_n` and, where it is there, `object`: forces in the frame of the camera's pose, which is that of the finger where its base does not
-/// move.
+/// Reads the columns `image,fx_n,fy_n` and, if present, `object`. Forces are in the frame of the camera's pose, N; for a base that does not move, this is
+/// the finger frame.
 ///
 /// # Errors
-/// [`FileError`] for a force of none of `images`, twice of one, or zero, and for an object without a name.
+/// [`FileError`] for a force whose image is not in `images`, for a second force of an image, for a zero force, and for an empty `object`.
 pub fn forces(path: &Path, images: &[&str]) -> Result<Vec<MeasuredForce>, FileError> {
     let text = super::read_text(path)?;
     let table = Table::of_text(path, &text, ["image", "fx_n", "fy_n"])?;

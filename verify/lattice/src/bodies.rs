@@ -16,59 +16,59 @@ pub struct Body {
     pub fixed: bool,
 }
 
-/// Share of a dead load on one body. With the body's displacement u and rotation theta, its work is
+/// The part of a dead load that acts on one body. With the body's displacement u and rotation theta, its work is
 /// share F . u + F . R(theta) lever + M theta.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyLoad {
-    /// Body that carries the share.
+    /// Body that carries this part of the load.
     pub body: BodyIndex,
-    /// Force F of the whole load, N, finger frame.
+    /// Force F of the whole load, of which this body carries a share, N, finger frame.
     pub force: Vector,
-    /// Share of the force on this body, dimensionless.
+    /// Share of the force that acts on this body, dimensionless.
     pub share: f64,
-    /// Undeformed lever arm of the force on the body, mm.
+    /// Lever arm of the force about the body's centre, undeformed, mm.
     pub lever: Vector,
-    /// Moment M, N mm.
+    /// Moment M on the body, N mm.
     pub moment_nmm: f64,
 }
 
 /// A piece of the front plate that can carry a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FrontSpan {
-    /// A rigid arm of a rod; its anchor is at the position `at_mm` along the plate.
+    /// A rigid arm that is fixed to a rod. Its anchor is at the position `at_mm` along the plate.
     Arm { anchor: Anchor, at_mm: f64 },
-    /// A segment between two bodies.
+    /// A segment between two bodies, from `from_mm` to `to_mm` along the plate.
     Segment { ends: [Anchor; 2], from_mm: f64, to_mm: f64 },
 }
 
-/// A straight piece of the front plate that moves with one body.
+/// A straight piece of the front plate's middle line that moves with one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrontPiece {
     /// Body that carries the piece.
     pub body: BodyIndex,
     /// Vectors from the body's centre to the ends of the piece, undeformed, mm; the end nearer to the base first.
     pub ends: [Vector; 2],
-    /// Start of the piece, mm along the plate from its base.
+    /// Position along the plate at which the piece starts, mm from the base.
     pub from_mm: f64,
 }
 
 /// Bodies and springs of a finger; see the [module](super).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Assembly {
-    /// Bodies: first those of the key nodes, then those between segments.
+    /// Bodies of the key nodes, followed by the bodies between segments.
     pub bodies: Vec<Body>,
     /// Springs between the bodies.
     pub springs: Vec<Spring>,
     /// Body and arm of each key node, in the order of the nodes.
     pub key_nodes: Vec<Anchor>,
-    /// Pieces of the front plate from base to tip, each with the position of its end, mm.
+    /// Pieces of the front plate from base to tip, each with the position of its end along the plate, mm.
     front: Vec<(f64, FrontSpan)>,
     /// Properties of the segments' axial springs.
     axial: AxialSprings,
 }
 
 impl Assembly {
-    /// Divides a finger into segments of nearly equal length, `fineness` of them in a plate member of mean length.
+    /// Divides a finger into segments of nearly equal length; a plate member of mean length has `fineness` segments.
     ///
     /// # Errors
     /// [`LatticeError::NoSegments`] if `fineness` is 0, [`LatticeError::TooFine`] if there would be too many bodies.
@@ -92,7 +92,7 @@ impl Assembly {
         Ok(assembly)
     }
 
-    /// Adds a body at every key node. Key nodes at one point share a body, and so do the two rods of an undeformable rib.
+    /// Adds a body at every key node. Key nodes at the same point share a body, and so do the two rods of an undeformable rib.
     fn add_rods(&mut self, finger: &Finger) {
         let ribs = &finger.description().ribs;
         let welded = ribs.strip.is_none() && ribs.joints == Joints::Rigid;
@@ -164,7 +164,7 @@ impl Assembly {
                 let bar = Segment { ends, pinned: [true; 2], direction, length_mm: between.norm(), section };
                 self.springs.extend(bar.springs(self.axial));
             }
-            // An undeformable rib with rigid joints is part of its rods' body.
+            // An undeformable rib with rigid joints is part of its rods' common body.
             return;
         };
         let arm = direction * finger.description().rod_arm_mm;
@@ -179,7 +179,7 @@ impl Assembly {
         }
     }
 
-    /// Adds bodies on the straight line between two anchors, at the inner `borders` (mm along it). Returns the end anchors of each segment.
+    /// Adds bodies on the straight line between two anchors, at the inner `borders` (mm from the first anchor). Returns the end anchors of each segment.
     fn divide(&mut self, ends: [Anchor; 2], borders: &[f64]) -> Vec<[Anchor; 2]> {
         let [from, to] = ends.map(|end| self.bodies[end.body].position + end.arm);
         let (first, last) = (borders[0], borders[borders.len() - 1]);
@@ -193,7 +193,7 @@ impl Assembly {
         chain.windows(2).map(|pair| [pair[0], pair[1]]).collect()
     }
 
-    /// The surface of the front plate from base to tip, cut at the middles of its segments: one piece per body.
+    /// The middle line of the front plate from base to tip, cut at the middles of its segments, so that each body has one piece.
     pub fn front_pieces(&self) -> Vec<FrontPiece> {
         let mut pieces: Vec<FrontPiece> = Vec::new();
         let mut add = |from: Anchor, by: Vector, from_mm: f64| match pieces.last_mut() {
@@ -214,14 +214,14 @@ impl Assembly {
         pieces
     }
 
-    /// Distributes a load over the bodies that carry it.
+    /// Distributes a load over the bodies that carry it, one entry per body.
     ///
-    /// Between two bodies the plate bends as a cubic. Each body therefore takes the force with its cubic (Hermite) weight, at a lever along the
-    /// plate. The force's component along the plate has the same weights instead of linear ones. Up to a tenth of it then acts on the wrong end of
-    /// one segment; this changes that segment's axial strain only.
+    /// Between two bodies the plate bends as a cubic. Each of the two bodies therefore carries the share of the force given by its cubic (Hermite) shape
+    /// function, at a lever along the plate. The force component along the plate has the same shares, although linear ones would be exact. Up to a tenth of
+    /// this component then acts on the wrong end of one segment, which changes only that segment's axial strain.
     ///
     /// # Errors
-    /// [`LoadError`] if a node is missing or clamped, or a position is not on the front plate.
+    /// [`LoadError`] if a node does not exist or is clamped, or if a position is not on the front plate.
     pub fn body_loads(&self, finger: &Finger, load: &Load) -> Result<Vec<BodyLoad>, LoadError> {
         match *load {
             Load::Node { node, force, moment_nmm } => {
@@ -264,9 +264,9 @@ impl Assembly {
     }
 }
 
-/// Largest number of segments of a lattice, far above any useful number.
+/// A finger with more segments is rejected; the limit is far above any useful number.
 const MOST_SEGMENTS: f64 = 20_000.0;
-/// Axial rigidity of an undeformable hinged rib, relative to the stiffer plate's. Plates are much softer in bending, so the rib's own strain is
+/// Axial rigidity of an undeformable hinged rib, relative to that of the stiffer plate. Plates are much softer in bending, so the strain of the rib is
 /// negligible. A much stiffer rib would settle more slowly.
 const UNDEFORMABLE: f64 = 10.0;
 
@@ -276,7 +276,7 @@ fn undeformable_bar(finger: &Finger) -> Section {
     Section { axial_rigidity_n, bending_rigidity_nmm2: 0.0 }
 }
 
-/// Free lengths of all members, mm: back plate, front plate, ribs.
+/// Free lengths of all members, mm: those of the back plate, of the front plate, then of the ribs.
 fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
         let positions = finger.plate_positions_mm(plate);
@@ -297,16 +297,16 @@ fn mean_plate_member_mm(finger: &Finger) -> f64 {
     members_mm(finger).take(count).sum::<f64>() / count as f64
 }
 
-/// Number of segments of about `target_mm` in a member of `length_mm`; at least one.
+/// Number of segments, about `target_mm` long each, in a member of length `length_mm`; at least one.
 fn segments_of(length_mm: f64, target_mm: f64) -> usize {
     ((length_mm / target_mm).round() as usize).max(1)
 }
 
-/// Shortest piece that the end of a zone may cut off, relative to the segment length. A shorter piece would be too stiff to settle;
-/// the zone is then averaged over the segment.
+/// The end of a zone cuts a segment only if both pieces are at least this share of the segment length. A shorter piece would be too stiff to settle;
+/// the zone's modulus is then averaged over the segment.
 const SHORTEST_CUT: f64 = 0.25;
 
-/// Borders of a member's segments, mm: at the ends of zones, and between them at about `target_mm`.
+/// Positions of the segment ends of a member, mm: at the ends of zones, and between them at distances of about `target_mm`.
 fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64> {
     let mut ends: Vec<f64> = zones.iter().flat_map(|zone| [zone.from_mm, zone.to_mm]).collect();
     ends.sort_by(f64::total_cmp);
@@ -321,14 +321,14 @@ fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64>
     let mut borders = vec![from];
     for cut in cuts.windows(2) {
         let segments = segments_of(cut[1] - cut[0], target_mm);
-        // The last border equals the member's end exactly, so that a load at the tip finds a segment.
+        // The last position equals the member's end exactly, so that a load at the tip finds a segment.
         let within = (1..segments).map(|i| cut[0] + (cut[1] - cut[0]) * i as f64 / segments as f64);
         borders.extend(within.chain([cut[1]]));
     }
     borders
 }
 
-/// Section of a plate at `s_mm`, from its section at the base.
+/// Section of a plate at the position `s_mm`, given the section at the base.
 fn tapered(finger: &Finger, plate: Plate, of_base: Section, s_mm: f64) -> Section {
     let share = finger.thickness_mm(plate, s_mm) / finger.thickness_mm(plate, 0.0);
     Section {
@@ -337,7 +337,7 @@ fn tapered(finger: &Finger, plate: Plate, of_base: Section, s_mm: f64) -> Sectio
     }
 }
 
-/// Length-weighted mean of 1 / (product of the zones' modulus factors) between two positions of a plate, dimensionless.
+/// Length-weighted mean of 1 / modulus factor between two positions of a plate, dimensionless. The factors of overlapping zones are multiplied.
 fn mean_compliance(zones: &[&Zone], from_mm: f64, to_mm: f64) -> f64 {
     let mut cuts = vec![from_mm, to_mm];
     cuts.extend(zones.iter().flat_map(|zone| [zone.from_mm, zone.to_mm]).filter(|cut| (from_mm..to_mm).contains(cut)));

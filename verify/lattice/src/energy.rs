@@ -14,25 +14,25 @@ use nalgebra::{Matrix6, Rotation2, Vector6};
 /// Motion of a body from its undeformed pose.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BodyMotion {
-    /// Displacement of the centre, mm.
+    /// Displacement of the body's centre, mm.
     pub displacement: Vector,
-    /// Rotation, rad.
+    /// Rotation of the body, rad.
     pub rotation: f64,
 }
 
 impl BodyMotion {
-    /// Rotates a body-fixed vector, mm.
+    /// A body-fixed vector (mm) after the rotation.
     pub fn carried(&self, arm: Vector) -> Vector {
         Rotation2::new(self.rotation) * arm
     }
 
-    /// Displacement of the point at `arm` from the centre, mm; exact for small rotations, without cancellation.
+    /// Displacement of the point at `arm` from the centre, mm. Small rotations cause no cancellation.
     pub fn displacement_at(&self, arm: Vector) -> Vector {
         Moved::by(self).displacement_at(arm)
     }
 }
 
-/// A motion with precomputed sine and cosine, which many springs share.
+/// A motion with its sine and cosine, computed once for all springs of the body.
 #[derive(Debug, Clone, Copy)]
 struct Moved {
     displacement: Vector,
@@ -49,13 +49,13 @@ impl Moved {
         Moved { displacement, rotation, turn: Rotation2::new(rotation), versine: 2.0 * half * half }
     }
 
-    /// As [`BodyMotion::displacement_at`].
+    /// Displacement of the point at `arm` from the centre, mm, as of [`BodyMotion::displacement_at`].
     fn displacement_at(&self, arm: Vector) -> Vector {
         self.displacement + Vector::new(-arm.y, arm.x) * self.turn[(1, 0)] - arm * self.versine
     }
 }
 
-/// Deformation of a spring (mm or rad), with its first and second derivatives by x, y and rotation of both bodies.
+/// Deformation of a spring (mm or rad), with its first and second derivatives with respect to x, y and rotation of both bodies.
 struct Deformed {
     value: f64,
     gradient: Vector6<f64>,
@@ -75,11 +75,11 @@ impl Spring {
         let [first, second] = self.ends;
         let arms = [bodies[0].turn * first.arm, bodies[1].turn * second.arm];
         let moved = bodies[1].displacement_at(second.arm) - bodies[0].displacement_at(first.arm);
-        // Derivative of the product of a vector with d.
+        // First derivatives of d projected on the direction `along`.
         let d_by = |along: Vector| {
             Vector6::new(-along.x, -along.y, along.perp(&arms[0]), along.x, along.y, -along.perp(&arms[1]))
         };
-        // The second derivative of a rotated arm by the rotation is minus the arm.
+        // The second derivative of a rotated arm with respect to the rotation is minus the arm.
         let turned = |along: Vector, curvature: &mut Matrix6<f64>| {
             curvature[(2, 2)] += along.dot(&arms[0]);
             curvature[(5, 5)] -= along.dot(&arms[1]);
@@ -92,7 +92,7 @@ impl Spring {
                 let across = d_by(Vector::new(-along.y, along.x));
                 let mut curvature = outer(&across, &(across / distance));
                 turned(along, &mut curvature);
-                // |d| - |rest|, without cancellation between two nearly equal lengths.
+                // |d| - |rest| in a form that subtracts no nearly equal lengths.
                 let value = moved.dot(&(rest + d)) / (distance + rest.norm());
                 Deformed { value, gradient: d_by(along), curvature }
             }
@@ -120,14 +120,14 @@ impl Spring {
     }
 }
 
-/// Newton's method found no stable equilibrium beyond a fraction of the load.
+/// The point of a load path beyond which Newton's method finds no stable equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BranchEnd {
     /// Largest fraction of the load, 0 to 1, for which an equilibrium was found.
     pub converged_fraction: f64,
 }
 
-/// Energy of a lattice under dead loads, as a function of the motion of all bodies.
+/// Energy of a lattice under dead loads (constant in direction), as a function of the motion of all bodies.
 #[derive(Debug, Clone)]
 pub struct Energy<'a> {
     assembly: &'a Assembly,
@@ -136,10 +136,10 @@ pub struct Energy<'a> {
     count: usize,
 }
 
-/// Energy of a spring, with its derivatives by x, y and rotation of the first body, then of the second.
+/// Energy of a spring, with its derivatives with respect to x, y and rotation of the first body, then of the second.
 #[derive(Debug, Clone, Copy)]
 pub struct SpringEnergy {
-    /// Bodies at the two ends.
+    /// Bodies at the two ends of the spring.
     pub bodies: [BodyIndex; 2],
     /// Elastic energy, N mm.
     pub energy: f64,
@@ -149,29 +149,29 @@ pub struct SpringEnergy {
     pub curvature: Matrix6<f64>,
 }
 
-/// Energy with its gradient and second derivatives.
+/// Energy of a lattice with its gradient and second derivatives.
 #[derive(Debug, Clone)]
 pub struct Expansion {
     /// Elastic energy minus the work of the loads, N mm.
     pub energy: f64,
-    /// Derivatives by x, y and rotation of every free body: the unbalanced forces, N, and moments, N mm.
+    /// Derivatives with respect to x, y and rotation of every free body: the unbalanced forces, N, and moments, N mm.
     pub gradient: Vec<f64>,
-    /// Second derivatives as (row, column, value), lower triangle only; entries with equal indices add up. Units N/mm, N and N mm.
+    /// Second derivatives as (row, column, value), lower triangle only; entries with equal indices are added. Units N/mm, N and N mm.
     pub curvature: Vec<Triplet<usize, usize, f64>>,
 }
 
-/// Newton's method has converged when the energy gain of a step falls below this share of the largest gain. Convergence is quadratic, so a further
+/// Newton's method has converged if the energy gain of a step falls below this share of the largest gain. Convergence is quadratic, so a further
 /// step would gain nothing.
 const CONVERGED: f64 = 1e-16;
-/// Newton steps before the load increment is halved.
+/// Number of Newton steps after which the load increment is halved.
 const MOST_STEPS: usize = 30;
-/// Smallest load increment, as a share of the whole interval.
+/// The path ends if no load increment of at least this share of the whole interval is solved.
 const SMALLEST_PART: f64 = 1e-4;
-/// Largest rotation of a body in one load increment, rad. A larger one may mean a jump to another equilibrium, so the increment is halved.
+/// Largest rotation of a body in one load increment, rad. A larger rotation may be a jump to another equilibrium, so the increment is halved.
 const MOST_TURN: f64 = 0.6;
 
-/// Stiffness, relative to the median, above which a spring's force is lost in rounding. Positions of 150 mm are rounded by 1e-14 mm. The error is 2e-12 N
-/// at 240 N/mm, usual for a TPU finger, but 1e-4 N in the springs of a segment of 0.007 mm.
+/// A spring counts as rigid if its stiffness exceeds the median by this factor, because rounding then hides its force. Positions of 150 mm are rounded
+/// by 1e-14 mm. The error is 2e-12 N at 240 N/mm, usual for a TPU finger, but 1e-4 N in the springs of a segment of 0.007 mm.
 const STIFF: f64 = 1e4;
 
 /// Sparsity pattern and elimination order, shared by all second derivatives under the same loads.
@@ -187,7 +187,7 @@ impl Elimination {
         Some(Elimination { pattern, order })
     }
 
-    /// Cholesky factors; `None` if the second derivatives are not positive definite.
+    /// Cholesky factors; `None` if the matrix of second derivatives is not positive definite.
     fn factorised(&self, curvature: &[Triplet<usize, usize, f64>]) -> Option<Llt<usize, f64>> {
         let matrix = self.pattern.matrix(curvature)?;
         Llt::try_new_with_symbolic(self.order.clone(), matrix.as_ref(), Side::Lower).ok()
@@ -195,7 +195,7 @@ impl Elimination {
 }
 
 impl<'a> Energy<'a> {
-    /// Numbers the unknowns.
+    /// Numbers the unknowns of the free bodies.
     pub fn new(assembly: &'a Assembly) -> Energy<'a> {
         let mut unknowns = Vec::with_capacity(assembly.bodies.len());
         let mut count = 0;
@@ -232,7 +232,7 @@ impl<'a> Energy<'a> {
         })
     }
 
-    /// Expands the energy to second order about `motions`, under `factor` times the loads.
+    /// Expands the energy to second order about `motions`, under the loads times `factor`.
     pub fn expand(&self, motions: &[BodyMotion], loads: &[BodyLoad], factor: f64) -> Expansion {
         let mut expansion = Expansion { energy: 0.0, gradient: vec![0.0; self.count], curvature: Vec::new() };
         for SpringEnergy { bodies, energy, gradient, curvature } in self.springs(motions) {
@@ -264,12 +264,12 @@ impl<'a> Energy<'a> {
         expansion
     }
 
-    /// Force (N) and moment about the origin (N mm) of the springs on the clamped bodies.
+    /// Force (N) and moment about the origin (N mm) that the springs exert on the clamped bodies.
     pub fn on_clamps(&self, motions: &[BodyMotion]) -> (Vector, f64) {
         self.on_bodies(motions, &self.clamped())
     }
 
-    /// Force (N) and moment about the origin (N mm) of the springs on the bodies marked in `are_held`, exerted by the other bodies.
+    /// Force (N) and moment about the origin (N mm) that the springs of the other bodies exert on the bodies marked in `are_held`.
     pub fn on_bodies(&self, motions: &[BodyMotion], are_held: &[bool]) -> (Vector, f64) {
         let (mut force, mut moment) = (Vector::zeros(), 0.0);
         for spring in &self.assembly.springs {
@@ -289,8 +289,8 @@ impl<'a> Energy<'a> {
         self.unknowns.iter().map(Option::is_none).collect()
     }
 
-    /// Marks the clamped bodies, and those tied to them by springs so stiff that rounding hides the spring forces. At rest, the load on these bodies,
-    /// from the other bodies and from outside, equals the reaction of the clamps.
+    /// Marks the clamped bodies, and the bodies connected to them by springs so stiff that rounding hides the spring forces. At rest, the load on the
+    /// marked bodies, from the other bodies and from outside, equals the reaction of the clamps.
     pub fn stiff_base(&self) -> Vec<bool> {
         let is_translational = |spring: &&Spring| spring.deformation != Deformation::Turn;
         let springs: Vec<&Spring> = self.assembly.springs.iter().filter(is_translational).collect();
@@ -309,11 +309,11 @@ impl<'a> Energy<'a> {
         are_held
     }
 
-    /// Follows the equilibrium as the load factor grows from `from` to `to`. `motions` is the equilibrium at `from`, and is updated. Returns the number
-    /// of Newton steps.
+    /// Follows the equilibrium as the load factor changes from `from` to `to`. `motions` must be the equilibrium at `from`, and becomes that at `to`.
+    /// Returns the number of Newton steps.
     ///
     /// # Errors
-    /// [`BranchEnd`] if the path has no further stable equilibrium; `motions` is then the last one found.
+    /// [`BranchEnd`] if no further stable equilibrium is found; `motions` is then the last equilibrium on the path.
     pub fn follow(
         &self,
         motions: &mut Vec<BodyMotion>,

@@ -1,17 +1,17 @@
 //! A finger as a lattice of rigid bodies and springs: a second discretisation that verifies the beam solver.
 //!
 //! The lattice uses neither the elements nor the solver of the beam model. Its springs have the stiffnesses EA / l, 12 EI / l^3 and EI / l of the
-//! same sections. It therefore verifies solver and kinematics, but not the Euler-Bernoulli theory.
+//! beams' sections. It therefore verifies solver and kinematics, but not the Euler-Bernoulli theory.
 //!
-//! Plates and ribs are cut into short segments, with a rigid body between two segments and at every rod. Each segment becomes one axial spring and
-//! up to three bending springs ([`springs`]). The equilibrium is found twice: [`settling`] lets the bodies move in the physics engine rapier until
-//! they rest, and Newton's method minimises the springs' [`energy`]. The comparison separates errors of the lattice from those of settling.
+//! Plates and ribs are cut into short segments, with a rigid body between two segments and at every rod (junction). Each segment becomes one axial
+//! spring and up to three bending springs ([`springs`]). The equilibrium is found in two ways. [`settling`] lets the bodies move in the physics engine
+//! rapier until they rest; Newton's method minimises the springs' [`energy`]. The comparison separates errors of the lattice from those of settling.
 //!
-//! No parameter is fitted. For small displacements the lattice is exact at the key nodes, like a frame of slender beams. Its geometrically
-//! nonlinear error falls with the third to fourth power of the segment length.
+//! No parameter is fitted. For small displacements the displacements of the key nodes are exact, as in a frame of slender beams. The geometrically
+//! nonlinear error decreases with the third to fourth power of the segment length.
 //!
-//! The lattice supports every finger: rigid arms, zones, hinged ribs and undeformable ribs. An undeformable rib forms one body with its rods;
-//! between hinges it is a bar with ten times a plate's axial rigidity.
+//! The lattice supports every finger: rigid arms, zones, hinged ribs and undeformable ribs. An undeformable rib forms one body with its two rods. If the
+//! rib is hinged, it is a bar with ten times a plate's axial rigidity.
 //!
 //! [`grasp`] finds the equilibrium of two fingers with an object between them. [`pressing`] uses the same method for one finger and an object held
 //! by a hand; rapier verifies it ([`pressing::settled`]).
@@ -33,30 +33,30 @@ use finray_model::mesh::{FingerShape, Load, LoadError};
 use settling::{Dynamics, Settling};
 use springs::AxialSprings;
 
-/// Why a lattice cannot be built, or has no equilibrium.
+/// Reason why a lattice cannot be built or has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum LatticeError {
-    /// The fineness is zero.
-    #[error("a lattice has at least one segment a member")]
+    /// The requested number of segments per plate member is zero.
+    #[error("a lattice needs at least one segment per member")]
     NoSegments,
-    /// The lattice would have too many bodies.
-    #[error("a lattice of fineness {fineness} has too many bodies: use a coarser one")]
+    /// The fineness would give more bodies than are supported.
+    #[error("a lattice of fineness {fineness} would have too many bodies: choose a smaller fineness")]
     TooFine {
-        /// Requested segments per plate member of mean length.
+        /// Requested number of segments per plate member of mean length.
         fineness: usize,
     },
-    /// The load is not on the finger.
+    /// A load acts on a node or position that the finger does not have.
     #[error(transparent)]
     Load(#[from] LoadError),
     /// A load is infinite or not a number.
-    #[error("a load is not a finite number")]
+    #[error("expected finite loads, found a load that is infinite or not a number")]
     LoadNotFinite,
     /// The bodies still move after the largest number of steps.
     #[error(
         "the lattice has not settled after {steps} steps: its bodies still move by {residual:.1e} of the largest displacement"
     )]
     NotSettled {
-        /// Steps taken.
+        /// Number of time steps taken.
         steps: usize,
         /// Largest movement between the last two position checks, relative to the largest displacement; infinite before the second check.
         residual: f64,
@@ -75,13 +75,13 @@ pub enum LatticeError {
         "the finger does not hold the object against the force{}", touched_n.map_or(String::new(), |n| format!(": they last touched at {n:.3} N"))
     )]
     LetGo {
-        /// Force at which the object last touched the finger, N; `None` if it never did.
+        /// Force at which the object last touched the finger, N; `None` if the object never touched it.
         touched_n: Option<f64>,
     },
-    /// No equilibrium exists with the object at its prescribed position.
+    /// No equilibrium is found with the object at its prescribed position.
     #[error("no stable equilibrium of finger and object is found{}", if *is_folded { ": the finger folds" } else { "" })]
     NoContactEquilibrium {
-        /// Whether a part of the finger has rotated so far that it folds.
+        /// Whether a finger folds: one of its bodies has rotated too far.
         is_folded: bool,
     },
     /// Newton's method found no stable equilibrium on the way to the full load.
@@ -99,12 +99,12 @@ pub struct Lattice {
     assembly: Assembly,
 }
 
-/// A finger that has come to rest in the physics engine.
+/// State of a finger after it has come to rest in the physics engine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settled {
     /// Displacements and rotations of the key nodes.
     pub shape: FingerShape,
-    /// Steps taken.
+    /// Number of time steps taken.
     pub steps: usize,
     /// Largest movement of a body between the last two position checks, relative to the largest displacement.
     pub residual: f64,
@@ -137,7 +137,7 @@ impl Lattice {
         &self.assembly
     }
 
-    /// Lets the lattice settle in rapier under all loads at once. Equal loads give bit-identical results.
+    /// Lets the lattice come to rest in rapier under all loads at once. Equal loads give bit-identical results.
     ///
     /// # Errors
     /// [`LatticeError::NotSettled`] after [`settling::MOST_STEPS`] steps, [`LatticeError::Load`] or [`LatticeError::LoadNotFinite`] for a bad load.
@@ -145,7 +145,7 @@ impl Lattice {
         self.settle_as(loads, Settling::default())
     }
 
-    /// Lets the lattice settle as [`settle`](Lattice::settle) does, with other numbers of sweeps or steps, or another precision.
+    /// Lets the lattice come to rest as [`settle`](Lattice::settle) does, with other numbers of sweeps or steps, or another precision.
     ///
     /// # Errors
     /// As for [`settle`](Lattice::settle).
@@ -156,7 +156,7 @@ impl Lattice {
         Ok(Settled { shape: self.shape(&dynamics.motions()), steps: rest.steps, residual: rest.residual })
     }
 
-    /// Finds the stable equilibrium by Newton's method, followed from rest as the loads grow.
+    /// Stable equilibrium under the loads, found by Newton's method. It is followed from the undeformed state as the loads grow.
     ///
     /// # Errors
     /// [`LatticeError::NoEquilibrium`] if the path ends before the full load, [`LatticeError::Load`] or [`LatticeError::LoadNotFinite`] for a bad load.
@@ -167,8 +167,8 @@ impl Lattice {
         }
     }
 
-    /// Equilibria under increasing multiples `factors` of the loads, each followed from the one before. The second value says where the path ended, if
-    /// it did before the last factor.
+    /// Equilibria under the loads times each of `factors`, which must increase; each is followed from the previous one. If the path ends before the last
+    /// factor, the second value says where.
     ///
     /// # Errors
     /// [`LatticeError::Load`] or [`LatticeError::LoadNotFinite`] for a bad load.
@@ -200,7 +200,7 @@ impl Lattice {
         if shares.iter().all(finite) { Ok(shares) } else { Err(LatticeError::LoadNotFinite) }
     }
 
-    /// Displacements and rotations of the key nodes for given motions of all bodies.
+    /// Displacements and rotations of the key nodes that follow from the motions of all bodies.
     pub fn shape(&self, motions: &[BodyMotion]) -> FingerShape {
         FingerShape::new(&self.finger, |node| {
             let anchor = self.assembly.key_nodes[node.0 - 1];

@@ -1,10 +1,10 @@
-//! Simulates the lattice in the physics engine rapier until it comes to rest.
+//! Simulates the lattice in the physics engine rapier until all bodies rest.
 //!
-//! Only the rest position is meaningful: masses, time step and damping are chosen for fast convergence. In every step, rapier solves for the spring
-//! forces at the end of the step by sweeps over the springs (projected Gauss-Seidel). The mass of a body is dt^2 times its stiffness, divided by
-//! `SOFTNESS`. A sweep therefore reduces the error by the same share in every lattice.
+//! Only the position at rest is meaningful: masses, time step and damping are chosen for fast convergence. In every step, rapier solves for the spring
+//! forces at the end of the step, by sweeps over the springs (projected Gauss-Seidel). The mass of a body is dt^2 times its stiffness, divided by
+//! `SOFTNESS`. The error then decreases by the same factor per sweep in every lattice.
 //!
-//! Damping is kinetic: all bodies are stopped whenever the kinetic energy has passed a peak. The springs have no damping.
+//! Damping is kinetic: all bodies are stopped after each peak of the kinetic energy. The springs have no damping.
 //!
 //! Reference: Cundall, "Explicit finite-difference methods in geomechanics" (1976), for kinetic damping.
 
@@ -18,36 +18,36 @@ use rapier2d::prelude::{
     PhysicsWorld, Pose, RigidBodyBuilder, RigidBodyHandle, SpringJointBuilder, Vector as RapierVector,
 };
 
-/// Time step, s. Its size only scales the masses. It must not be 1: rapier then treats a motor without force limit as a rigid constraint and
+/// Time step, s. It only scales the masses. It must not be 1: rapier then treats a motor without force limit as a rigid constraint and
 /// subtracts it from the joint's other rows.
 const STEP_S: f64 = 0.5;
-/// Stiffness times dt^2 over mass, dimensionless. Larger values move bodies farther per step, but need more sweeps for the same error.
+/// Stiffness times dt^2 over mass, dimensionless. With a larger value bodies move farther per step, but need more sweeps for the same error.
 const SOFTNESS: f64 = 4.0;
-/// Sweeps per step. The force residual that remains shifts the rest position; more sweeps reduce the shift. Rapier's warm start of joints would not
-/// help. It applies the old impulse of each joint only when its turn comes, and a sweep forgets its initial values.
+/// Sweeps over the springs per step. The remaining force residual shifts the position at rest; more sweeps reduce the shift. Rapier's warm start of
+/// joints would not help. It applies a joint's old impulse only when the sweep reaches the joint, and a sweep does not depend on its initial values.
 pub const SWEEPS: usize = 32;
 
-/// Largest movement of a body, relative to the largest displacement, of a lattice at rest. It is measured over the duration of the slowest
-/// motion: `PATIENCE` times the steps to the first peak of the kinetic energy.
+/// The lattice counts as at rest if no body moves by more than this, relative to the largest displacement, during its slowest motion. The duration of that
+/// motion is `PATIENCE` times the number of steps to the first peak of the kinetic energy.
 pub const AT_REST: f64 = 2e-5;
-/// See [`AT_REST`]. The first peak comes a quarter of a period after the start.
+/// Duration of the slowest motion, in units of the time to the first peak of the kinetic energy. The peak comes a quarter of a period after the start.
 const PATIENCE: usize = 2;
 /// Smallest number of steps between two position checks.
 const SHORTEST_WATCH: usize = 20;
-/// Smallest displacement scale, relative to the finger's size. Rapier stores positions, whose rounding dominates smaller displacements.
+/// Smallest displacement scale for the test of rest, relative to the finger's size. Rounding of rapier's positions dominates smaller displacements.
 const RESOLUTION: f64 = 1e-9;
-/// Largest number of steps. With two segments per member the paper's finger needs 3000 steps and one of spring steel 22000; shorter segments need
-/// proportionally more.
+/// Settling fails after this number of steps. With two segments per member the paper's finger needs 3000 steps, a spring-steel finger 22000. Shorter
+/// segments need proportionally more.
 pub const MOST_STEPS: usize = 200_000;
 
-/// Settings of the settling. The defaults suffice to reach the minimum of the energy.
+/// Numerical settings of settling. With the defaults the minimum of the energy is reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settling {
-    /// Sweeps over the springs per step.
+    /// Number of solver sweeps over the springs per time step.
     pub sweeps: usize,
     /// Precision of the stored positions.
     pub positions: Precision,
-    /// Largest number of steps before settling fails.
+    /// Number of steps after which settling fails.
     pub most_steps: usize,
 }
 
@@ -60,7 +60,7 @@ impl Default for Settling {
 /// Precision of the bodies' positions and rotations between steps. All other numbers are in double precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
-    /// 64 bits.
+    /// Stored in 64 bits.
     Double,
     /// Rounded to 32 bits after each step.
     Single,
@@ -76,12 +76,12 @@ impl Precision {
     }
 }
 
-/// Result of settling.
+/// Result of settling: how many steps the bodies took to come to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rest {
-    /// Steps between two position checks.
+    /// Number of steps between two position checks.
     pub watch: usize,
-    /// Steps taken.
+    /// Number of time steps taken.
     pub steps: usize,
     /// Largest movement between the last two position checks, relative to the largest displacement.
     pub residual: f64,
@@ -94,7 +94,7 @@ pub(crate) struct Dynamics<'a> {
     pub(crate) world: PhysicsWorld,
     /// Handles of the lattice's bodies, in their order.
     pub(crate) handles: Vec<RigidBodyHandle>,
-    /// All moving bodies: the lattice's and others.
+    /// All moving bodies: those of the lattice, then others such as a pressed object.
     moving: Vec<Moving>,
     /// Precision of the stored positions.
     positions: Precision,
@@ -120,12 +120,12 @@ pub(crate) fn own(vector: RapierVector) -> Vector {
     Vector::new(vector.x, vector.y)
 }
 
-/// Mass of a body with the given stiffness (N/mm), so that it moves in step with the others.
+/// Mass of a body with the given stiffness (N/mm) for which it converges as fast as the lattice's bodies.
 pub(crate) fn mass_for(stiffness: f64) -> f64 {
     STEP_S * STEP_S * stiffness / SOFTNESS
 }
 
-/// Joint that acts like the spring: a motor with a force (not an acceleration) proportional to the deformation.
+/// A rapier joint that acts as the spring: a motor with a force, not an acceleration, proportional to the deformation.
 fn joint(spring: &Spring) -> GenericJoint {
     let [first, second] = spring.ends.map(|end| rapier(end.arm));
     let motor = |axis: JointAxis, angle: f64| {
@@ -149,7 +149,7 @@ fn joint(spring: &Spring) -> GenericJoint {
 }
 
 impl<'a> Dynamics<'a> {
-    /// Puts the lattice at rest into an empty world without gravity.
+    /// Puts the lattice, at rest and undeformed, into an empty rapier world without gravity.
     pub(crate) fn new(assembly: &'a Assembly) -> Dynamics<'a> {
         let mut world = PhysicsWorld::new();
         world.gravity = RapierVector::ZERO;
@@ -182,7 +182,7 @@ impl<'a> Dynamics<'a> {
         dynamics
     }
 
-    /// Sets the number of sweeps and the precision.
+    /// Sets the number of sweeps and the precision of the positions.
     pub(crate) fn settling_as(mut self, how: &Settling) -> Dynamics<'a> {
         self.world.integration_parameters.num_internal_pgs_iterations = how.sweeps;
         self.positions = how.positions;
@@ -249,7 +249,7 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// Puts the lattice's bodies, at rest, into the poses of the given motions.
+    /// Moves the lattice's bodies to the poses of the given motions, and sets their velocities to zero.
     pub(crate) fn place(&mut self, motions: &[BodyMotion]) {
         for ((handle, rest), motion) in self.handles.iter().zip(&self.assembly.bodies).zip(motions) {
             if !rest.fixed {
@@ -261,12 +261,12 @@ impl<'a> Dynamics<'a> {
         self.energy = 0.0;
     }
 
-    /// Displacement of every moving body, mm.
+    /// Displacement of every moving body from its initial position, mm.
     fn displacements(&self) -> Vec<RapierVector> {
         self.moving.iter().map(|moving| self.world.bodies[moving.handle].translation() - moving.start).collect()
     }
 
-    /// Motion of every body of the lattice from its undeformed pose; rotations lie within half a turn.
+    /// Motion of every body of the lattice from its undeformed pose. Rotations are between half a turn backwards and half a turn forwards.
     pub(crate) fn motions(&self) -> Vec<BodyMotion> {
         let motion = |(handle, rest): (&RigidBodyHandle, &super::bodies::Body)| {
             let body = &self.world.bodies[*handle];
@@ -287,7 +287,7 @@ impl<'a> Dynamics<'a> {
         peak_passed
     }
 
-    /// Advances until the lattice rests.
+    /// Simulates until the lattice rests.
     ///
     /// # Errors
     /// [`LatticeError::NotSettled`] with the last residual if the lattice still moves after `most_steps`.
@@ -299,7 +299,7 @@ impl<'a> Dynamics<'a> {
         self.watch(loads, (PATIENCE * steps).max(SHORTEST_WATCH), steps, most_steps)
     }
 
-    /// Advances from step `steps` until no body has moved during `watch` steps.
+    /// Simulates from step `steps` on, until no body has moved during `watch` steps.
     ///
     /// # Errors
     /// [`LatticeError::NotSettled`] with the last residual if bodies still move after `most_steps`.
@@ -331,8 +331,8 @@ impl<'a> Dynamics<'a> {
     }
 }
 
-/// Mass and moment of inertia of every body: dt^2 k / softness. The stiffness k is the diagonal entry of the undeformed lattice for the body's
-/// own motion.
+/// Mass and moment of inertia of every body: dt^2 k / softness. The stiffness k is the diagonal entry of the undeformed lattice's stiffness matrix for
+/// this motion of the body.
 fn inertia(assembly: &Assembly) -> Vec<(f64, f64)> {
     let energy = Energy::new(assembly);
     let at_rest = vec![BodyMotion::default(); assembly.bodies.len()];

@@ -1,4 +1,4 @@
-//! Contact surface of a lattice: a disc at every rod of the front plate, capsules between them.
+//! Contact surface of a lattice in rapier: a disc at every rod of the front plate, and capsules between the rods.
 
 use super::bodies::BodyLoad;
 use super::energy::{BodyMotion, Energy};
@@ -36,11 +36,11 @@ pub struct Touch {
     pub body: BodyIndex,
     /// Touched part of the finger.
     pub part: TouchedPart,
-    /// Whether the part is clamped, so that the force does not bend the finger.
+    /// Whether the touched part is clamped; the force then does not bend the finger.
     pub clamped: bool,
     /// Contact point, finger frame, deformed, mm.
     pub point: Vector,
-    /// Vector from the body's centre to the point, in the undeformed orientation of the body, mm.
+    /// Vector from the body's centre to the contact point, in the undeformed orientation of the body, mm.
     pub arm: Vector,
     /// Unit vector from the object into the finger, finger frame.
     pub normal: Vector,
@@ -50,11 +50,11 @@ pub struct Touch {
     pub overlap_mm: f64,
 }
 
-/// A collider of the finger.
+/// Part of the finger that a collider represents.
 #[derive(Clone, Copy)]
 pub(crate) enum Skin {
     Rod(NodeId),
-    /// Start of the piece along the plate (mm), and the same point relative to the body's centre (mm).
+    /// A piece of plate; fields give its start along the plate (mm), and the same point relative to the body's centre (mm).
     Plate {
         from_mm: f64,
         from_arm: Vector,
@@ -64,7 +64,7 @@ pub(crate) enum Skin {
 const FINGER: Group = Group::GROUP_1;
 const OBJECT: Group = Group::GROUP_2;
 
-/// Collision groups: the finger touches the object, but not itself.
+/// Collision groups of a collider. With them the finger touches the object, but not itself.
 fn groups(own: Group, other: Group) -> InteractionGroups {
     InteractionGroups::new(own, other, InteractionTestMode::And)
 }
@@ -74,7 +74,7 @@ pub(crate) fn groups_of_object() -> InteractionGroups {
     groups(OBJECT, FINGER)
 }
 
-/// Checks that the front plate has one thickness, so that its surface is parallel to its middle line.
+/// Checks that the front plate has constant thickness, so that its surface is parallel to its middle line.
 ///
 /// # Errors
 /// [`LatticeError::Tapered`] if the plate tapers.
@@ -82,7 +82,7 @@ pub(crate) fn require_one_thickness(lattice: &Lattice) -> Result<(), LatticeErro
     if lattice.finger().tapers(Plate::Front) { Err(LatticeError::Tapered) } else { Ok(()) }
 }
 
-/// Adds the contact surface to the world: a disc at every key node of the front plate, capsules between them.
+/// Adds the contact surface to the rapier world: a disc at every key node of the front plate, and capsules between them.
 pub(crate) fn add_skin(
     lattice: &Lattice,
     rod_radius_mm: f64,
@@ -121,8 +121,8 @@ pub(crate) fn add_skin(
 }
 
 impl Lattice {
-    /// Equilibrium under the fixed forces of given contacts, by Newton's method without contact, engine or object. Correct contact forces reproduce the
-    /// shape in which they were found.
+    /// Equilibrium under the forces of given contacts as fixed loads, by Newton's method. Contact, engine and object are not involved. Correct contact forces
+    /// yield the shape in which the contacts were found.
     ///
     /// # Errors
     /// [`LatticeError::NoEquilibrium`] if no stable equilibrium is found.

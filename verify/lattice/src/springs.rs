@@ -1,9 +1,9 @@
-//! Springs that represent a short beam segment between two rigid bodies.
+//! Springs that replace a short beam segment between two rigid bodies.
 
 use finray_model::Vector;
 use finray_model::frame::Section;
 
-/// Index of a body in a lattice, from 0.
+/// Index of a body in [`Assembly::bodies`](crate::bodies::Assembly::bodies), from 0.
 pub type BodyIndex = usize;
 
 /// A point fixed to a body.
@@ -16,7 +16,7 @@ pub struct Anchor {
 }
 
 impl Anchor {
-    /// The point shifted by `by` (mm, undeformed) on the same body.
+    /// The point on the same body, shifted by `by` (mm, in the undeformed finger frame).
     pub fn moved(self, by: Vector) -> Anchor {
         Anchor { arm: self.arm + by, ..self }
     }
@@ -30,7 +30,8 @@ pub enum Deformation {
         /// Vector from the first point to the second, undeformed, mm.
         rest: Vector,
     },
-    /// Displacement of the second point from the first, mm, normal to a direction that the first body carries. Undeformed, the points coincide.
+    /// Displacement of the second point relative to the first, mm, normal to a direction that rotates with the first body. Undeformed, the two points
+    /// coincide.
     Across {
         /// Unit vector of the direction, undeformed.
         direction: Vector,
@@ -39,45 +40,45 @@ pub enum Deformation {
     Turn,
 }
 
-/// A linear spring between two bodies with the energy stiffness / 2 * deformation^2.
+/// A linear spring between two bodies. Its energy is stiffness / 2 * deformation^2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring {
-    /// Its points on the two bodies.
+    /// Point of attachment on each of the two bodies.
     pub ends: [Anchor; 2],
     /// Deformation that the spring resists.
     pub deformation: Deformation,
-    /// Stiffness, N/mm; for a rotation N mm per rad.
+    /// Stiffness, N/mm; for a rotation in N mm per rad.
     pub stiffness: f64,
 }
 
-/// A straight segment of slender beam between two anchors.
+/// A straight piece of slender beam between two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// First and last point of the segment.
+    /// The two ends of the segment, as points fixed to their bodies.
     pub ends: [Anchor; 2],
-    /// Whether each end is hinged.
+    /// Whether each end is hinged, so that it transmits no moment.
     pub pinned: [bool; 2],
     /// Unit vector from the first end to the second, undeformed.
     pub direction: Vector,
     /// Length, mm.
     pub length_mm: f64,
-    /// Axial rigidity EA and bending rigidity EI.
+    /// Axial rigidity EA (N) and bending rigidity EI (N mm^2).
     pub section: Section,
 }
 
-/// Inset of the axial spring's points from each unpinned end, as a share of the segment length.
+/// Distance of the axial spring's points from the unpinned ends of a segment, as a share of the segment length.
 ///
 /// Bending brings the ends of a beam closer together without axial strain. If the ends rotate by -phi and phi against the chord, an arc of length l
-/// has the chord l (1 - phi^2 / 6). Two points carried by the ends at the inset c l have the distance l (1 - 2 c) + l (c - 1 / 6) phi^2. It is
-/// constant for c = 1 / 6. The same share holds for a segment with one pinned end.
+/// has the chord l (1 - phi^2 / 6). Consider two points at the distance c l from the ends that rotate with the ends. Their distance is
+/// l (1 - 2 c) + l (c - 1 / 6) phi^2, which is constant for c = 1 / 6. The same share holds for a segment with one pinned end.
 pub const AXIAL_INSET: f64 = 1.0 / 6.0;
 
-/// Axial springs of the segments. The default is that of a beam; other values serve to study their effect.
+/// Properties of the segments' axial springs. The default is that of a slender beam; studies use other values to show their effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxialSprings {
-    /// Inset of the spring's points from the segment ends, as a share of its length; see [`AXIAL_INSET`].
+    /// Distance of the spring's points from the segment ends, as a share of the segment length; see [`AXIAL_INSET`].
     pub inset: f64,
-    /// Stiffness in units of EA / l; 0 removes the springs' effect.
+    /// Stiffness in units of EA / l, dimensionless; 0 means that segments resist no extension.
     pub stiffness: f64,
 }
 
@@ -93,11 +94,12 @@ impl Default for AxialSprings {
 }
 
 impl Segment {
-    /// The springs of the segment, depending on its pins.
+    /// The springs of the segment; their number depends on which ends are pinned.
     ///
-    /// Between two clamped ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative
-    /// rotation of the ends, and `across` the gap at the middle if both halves stayed straight. Half of the gap's energy is measured in the direction
-    /// of each end, for symmetry. A segment with one pin is a cantilever, 3 EI / l^3, carried by the unpinned end. A segment with two pins is a bar.
+    /// Between two unpinned ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative
+    /// rotation of the ends, and `across` the gap at the middle if both halves stayed straight. For symmetry, half of the gap's energy is measured in
+    /// the direction of each end. A segment with one pin has the stiffness of a cantilever, 3 EI / l^3, at the unpinned end. A segment with two pins
+    /// has only the axial spring.
     pub fn springs(&self, axial: AxialSprings) -> Vec<Spring> {
         let length = self.length_mm;
         let bending = self.section.bending_rigidity_nmm2;

@@ -1,4 +1,4 @@
-//! First screen of the report: a gripper builder's questions, each answered in one line from the results.
+//! First screen of the report: five questions of a gripper builder, each answered in one line from the results.
 
 use super::format::capitalised;
 use super::maps::small;
@@ -10,10 +10,10 @@ use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGM
 use finray_studies::settings::{CAMERA_FRAME_S, TWO_FORCES_N};
 use minijinja::value::Serde;
 
-/// Regions of a finger with a smaller share of trusted cells are named.
+/// A region of the finger is named as weak if its share of trusted cells is below this.
 const MOSTLY: f64 = 0.9;
 
-/// The five answers; an answer without numbers for the scene is left out.
+/// The five answers; an answer is left out if the scene has no numbers for it.
 pub(super) fn answers(study: &Study) -> Result<Vec<Answer>, ReportError> {
     let situations = situations(study);
     let all = [
@@ -28,7 +28,7 @@ pub(super) fn answers(study: &Study) -> Result<Vec<Answer>, ReportError> {
     Ok(all.into_iter().filter_map(said).collect())
 }
 
-/// The assumptions behind the whole page.
+/// The assumptions that hold for the whole page.
 pub(super) fn caveat(study: &Study) -> Result<String, ReportError> {
     let finger = study.finger.description();
     let numbers = context! {
@@ -38,7 +38,7 @@ pub(super) fn caveat(study: &Study) -> Result<String, ReportError> {
     Ok(say("answers.caveat", Some(numbers))?.unwrap_or_default())
 }
 
-/// Trusted cells among those with an equilibrium in each situation, and the weakest regions in the first.
+/// Numbers of trusted cells and of cells with an equilibrium in each situation, and the weakest regions in the first situation.
 fn trusted(study: &Study, situations: &[Situation]) -> Option<Value> {
     let [first, others @ ..] = situations else { return None };
     let counts = |situation: &Situation| {
@@ -56,7 +56,7 @@ fn trusted(study: &Study, situations: &[Situation]) -> Option<Value> {
     })
 }
 
-/// A region of the finger: its name, and a test by position over the plate's length and direction in degrees.
+/// A region of the finger: its name, and whether it contains a position (share of the plate length) and direction (degrees).
 type Region = (&'static str, fn(f64, f64) -> bool);
 
 /// The two regions with the smallest trusted shares, smallest first.
@@ -74,7 +74,7 @@ fn weak_regions(study: &Study, situation: &Situation) -> Vec<Value> {
     weak.into_iter().take(2).map(|(share, name)| context! { share, name }).collect()
 }
 
-/// The main cause of failure in each situation.
+/// The main cause of the failing cells in each situation.
 fn why_not(study: &Study, situations: &[Situation]) -> Option<Value> {
     let [known, others @ ..] = situations else { return None };
     let is_wrong = |cell: &&MapCell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
@@ -101,14 +101,14 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<Value> {
     })
 }
 
-/// The recommended estimator, with its error and time.
+/// The recommended estimator, with its mean error and its time.
 fn use_what(study: &Study) -> Result<Option<String>, ReportError> {
     let Some(way) = recommended(&study.speed_error) else {
         let numbers =
             context! { forces_n => study.checked_forces().scaled(TWO_FORCES_N), sigmas => LARGEST_BIAS_SIGMAS };
         return say("answers.no_setting", (!ways(&study.speed_error).is_empty()).then_some(numbers));
     };
-    // Time without a previous answer, if that differs.
+    // Time without a previous answer to start from, if it was measured separately.
     let slowest = way.cold.unwrap_or(way.one);
     let numbers = context! {
         estimator => way.one.estimator.map_or(way.one.model.as_str(), |estimator| estimator.label()),
@@ -125,13 +125,13 @@ fn use_what(study: &Study) -> Result<Option<String>, ReportError> {
     say("answers.setting", Some(numbers))
 }
 
-/// Share of the cells in which linear sensing is trusted.
+/// Share of the cells in which least squares is trusted.
 fn linear(study: &Study) -> Option<f64> {
     let map = small(study, TruthId::Corotational, EstimatorId::LeastSquares, study.noise_mm > 0.0)?;
     TrustCounts::of(&map.worst()).share()
 }
 
-/// Coverage of the stated intervals, for the uniform finger and the softer one.
+/// Coverage of the stated intervals, on the uniform finger and on the finger with softer ends.
 fn how_sure(study: &Study) -> Option<Value> {
     let of = |truth| {
         let row = study.coverage.iter().find(|row| row.truth == truth && row.estimator == EstimatorId::Nonlinear)?;
@@ -142,7 +142,7 @@ fn how_sure(study: &Study) -> Option<Value> {
     Some(context! { known => of(TruthId::Corotational)?, softer => of(TruthId::Twin) })
 }
 
-/// Results of verification, and where the beam model exceeds its limits.
+/// Numbers of passed checks, and the limits of the beam model that the drawn shapes exceed.
 fn physics(study: &Study) -> Value {
     let counts = checks::counted(study).into_iter();
     let counts =

@@ -1,4 +1,4 @@
-//! From camera to force: effect of each camera property on the marker position, mm, and on the force.
+//! From camera to force: effect of each camera condition on the marker positions, mm, and on the sensed force.
 
 use super::format::percent_two_digits;
 use crate::prelude::*;
@@ -36,7 +36,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let asked = [None, Some(100.0 * ASKED_ERROR)];
     for (((title, axis, of), papers), asked) in drawings.into_iter().zip(papers).zip(asked) {
         if let Some(svg) = drawing(camera, (title, axis), of, papers, asked)? {
-            let caption = format!("{title}, a row a condition of the camera.");
+            let caption = format!("{title}, one row per condition of the camera.");
             blocks.push(Block::Figure(Figure::narrow(svg, caption, CSV)));
         }
     }
@@ -69,15 +69,15 @@ fn setting(row: &CameraRow) -> String {
     if row.is_rest_seen { format!("{}, image at rest", row.setting) } else { row.setting.to_owned() }
 }
 
-/// A numeric column of the table.
+/// Reads a numeric column of the table from a row.
 type CameraQuantity = fn(&CameraRow) -> Option<f64>;
 
-/// Label of a row in a drawing; conditions that differ only in the reference of their displacements share a row.
+/// Label of a row of the drawing. Conditions that differ only in the reference of their displacements share a row.
 fn line(row: &CameraRow) -> String {
     if row.item == AS_IT_IS { row.item.to_owned() } else { format!("{}: {}", row.item, row.setting) }
 }
 
-/// Errors row by row, with the paper's camera last; `None` if no error can be drawn on a logarithmic axis.
+/// Chart of the errors, one row per condition, the paper's camera last. `None` if no error can be drawn on a logarithmic axis.
 fn drawing(
     camera: &CameraStudy,
     (title, axis): (&str, &str),
@@ -85,14 +85,14 @@ fn drawing(
     papers: Option<f64>,
     asked: Option<f64>,
 ) -> Result<Option<String>, FigureError> {
-    // Conditions that vary the same property stay together.
+    // Rows are sorted so that conditions that vary the same property are adjacent.
     let first = |item: &str| camera.rows.iter().position(|row| row.item == item);
     let mut rows: Vec<&CameraRow> = camera.rows.iter().collect();
     rows.sort_by_key(|row| first(row.item));
     let mut lines: Vec<String> = rows.into_iter().map(line).collect();
     lines.dedup();
     lines.push("the paper's camera".to_owned());
-    // Rows are counted from the top.
+    // Position of a row on the axis, which counts from the bottom.
     let at = |name: &str| (lines.len() - 1 - lines.iter().position(|other| other == name).unwrap_or(0)) as f64;
     let points = |is_rest_seen: bool| -> Vec<Point> {
         let rows = camera.rows.iter().filter(|row| row.is_rest_seen == is_rest_seen);
@@ -116,13 +116,13 @@ fn drawing(
     }
     let [low, high] = [-0.5, lines.len() as f64 - 0.5];
     series.extend(asked.map(|asked| Series::guide(format!("{asked} %"), vec![[asked, low], [asked, high]])));
-    let alt = format!("{title} on a logarithmic axis, a row a condition of the camera");
+    let alt = format!("{title} on a logarithmic axis, one row per condition of the camera");
     let frame = Frame::half(title, alt).with_plot_height(LINE_PX * lines.len() as f64);
     lines.reverse();
     Chart::new(frame, [Axis::log(axis), Axis::categories("", lines)], series).svg().map(Some)
 }
 
-/// The camera's accuracy, the accuracy needed, and the costliest property.
+/// Numbers for the sentence on the camera's accuracy, the required accuracy, and the condition with the largest error.
 fn in_words(camera: &CameraStudy) -> Option<Value> {
     let row = camera.as_it_is()?;
     let worst = camera.worst()?;

@@ -1,4 +1,4 @@
-//! Causes of sensing errors: maps of the largest cause, the cost of each along the finger, and remedies.
+//! Causes of sensing errors: maps of the largest cause, the error due to each cause along the finger, and remedies.
 
 mod drawings;
 mod rows;
@@ -13,14 +13,14 @@ use finray_studies::experiments::causes::{
 };
 
 const CSV: &str = "causes.csv";
-/// Number of maps of the largest cause: least squares with known and with assumed contact.
+/// Number of maps of the largest cause: one of least squares with known contact, one with assumed contact.
 const DRAWN: usize = 2;
-/// The scene's finger among the models of the true finger.
+/// The true finger that equals the scene's.
 const OWN: TruthId = TruthId::Corotational;
-/// The finger fitted to the paper's Table I.
+/// The true finger that was fitted to the paper's Table I.
 const FITTED: TruthId = TruthId::Twin;
 
-/// Regions in which the nonlinear estimator fails along the normal, with the largest cause in each.
+/// Text that names the regions in which the nonlinear estimator fails for forces along the normal, with the largest cause in each.
 pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
     let map = find(study, truth, Practice::Nonlinear, contact)?;
     let force_n = study.forces.drawn_n();
@@ -41,7 +41,7 @@ pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactK
     })
 }
 
-/// A cause as part of a sentence.
+/// A cause as the end of a sentence.
 fn because(cause: Cause) -> &'static str {
     match cause {
         Cause::Noise => "because of noise",
@@ -86,22 +86,22 @@ fn find(study: &Study, truth: TruthId, practice: Practice, contact: ContactKnowl
     study.causes.iter().find(is)
 }
 
-/// All maps, those of the scene's finger first.
+/// All maps; those of the scene's finger come first.
 fn own_first(study: &Study) -> impl Iterator<Item = &CauseMap> {
     let (own, others): (Vec<_>, Vec<_>) = study.causes.iter().partition(|map| map.truth == OWN);
     own.into_iter().chain(others)
 }
 
-/// The maps over position and direction, those of the scene's finger first.
+/// The maps that have every position and direction; those of the scene's finger come first.
 fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
     own_first(study).filter(|map| map.request.angles_deg.len() > 1)
 }
 
-/// Name of the map's estimator as part of a sentence.
+/// Name of a map's estimator as part of a sentence.
 pub(super) fn estimator_in_words(map: &CauseMap) -> &'static str {
     match map.practice {
         Practice::LeastSquares => "least squares",
-        Practice::Nonlinear => "nonlinear, an element a member",
+        Practice::Nonlinear => "nonlinear, one element per member",
         Practice::Network => "network",
     }
 }
@@ -110,7 +110,7 @@ fn practice_in_words(map: &CauseMap) -> String {
     format!("{}, contact {}", estimator_in_words(map), map.contact.name())
 }
 
-/// The largest cause in each region.
+/// Table of the largest cause in each region.
 fn by_region(study: &Study) -> Table {
     let force_n = study.forces.drawn_n();
     let cell = move |map: &CauseMap, region: Region| {
@@ -119,7 +119,7 @@ fn by_region(study: &Study) -> Table {
         };
         let why = match shares.largest() {
             Some(largest) => format!("{}, {}", largest.cause.name(), shares.without(&largest)),
-            None => "each hides others".to_owned(),
+            None => "causes cancel each other".to_owned(),
         };
         let refused = match shares.cells - shares.answered {
             0 => String::new(),
@@ -143,7 +143,7 @@ fn by_region(study: &Study) -> Table {
         )
 }
 
-/// Contact nodes with their cells under several forces along the normal.
+/// Contact nodes, each with its cells for forces along the normal.
 fn at_nodes<'s>(study: &'s Study, map: &'s CauseMap) -> impl Iterator<Item = (NodeId, &'s CauseCell)> {
     let finger = &study.finger;
     let nodes = finger.contact_nodes().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
@@ -153,7 +153,7 @@ fn at_nodes<'s>(study: &'s Study, map: &'s CauseMap) -> impl Iterator<Item = (No
     })
 }
 
-/// Errors at the nodes as remedies are applied one after the other.
+/// Table of the errors at the nodes as remedies are added one after the other.
 fn remedies(study: &Study) -> Option<Table> {
     let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed)?;
     let (rows, force_n) = (at_nodes(study, map), study.forces.drawn_n());

@@ -25,7 +25,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("checks", "Cross-checks", blocks).saying([in_words(study)])))
 }
 
-/// Files that contain each check with its numbers.
+/// Table of the files that contain each check with its numbers.
 fn files() -> Table {
     Columns::<[&str; 2]>::new()
         .cells(Column::words("file"), |[file, _]| Cell::file(*file))
@@ -40,7 +40,7 @@ fn files() -> Table {
         )
 }
 
-/// Number of passed checks: first against other programs, then by reference.
+/// Sentence with the numbers of passed checks by kind of reference, first those against other programs.
 fn in_words(study: &Study) -> String {
     let about = |against: Against| match against {
         Against::OtherPrograms => "external checks (figures of another program)",
@@ -58,12 +58,12 @@ pub(super) fn counted(study: &Study) -> Vec<Tally> {
     tallies(study.all_checks().collect::<Vec<_>>().into_iter())
 }
 
-/// Drawn for a disagreement of 0, which a logarithmic axis cannot show.
+/// A disagreement of 0 is drawn at this value, because a logarithmic axis has no 0.
 const LAST_BIT: f64 = f64::EPSILON;
-/// Row in which the residuals of the fit are drawn.
+/// Row of the figure for the residuals of the fit to the paper's Table I.
 const FITTED: &str = "the paper's Table I";
 
-/// Disagreement with each independent reference, one point per check; fitted residuals are separate.
+/// Figure of the relative disagreement with each independent reference, one point per check. Residuals of the fit have a separate row.
 fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     let mut found: Vec<(Kind, &str, f64)> =
         study.all_checks().filter_map(|check| Some((check.kind, &*check.source, check.disagreement?))).collect();
@@ -76,7 +76,7 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     if sources.is_empty() {
         return Ok(None);
     }
-    // Rows run from top to bottom.
+    // Reversed, because rows of a figure are numbered from the bottom.
     sources.reverse();
     let row = |of: &str| sources.iter().position(|source| *source == of).unwrap_or(0) as f64;
     let of_kind = |kind: Kind| {
@@ -93,7 +93,7 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     ];
     let frame = Frame::full(
         "Disagreement with each independent reference",
-        "Relative disagreement of every external and analytical check, a row a reference, on a logarithmic axis.",
+        "Relative disagreement of every external and analytical check, one row per reference, on a logarithmic axis.",
     );
     let height = 30.0 * sources.len() as f64;
     let svg = Chart::new(frame.with_plot_height(height), axes, series.collect()).svg()?;
@@ -102,7 +102,7 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     Ok(Some(Figure::wide(svg, caption, CSV)))
 }
 
-/// Summary of the checks: one row per reference, grouped by kind, with the smallest margin to its tolerance.
+/// Table of the checks: one row per reference, grouped by kind, with the largest difference relative to its tolerance.
 fn by_source(checks: &[&Check]) -> Table {
     type Source<'c> = (Kind, &'c str);
     let mut sources: Vec<Source> = Vec::new();

@@ -1,4 +1,4 @@
-//! The paper's claims and their verdicts.
+//! Statements of the paper that the report checks, and their verdicts.
 
 use crate::prelude::*;
 use finray_studies::claims::{Claim, ClaimVerdict};
@@ -32,7 +32,7 @@ pub fn verdict(verdict: ClaimVerdict) -> Cell {
     match verdict {
         ClaimVerdict::Reproduced => Cell::shaded(words, Shade::Pass),
         ClaimVerdict::Refuted | ClaimVerdict::NotReproduced => Cell::shaded(words, Shade::Fail),
-        // A result that holds only in simulation does not confirm a measurement.
+        // These results hold only in simulation, so they neither confirm nor refute a measurement.
         ClaimVerdict::InSimulation
         | ClaimVerdict::LessInSimulation
         | ClaimVerdict::Depends
@@ -40,7 +40,7 @@ pub fn verdict(verdict: ClaimVerdict) -> Cell {
     }
 }
 
-/// Number of claims by verdict.
+/// Sentence with the number of claims by verdict.
 pub fn counted(claims: &[Claim]) -> String {
     let counts = ClaimVerdict::ALL.map(|verdict| {
         let count = claims.iter().filter(|claim| claim.verdict == verdict).count();

@@ -17,14 +17,14 @@ const CSV: &str = "contact_scenes.csv";
 /// Length of the arrow of the largest force, as a share of the front plate's length.
 const LONGEST_ARROW: f64 = 0.2;
 
-/// A row of a scene, with the noise samples of its step and the index of its force among them.
+/// A row of a scene; with the noise samples of its step and the index of its force in them, if the force was sensed.
 type StepRow<'s> = (&'s SceneStudy, &'s ForceRow, Option<(&'s NoiseSamples, usize)>);
 
 fn rows(scene: &SceneStudy) -> impl Iterator<Item = StepRow<'_>> {
     let mut sensed = 0;
     scene.rows.iter().map(move |row| {
         let samples = scene.steps.get(row.step - 1).and_then(|studied| studied.samples.as_ref());
-        // A step has one row per contact, then the total, in the order of the samples; contacts on the clamp are not sensed.
+        // Rows and samples of a step have the same order: contacts, then the total. Contacts on clamped parts are not sensed.
         let which = sensed;
         sensed = match row.contact.as_str() {
             "total" => 0,
@@ -79,23 +79,23 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(section.saying(words::verdict(&study.contact_scenes)?)))
 }
 
-/// Data of a drawn press.
+/// Data for the drawing of a pressed object.
 pub struct DrawnPress<'p> {
     /// The pressed finger.
     pub finger: &'p Finger,
-    /// Name of the scene.
+    /// Name of the scene, for titles.
     pub name: &'p str,
-    /// Standard deviation of one coordinate of markers and outline points, mm.
+    /// Standard deviation of the noise in one coordinate of markers and outline points, mm.
     pub noise_mm: f64,
     /// Closed outline of the object, relative to its reference point, mm.
     pub outline: &'p [Vector],
     /// True and sensed forces of all steps, one row per contact.
     pub rows: &'p [ForceRow],
-    /// The last step, which the drawing shows.
+    /// The last step; the drawing shows it.
     pub last: &'p SceneStep,
 }
 
-/// Drawing of finger and object at the end of a press, and forces over the travel, on one sheet.
+/// Drawings on one sheet: finger and object in the last step, and forces over the travel.
 ///
 /// # Errors
 /// [`FigureError`] if there is nothing to draw.
@@ -131,7 +131,7 @@ fn drawing(press: &DrawnPress) -> Result<String, FigureError> {
     let outline = press.outline.iter().map(|corner| point(&(corner + pressed.object))).collect();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
     let largest_n = worst(last.contacts.iter().map(|seen| seen.force.norm()));
-    // Arrows of small forces keep a visible length.
+    // Arrow lengths have a lower limit, so that arrows of small forces stay visible.
     let length_mm = |force_n: f64| longest_mm * (0.3 + 0.7 * force_n / largest_n);
     let arrows = last.contacts.iter().map(|seen| {
         let foot = seen.point - seen.force.normalize() * length_mm(seen.force.norm());
@@ -148,7 +148,7 @@ fn drawing(press: &DrawnPress) -> Result<String, FigureError> {
     Chart::to_scale(Frame::half(press.name, alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
-/// One contact over the steps in which it exists: points of travel (mm) and force (N).
+/// Forces of one contact over the steps in which it exists: points of travel (mm) and force (N).
 #[derive(Default)]
 struct Course {
     truth: Vec<[f64; 2]>,
@@ -156,14 +156,14 @@ struct Course {
     intervals: Vec<[f64; 2]>,
 }
 
-/// The two nodes between which a position on the front plate lies.
+/// Text that names the two nodes between which the position `s_mm` on the front plate lies; empty if there are none.
 fn between(finger: &Finger, s_mm: f64) -> String {
     let (nodes, places) = (finger.plate_nodes(Plate::Front), finger.plate_positions_mm(Plate::Front));
     let after = places.iter().position(|place| *place > s_mm).filter(|after| *after > 0);
     after.map_or(String::new(), |after| format!(", nodes {} to {}", nodes[after - 1], nodes[after]))
 }
 
-/// True forces as lines and sensed forces as symbols, over the travel (mm); `None` for a press without forces.
+/// Chart over the travel (mm): true forces as lines, sensed forces as symbols. `None` for a press without forces.
 fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> {
     let series = courses(press.finger, press.rows);
     if series.is_empty() {
@@ -172,12 +172,12 @@ fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> 
     let title = format!("{}: true and sensed, {} mm noise", press.name, press.noise_mm);
     let frame = Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", press.name));
     let end_mm = press.rows.iter().map(|row| row.travel_mm).fold(0.0, f64::max);
-    // The axis extends beyond the last point, so that symbols stay clear of the frame.
+    // The axis extends beyond the last point, so that its symbol does not touch the edge of the plot.
     let axes = [Axis::linear("travel of the object, mm").within(0.0, 1.06 * end_mm), Axis::linear("force, N")];
     Ok(Some(Chart::new(frame, axes, series).svg()?))
 }
 
-/// True forces as lines and sensed forces as symbols, for each contact and for the total.
+/// Series of true forces (lines) and sensed forces (symbols), for each contact and for the total.
 fn courses(finger: &Finger, rows: &[ForceRow]) -> Vec<Series> {
     let mut courses: BTreeMap<(usize, String), Course> = BTreeMap::new();
     for row in rows {

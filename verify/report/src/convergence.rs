@@ -1,11 +1,11 @@
-//! Convergence of the mesh: table and figure.
+//! Error of the deformed shape by number of mesh nodes: table and figure.
 
 use super::format::{or_nothing, percent_two_digits};
 use crate::prelude::*;
 use finray_studies::experiments::convergence::{Convergence, MeshSize};
 
 const CSV: &str = "convergence.csv";
-/// Reference errors drawn as lines.
+/// Reference errors that the figure shows as horizontal lines, with their labels.
 const REFERENCES: [(f64, &str); 2] = [(0.01, "1 %"), (1e-4, "0.01 %")];
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -27,7 +27,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("convergence", "How fine a mesh must be", blocks)))
 }
 
-/// Error over number of nodes, one series per force.
+/// Error over number of mesh nodes, one series per force.
 fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
     let series = |(n, force_n): (usize, f64)| {
         let points = convergence.meshes.iter().enumerate().filter_map(|(mesh, size)| {
@@ -41,7 +41,7 @@ fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
 }
 
 fn drawing(series: Vec<Series>) -> Result<String, FigureError> {
-    let alt = "Worst error of the displacements by number of mesh nodes, a line a force, both axes logarithmic";
+    let alt = "Worst error of the displacements by number of mesh nodes, one line per force, both axes logarithmic";
     let frame = Frame::full("Error of the shape by mesh", alt).with_plot_height(300.0);
     let axes = [Axis::log("nodes of the mesh"), Axis::log("error / largest displacement").within(1e-9, 0.03)];
     Chart::new(frame, axes, series).compared(REFERENCES.map(|(value, label)| (value, label.to_owned()))).svg()
@@ -50,8 +50,8 @@ fn drawing(series: Vec<Series>) -> Result<String, FigureError> {
 fn mesh_name(mesh: &MeshSize) -> String {
     match mesh.elements_a_member {
         None => format!("{} nodes, equal elements", mesh.nodes),
-        Some(1) => format!("{} nodes, one a member", mesh.nodes),
-        Some(elements) => format!("{} nodes, {elements} a member", mesh.nodes),
+        Some(1) => format!("{} nodes, one element per member", mesh.nodes),
+        Some(elements) => format!("{} nodes, {elements} elements per member", mesh.nodes),
     }
 }
 
@@ -62,7 +62,7 @@ fn table(convergence: &Convergence) -> Table {
     for (mesh, size) in convergence.meshes.iter().enumerate() {
         lines.push((mesh_name(size), Box::new(move |force_n| percent(convergence.error(mesh, force_n)))));
     }
-    let left = "may be left".to_owned();
+    let left = "remaining error".to_owned();
     lines.push((left, Box::new(move |force_n| percent(convergence.left(force_n)))));
     let orders = |force_n| convergence.orders(force_n).map(|[low, high]| format!("{low:.1} to {high:.1}"));
     lines.push(("observed order".to_owned(), Box::new(orders)));
@@ -76,5 +76,5 @@ fn table(convergence: &Convergence) -> Table {
         .each(forces_n, |columns, force_n| {
             columns.page(format!("{force_n} N"), Format::Plain, move |(_, of)| or_nothing(of(force_n)))
         })
-        .table("Worst error; what may be left by Roache's grid convergence index", CSV, lines)
+        .table("Worst error; remaining error by Roache's grid convergence index", CSV, lines)
 }

@@ -1,6 +1,6 @@
-//! Numbers that appear as a table of the page, a CSV file and an array of `summary.json`: each column is defined once.
+//! Numbers that appear as a table of the page, a CSV file and an array of `summary.json`. Each column is defined once for all three.
 //!
-//! [`Columns`] define the key in files, and the heading and [`Format`] on the page. A [`Dataset`] adds the rows.
+//! [`Columns`] define the key in files, and the heading and [`Format`] on the page. A [`Dataset`] adds rows to the columns.
 
 mod value;
 
@@ -32,14 +32,14 @@ impl<'c, R: 'c> Columns<'c, R> {
         Self::default()
     }
 
-    /// Adds a column of the files: its key, which includes the unit, and its values.
+    /// Adds a column that only the files have: its key, which includes the unit, and its values.
     pub fn file<V: Into<Value>>(mut self, key: &'static str, of: impl Fn(&R) -> V + 'c) -> Self {
         let value = move |row: &R| of(row).into();
         self.0.push(Column { in_files: Some((key, Box::new(value))), on_page: None });
         self
     }
 
-    /// Adds a column of files and page.
+    /// Adds a column that both the files and the page have.
     pub fn both<V: Into<Value>>(
         self,
         key: &'static str,
@@ -50,23 +50,23 @@ impl<'c, R: 'c> Columns<'c, R> {
         self.file(key, of).page(heading, format, of)
     }
 
-    /// Adds a column of the page only.
+    /// Adds a column that only the page has.
     pub fn page<V: Into<Value>>(self, heading: impl Into<String>, format: Format, of: impl Fn(&R) -> V + 'c) -> Self {
         self.cells(heading_of(heading, format), move |row| format.cell(&of(row).into()))
     }
 
-    /// Adds a column of the page only, whose cells need more than a format.
+    /// Adds a column that only the page has, with a function that makes the cells.
     pub fn cells(mut self, heading: page::Column, of: impl Fn(&R) -> Cell + 'c) -> Self {
         self.0.push(Column { in_files: None, on_page: Some((heading, Box::new(of))) });
         self
     }
 
-    /// Adds one column for each of `things`, all made by `add`.
+    /// Adds one column for each of `things`; `add` makes the column.
     pub fn each<T>(self, things: impl IntoIterator<Item = T>, add: impl Fn(Self, T) -> Self) -> Self {
         things.into_iter().fold(self, add)
     }
 
-    /// The page's table of some rows; `csv` names the file with the same numbers.
+    /// The page's table with these rows; `csv` names the file with the same numbers.
     pub fn table(&self, caption: impl Into<String>, csv: &str, rows: impl IntoIterator<Item = R>) -> Table {
         let shown = || self.0.iter().filter_map(|column| column.on_page.as_ref());
         let rows = rows.into_iter().map(|row| shown().map(|(_, of)| of(&row)).collect());
@@ -83,7 +83,7 @@ fn heading_of(heading: impl Into<String>, format: Format) -> page::Column {
     page::Column { name: heading.into(), numeric: format != Format::Words }
 }
 
-/// Rows with a name.
+/// Rows under a common name, for the summary and a CSV file.
 pub struct Dataset<'s> {
     csv: String,
     rows: Box<dyn Rows + 's>,
@@ -99,13 +99,13 @@ enum GoesTo {
     SummaryAlone,
 }
 
-/// Rows that know their own formats.
+/// Rows that can write themselves as CSV and JSON.
 trait Rows {
     fn csv(&self) -> Result<String, csv::Error>;
     fn json(&self) -> Result<String, serde_json::Error>;
 }
 
-/// Rows that are serialised unchanged.
+/// Rows that are serialised by their own type.
 struct Records<T>(Vec<T>);
 
 impl<T: Serialize> Rows for Records<T> {
@@ -118,7 +118,7 @@ impl<T: Serialize> Rows for Records<T> {
     }
 }
 
-/// Values by row, with their keys.
+/// Rows of values, with the keys of their columns.
 struct Values {
     keys: Vec<&'static str>,
     rows: Vec<Vec<Value>>,
@@ -126,7 +126,7 @@ struct Values {
 
 impl Rows for Values {
     fn csv(&self) -> Result<String, csv::Error> {
-        // A list occupies a single field.
+        // A CSV file has a list in a single field.
         let flat = |value: &Value| match value {
             Value::List(_) => Value::Text(value.in_words()),
             other => other.clone(),
@@ -142,7 +142,7 @@ impl Rows for Values {
     }
 }
 
-/// A row as an object, in the order of its keys.
+/// A row as a JSON object, with the fields in the order of the keys.
 struct Fields<'v>(&'v [&'static str], &'v [Value]);
 
 impl Serialize for Fields<'_> {
@@ -152,7 +152,7 @@ impl Serialize for Fields<'_> {
 }
 
 impl<'s> Dataset<'s> {
-    /// Rows with columns, for the CSV file `csv` and the summary's array of the same name.
+    /// A dataset from columns and rows. `csv` names the CSV file; without its suffix it names the summary's array.
     pub fn new<R: 's>(csv: &str, columns: &Columns<'s, R>, rows: impl IntoIterator<Item = R>) -> Self {
         let rows: Vec<R> = rows.into_iter().collect();
         let in_files = || columns.0.iter().filter_map(|column| column.in_files.as_ref());
@@ -165,19 +165,19 @@ impl<'s> Dataset<'s> {
         Dataset { csv: csv.to_owned(), rows: Box::new(values), is_empty, table, goes_to: GoesTo::Both }
     }
 
-    /// As [`new`](Self::new), for rows that are serialised unchanged.
+    /// A dataset as of [`new`](Self::new), with rows that are serialised by their own type.
     pub fn records<T: Serialize + 's>(csv: &str, rows: impl IntoIterator<Item = T>) -> Self {
         let rows = Records(rows.into_iter().collect());
         let (csv, is_empty) = (csv.to_owned(), rows.0.is_empty());
         Dataset { csv, rows: Box::new(rows), is_empty, table: Table::default(), goes_to: GoesTo::Both }
     }
 
-    /// Writes the CSV file only, without the summary's array.
+    /// Restricts the dataset to its CSV file, without the summary's array.
     pub fn csv_alone(self) -> Self {
         Dataset { goes_to: GoesTo::CsvAlone, ..self }
     }
 
-    /// Writes the summary's array only, without a CSV file.
+    /// Restricts the dataset to the summary's array, without a CSV file.
     pub fn summary_alone(self) -> Self {
         Dataset { goes_to: GoesTo::SummaryAlone, ..self }
     }
@@ -187,7 +187,7 @@ impl<'s> Dataset<'s> {
         Table { caption: caption.into(), ..self.table }
     }
 
-    /// Name and text of the CSV file; `None` without rows.
+    /// Name and text of the CSV file; `None` if the dataset has no rows or no CSV file.
     pub fn csv(&self) -> Result<Option<(String, String)>, csv::Error> {
         if self.is_empty || self.goes_to == GoesTo::SummaryAlone {
             return Ok(None);
@@ -195,7 +195,7 @@ impl<'s> Dataset<'s> {
         Ok(Some((self.csv.clone(), self.rows.csv()?)))
     }
 
-    /// Key and JSON text of the summary's array, which may be empty; `None` for a dataset without an array.
+    /// Key and JSON text of the summary's array, which may be empty; `None` if the dataset has no array.
     pub fn json(&self) -> Result<Option<(&str, String)>, serde_json::Error> {
         if self.goes_to == GoesTo::CsvAlone {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! Forces of unknown direction: where they are identifiable.
+//! Forces of unknown direction: positions and directions at which they are identifiable.
 
 use super::drawings::{ALONG_THE_PLATE, percent_classes, percent_line, plate_map};
 use super::format::percent;
@@ -10,7 +10,7 @@ use finray_studies::experiments::direction::{
 const CSV: &str = "directions.csv";
 const FRICTIONLESS_CSV: &str = "directions_without_friction.csv";
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    // Errors are root mean squares. A cell has no samples if the finger has no equilibrium under its force.
+    // Errors are root mean squares. A cell has no samples if the finger has no equilibrium under the cell's force.
     let by_cell = Columns::<&DirectionCell>::new()
         .file("s_mm", |cell| cell.s_mm)
         .file("angle_deg", |cell| cell.angle_deg)
@@ -65,10 +65,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("directions", "Unknown directions", blocks)))
 }
 
-/// A quantity of a cell.
+/// Reads one quantity of a cell.
 type Quantity<'v> = &'v dyn Fn(&DirectionCell) -> Option<f64>;
 
-/// One quantity by position and direction.
+/// A map of one quantity by position and direction.
 struct DirectionMap<'v> {
     what: &'v str,
     missing: &'v str,
@@ -83,7 +83,7 @@ impl DirectionMap<'_> {
         places.dedup();
         let angles: Vec<f64> =
             cells.iter().take_while(|cell| Some(&cell.s_mm) == places.first()).map(|cell| cell.angle_deg).collect();
-        // Cells are ordered by position, then direction; rows of the map by direction, then position.
+        // Cells are ordered by position, then direction; the map needs rows by direction.
         let row = |angle| cells.iter().skip(angle).step_by(angles.len().max(1)).map(|cell| value(cell)).collect();
         let title = format!("{force_n} N");
         let frame = Frame::third(&title, format!("{title}: {what}, by position and true direction of the force."));
@@ -98,20 +98,20 @@ impl DirectionMap<'_> {
     }
 }
 
-/// Classes of the error of an identifiable direction, degrees.
+/// Colour classes of the error of a direction, degrees.
 fn degree_classes() -> Vec<Class> {
     let green = percent_classes().into_iter().take(3).zip([1.0, 3.0, IDENTIFIED_DEG]);
     green.map(|(class, up_to)| Class { up_to, label: format!("up to {up_to} deg"), ..class }).collect()
 }
 
-/// Cells in which force and direction are identifiable.
+/// Shares of the cells in which force and direction are identifiable, and positions where all or no directions are.
 fn where_identifiable(directions: &DirectionStudy) -> Option<Value> {
     let share = |force_n: &f64| match directions.identified(*force_n) {
         [_, 0] => None,
         [identified, all] => Some(context! { share => identified as f64 / all as f64, force_n => *force_n }),
     };
     let shares: Vec<Value> = directions.forces_n.iter().filter_map(share).collect();
-    // Positions at which every direction is identifiable under the largest force, and those at which none is.
+    // Under the largest force: positions at which every direction is identifiable, and positions at which none is.
     let largest_n = directions.forces_n[directions.forces_n.len() - 1];
     let carried = directions.cells.iter().filter(|cell| cell.force_n == largest_n && cell.answers.samples > 0);
     let carried: Vec<&DirectionCell> = carried.collect();
@@ -134,7 +134,7 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<Value> {
     is_known.then_some(numbers)
 }
 
-/// Gain from assuming the deformed normal instead of an unknown direction.
+/// Errors if the deformed normal is assumed, compared with an unknown direction.
 fn without_friction(directions: &DirectionStudy) -> Option<Value> {
     let [small_n, _, large_n] = directions.forces_n;
     let error = |assumed: Assumption, force_n: f64| {
@@ -156,7 +156,7 @@ fn without_friction(directions: &DirectionStudy) -> Option<Value> {
     })
 }
 
-/// Error of the force by position, one line per assumption.
+/// Chart of the error of the force by position, one line per assumed direction.
 fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figure, FigureError> {
     let series = Assumption::ALL.iter().enumerate().map(|(n, &assumed)| {
         let rows = directions.without_friction.iter().filter(|row| row.assumed == assumed && row.force_n == force_n);
@@ -174,7 +174,7 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
     let chart = Chart::new(Frame::half(title, alt), axes, series.collect());
     Ok(Figure::narrow(
         chart.compared([percent_line(100.0 * IDENTIFIED_FORCE)]).svg()?,
-        format!("{force_n} N along the deformed normal: error of the force by what is assumed of its direction."),
+        format!("{force_n} N along the deformed normal: error of the force by assumed direction."),
         FRICTIONLESS_CSV,
     ))
 }

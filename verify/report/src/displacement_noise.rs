@@ -1,4 +1,4 @@
-//! Effect of the reference positions of undeformed nodes on the bounds of sensing: a table.
+//! Table: effect of errors in the undeformed positions of the nodes on the Cramer-Rao bounds of sensed forces.
 
 use crate::prelude::*;
 use finray_studies::experiments::displacement_noise::{
@@ -11,7 +11,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     vec![Dataset::records(CSV, study.displacement_noise.iter().flat_map(|noise| &noise.rows))]
 }
 
-/// A set of contacts under each noise model: independent, two images, motor angle.
+/// Rows of one set of contacts, one per noise model: independent, two images, motor angle.
 type OfSet<'s> = &'s [DisplacementNoiseRow];
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
@@ -45,7 +45,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(section.saying(say("displacement_noise.says", in_words(noise))?)))
 }
 
-/// Increase of the bounds.
+/// Numbers for the sentence on the increase of the bounds.
 fn in_words(study: &DisplacementNoiseStudy) -> Option<Value> {
     let of = |name: &'static str| study.rows.iter().filter(move |row| row.noise == name);
     let worse = of("motor angle").zip(of("independent")).map(|(motor, alone)| motor.bound_n / alone.bound_n);

@@ -8,8 +8,8 @@ use finray_studies::experiments::table_one::TableOne;
 
 /// Limits of the two shades of the paper's Table I, %.
 pub(super) const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
-/// The palette of errors: largest error of each class, %, and its colour (red, green, blue). Two shades of green mean trusted; amber and red do not.
-/// Lightness falls on both sides of the threshold, so that the order survives colour blindness and grey print.
+/// Palette of errors: largest error of each class, %, and its colour (red, green, blue). Two shades of green mean trusted; amber and red do not.
+/// Lightness decreases on both sides of the 10 % threshold, so that colour-blind readers and grey prints show the order.
 const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
     (2.0, [0x1f, 0x8a, 0x57]),
     (5.0, [0x6c, 0xbf, 0x8b]),
@@ -19,7 +19,7 @@ const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
 ];
 /// Axis label of the position along the front plate, mm.
 pub(super) const ALONG_THE_PLATE: &str = "position along the front plate from the base, mm";
-/// Short axis label, for small plots.
+/// Short axis label of the position along the front plate, for small plots.
 const ALONG_IN_SHORT: &str = "position from the base, mm";
 /// Axis label of the force direction, degrees.
 pub(super) const DIRECTION_AXIS: &str = "force direction, deg from normal (+ to tip)";
@@ -28,17 +28,17 @@ pub(super) const ALONG_AXIS: &str = "base to tip, mm";
 /// Label of the finger frame's transverse axis, mm.
 pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 
-/// Ranks of cells without an error, after those of the classes.
+/// Ranks of cells without an error: refused, then without equilibrium. They follow the ranks of the error classes.
 const REFUSED: usize = ERROR_CLASSES.len();
 const NO_EQUILIBRIUM: usize = REFUSED + 1;
 
-/// Rank of an error (a share) among the classes.
+/// Index of the class to which an error (a share) belongs.
 pub(super) fn error_rank(error: f64) -> usize {
     let finite = &ERROR_CLASSES[..ERROR_CLASSES.len() - 1];
     finite.iter().take_while(|(up_to, _)| 100.0 * error > *up_to).count()
 }
 
-/// Rank of a cell by its state, and by its error if it was answered.
+/// Rank of a cell: by its error if the cell was answered, otherwise by its state.
 pub(super) fn rank_of(state: CellState, error: Option<f64>) -> usize {
     match (state, error) {
         (CellState::WithoutEquilibrium, _) => NO_EQUILIBRIUM,
@@ -76,20 +76,20 @@ pub(super) fn error_classes() -> Vec<Class> {
     all.enumerate().map(|(rank, class)| Class { up_to: rank as f64, ..class }).collect()
 }
 
-/// Cells of a map by direction, then position, from ranks by position, then direction.
+/// Cells of a map, one row per direction, from `ranks` that are ordered by position, then direction.
 pub(super) fn ranked(positions_mm: &[f64], angles_deg: &[f64], ranks: &[usize]) -> Cells {
     let of_angle =
         |angle: usize| ranks.iter().skip(angle).step_by(angles_deg.len()).map(|rank| Some(*rank as f64)).collect();
     Cells::new(positions_mm, angles_deg, (0..angles_deg.len()).map(of_angle).collect())
 }
 
-/// Cells of a map's errors under one force, or under the worst force of each cell.
+/// Cells of a map with their error under one force, or under the worst force of each cell.
 pub(super) fn error_cells(map: &AccuracyMap, force_n: Option<f64>) -> Cells {
     let ranks: Vec<usize> = map.worst_of(force_n).iter().map(|cell| rank_of(cell.state, cell.worst_error)).collect();
     ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks)
 }
 
-/// Combines drawings in rows of `columns`.
+/// Combines drawings into one, in rows of `columns` drawings.
 pub(super) fn side_by_side(drawings: &[String], columns: usize) -> String {
     let sizes: Vec<[f64; 2]> = drawings.iter().map(|svg| size(svg)).collect();
     let (mut top, mut width, mut inner) = (0.0_f64, 0.0_f64, String::new());
@@ -117,7 +117,7 @@ fn size(svg: &str) -> [f64; 2] {
     [numbers.next().unwrap_or(0.0), numbers.next().unwrap_or(0.0)]
 }
 
-/// The drawing as a separate file: dark ink on white instead of the page's colours.
+/// The drawing for a separate file: dark ink on white, instead of the page's colours.
 pub fn standalone(svg: &str) -> String {
     let head = svg.find('>').map_or(0, |end| end + 1);
     let (open, rest) = svg.split_at(head);
@@ -125,7 +125,7 @@ pub fn standalone(svg: &str) -> String {
     format!("{open}<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{rest}")
 }
 
-/// A vector as a point of a drawing, mm.
+/// Converts a vector to a point of a drawing, mm.
 pub(super) fn point(v: &Vector) -> [f64; 2] {
     [v.x, v.y]
 }
@@ -151,7 +151,7 @@ pub(super) fn plate_map(finger: &Finger, frame: Frame, classes: Vec<Class>, cell
     Map { top: Some(node_axis(finger)), ..Map::new(frame, [Axis::linear(ALONG_IN_SHORT), y], classes, cells) }
 }
 
-/// Small maps of ranked errors over the whole plate and all directions, with the names of columns and rows.
+/// Small maps of ranked errors over the whole plate and all directions; `columns` and `rows` name them.
 pub(super) fn small_maps(
     finger: &Finger,
     frame: Frame,
@@ -159,7 +159,7 @@ pub(super) fn small_maps(
     rows: Vec<(String, Vec<Option<Cells>>)>,
 ) -> Map {
     let (rows, plots): (Vec<String>, Vec<Vec<Option<Cells>>>) = rows.into_iter().unzip();
-    // No tick at the plate's end: its label would touch the first tick of the next plot.
+    // The plate's end has no tick, because its label would touch the first label of the next plot.
     let length_mm = finger.plate_length_mm(Plate::Front);
     let step_mm =
         [500.0, 200.0, 100.0, 50.0, 20.0, 10.0].into_iter().find(|step| 1.5 * step <= length_mm).unwrap_or(5.0);
@@ -171,14 +171,14 @@ pub(super) fn small_maps(
 
 /// Axis of node numbers along the front plate.
 fn node_axis(finger: &Finger) -> Axis {
-    // Evenly thinned, so that the numbers do not overlap.
+    // Every n-th node is numbered, so that the numbers do not overlap.
     let every = finger.contact_nodes().len().div_ceil(13);
     let marks = finger.contact_nodes().rev().step_by(every);
     Axis::linear("node")
         .named(marks.filter_map(|node| Some((finger.front_position_mm(node)?, node.to_string()))).collect())
 }
 
-/// A reference line at a percentage.
+/// A horizontal reference line at a value in percent, with its label.
 pub(super) fn percent_line(value: f64) -> (f64, String) {
     (value, format!("{value} %"))
 }
@@ -191,7 +191,7 @@ pub(super) fn at_rest(finger: &Finger) -> [Lines; 3] {
     })
 }
 
-/// The finger with its node numbers.
+/// Drawing of the finger with its node numbers.
 pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
     let finger = &study.finger;
     let [front, back, ribs] = at_rest(finger);
@@ -200,7 +200,7 @@ pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
         nodes.into_iter().map(|node| (point(&finger.position(node)), node.to_string())).unzip()
     };
     let free = (1..=finger.key_node_count()).map(NodeId).filter(|node| !clamps.contains(node)).collect();
-    // An arrow at the middle of the front plate shows the direction of angle 0.
+    // An arrow at the middle of the front plate shows the direction of a force at 0 degrees.
     let length = finger.plate_length_mm(Plate::Front);
     let middle = finger.plate_point(Plate::Front, 0.54 * length);
     let arrow = |angle_deg: f64, label: &str, hue| {
@@ -224,7 +224,7 @@ pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
     Chart::to_scale(Frame::full("Numbers of the key nodes", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
-/// The finger, undeformed and under load.
+/// Drawing of the finger, undeformed and under load.
 pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
     let finger = &study.finger;
     let mut series = Series::lines("at rest", at_rest(finger).concat(), Hue::Faint, 3.0);
@@ -256,7 +256,7 @@ pub(super) fn error_bars(label: impl Into<String>, hue: Hue, errors: impl IntoIt
     Bars { label: label.into(), hue, values: errors.into_iter().map(|error| error.map(percent)).collect() }
 }
 
-/// Table I as bars: the paper's mean errors and the computed ones.
+/// Chart of Table I: the paper's mean errors and the computed ones, as bars.
 pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
     let rows = tables.first().map_or(&[][..], |table| &table.rows[..]);
     let paper = error_bars("paper", Hue::Neutral, rows.iter().map(|row| Some(row.paper_mean_error)));

@@ -10,14 +10,14 @@ use finray_studies::settings::CAMERA_FRAME_S;
 const CSV: &str = "coverage.csv";
 const ESTIMATORS_CSV: &str = "estimators.csv";
 
-/// An estimator on the uniform finger.
+/// Results of one estimator on the uniform finger.
 struct Row<'s> {
     estimator: EstimatorId,
-    /// Trusted cells of its map with known contact.
+    /// Counts of trusted cells in the estimator's map with known contact.
     cells: Option<TrustCounts>,
-    /// Coverage of its intervals.
+    /// Coverage of the estimator's stated intervals.
     coverage: Option<&'s CoverageRow>,
-    /// Time to compute one force from an image's displacements, s.
+    /// Time to compute one force from the displacements in an image, s.
     seconds: Option<f64>,
 }
 
@@ -28,7 +28,7 @@ fn rows(study: &Study) -> impl Iterator<Item = Row<'_>> {
         best.or_else(|| of.min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))).map(|way| way.one.seconds)
     };
     EstimatorId::ALL.iter().map(move |&estimator| {
-        // The same cells as in the overview, so that shares do not differ by their grid.
+        // The overview shows the same cells, so both state the same shares.
         let map = small(study, TruthId::Corotational, estimator, study.noise_mm > 0.0);
         let of = |row: &&CoverageRow| row.truth == TruthId::Corotational && row.estimator == estimator;
         Row {
@@ -52,8 +52,10 @@ fn columns<'s>() -> Columns<'s, Row<'s>> {
         .page("estimator", Format::Words, |row| row.estimator.label())
         .page("within 10 %, share of cells", Format::Plain, cells)
         .page("answers without a warning", Format::Percent, |row| Some(row.coverage?.share_without_warning()))
-        .page("of these, 95 % interval holds in", Format::Percent, |row| row.coverage?.covered_without_warning)
-        .page("time a frame", Format::Plain, |row| row.seconds.map(time))
+        .page("of these: 95 % interval contains the force in", Format::Percent, |row| {
+            row.coverage?.covered_without_warning
+        })
+        .page("time per frame", Format::Plain, |row| row.seconds.map(time))
         .page("needs", Format::Words, |row| row.estimator.needs())
         .page("refuses", Format::Words, |row| row.estimator.refuses())
         .page("contacts never seen", Format::Words, |row| row.estimator.unseen_contacts())
@@ -78,7 +80,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ))
 }
 
-/// Fastest and slowest estimator, s; `None` if the slowest takes a tenth of a camera frame or more.
+/// Times of the fastest and the slowest estimator, s; `None` if the slowest takes a tenth of a camera frame or more.
 fn says(study: &Study) -> Option<Value> {
     let times: Vec<f64> = rows(study).filter_map(|row| row.seconds).collect();
     let [fastest, slowest] = [f64::min, f64::max].map(|of| times.iter().copied().reduce(of));
@@ -87,7 +89,7 @@ fn says(study: &Study) -> Option<Value> {
     (share < 0.1).then(|| context! { fastest, slowest, share, frame_ms => 1e3 * CAMERA_FRAME_S })
 }
 
-/// Coverage of the intervals by finger and estimator.
+/// Coverage of the stated intervals by true finger and estimator.
 fn intervals(study: &Study) -> Result<Vec<Block>, ReportError> {
     let of_samples = |row: &CoverageRow, count: usize| count as f64 / row.samples.max(1) as f64;
     let columns = Columns::<&CoverageRow>::new()

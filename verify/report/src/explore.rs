@@ -8,11 +8,11 @@ use finray_studies::experiments::contact_scene::contacts_sensed;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 use serde_json::{Value, json};
 
-/// The numbers as JSON without `<`, so that they can be embedded in the page.
+/// The data as JSON without `<`, so that it can be embedded in the page.
 pub(super) fn data(Results { study, .. }: Results) -> String {
     let finger = &study.finger;
     let noisy = study.noise_mm > 0.0;
-    // The recommended estimator comes first, as the initial choice.
+    // The recommended estimator is listed first, so that it is the initial choice.
     let mut estimators = EstimatorId::ALL.to_vec();
     estimators.sort_by_key(|estimator| !estimator.searches());
     let all = TruthId::ALL.iter().flat_map(|truth| estimators.iter().map(|estimator| (*truth, *estimator)));
@@ -47,7 +47,7 @@ fn point(at: &Vector) -> Value {
     json!([number(at.x), number(at.y)])
 }
 
-/// Key nodes in their order, then the joints of ribs on brackets.
+/// Points of the drawn finger: key nodes in their order, then the joints between ribs and brackets.
 fn drawn_points(finger: &Finger) -> Vec<FingerPoint> {
     let mut points: Vec<FingerPoint> =
         (1..=finger.key_node_count()).map(|node| FingerPoint::Node(NodeId(node))).collect();
@@ -97,7 +97,7 @@ fn of_causes(map: &CauseMap, force_n: f64, off: &str) -> Value {
     })
 }
 
-/// Mean errors of the single forces and of their sum, for the two estimators.
+/// Mean errors of the single forces and of their sum at two contacts, for both estimators.
 fn of_pair((nonlinear, linear): (&ScatterRow, &ScatterRow)) -> Value {
     let errors = |row: &ScatterRow| json!([row.mean_error().map(number), row.sum.map(|sum| number(sum.mean_error))]);
     let of = |row: &ScatterRow| (row.estimator.label().to_owned(), errors(row));
@@ -106,7 +106,7 @@ fn of_pair((nonlinear, linear): (&ScatterRow, &ScatterRow)) -> Value {
     Value::Object(pair)
 }
 
-/// The steps of a scene: true forces, and those sensed from one noise sample, along the measured normal.
+/// Steps of a pressed object: true forces, and forces sensed along the measured normal from one noise sample.
 fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
     let step = |studied: &StudiedStep| {
         let pressed = &studied.step.pressed;

@@ -1,4 +1,4 @@
-//! The finger: its numbered key nodes and its dimensions.
+//! The finger of the scene: a drawing with numbered key nodes, and its dimensions.
 
 use super::drawings;
 use crate::prelude::*;

@@ -65,17 +65,17 @@ pub fn error(share: f64) -> Cell {
     Cell { shade, ..Cell::plain(percent(share)) }
 }
 
-/// An error with the given text, shaded as [`error`] is.
+/// An error as text, with the colour that [`error`] gives the share.
 pub fn error_as(words: impl Into<String>, share: f64) -> Cell {
     Cell { text: words.into(), ..error(share) }
 }
 
-/// A number that may be missing.
+/// The value as text, or [`NOTHING`] if the value is missing.
 pub fn or_nothing(value: Option<impl ToString>) -> String {
     value.map_or_else(|| NOTHING.to_owned(), |value| value.to_string())
 }
 
-/// Whether a tolerance holds: the text `kept` in green or `broken` in red.
+/// Cell that says whether a tolerance holds: the text `kept` in green or `broken` in red.
 pub fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
     if holds { Cell::shaded(kept, Shade::Pass) } else { Cell::shaded(broken, Shade::Fail) }
 }
@@ -96,12 +96,12 @@ pub fn nodes_in_words(nodes: &[usize]) -> String {
     list(nodes, " and ")
 }
 
-/// Share of refused cases; `0` without cases.
+/// Share of refused cases over all rows; `0` if no case is refused.
 pub fn share_refused<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> String {
     share_of_counts(rows.into_iter().map(|row| [row.refused, row.cases]))
 }
 
-/// Share of refused cases, from pairs of refused and answered counts.
+/// Share of refused cases, from pairs of counts (refused, answered); `0` if no case is refused.
 pub fn share_of_counts(counts: impl Iterator<Item = [usize; 2]>) -> String {
     let [refused, answered] = counts.fold([0, 0], |[r, a], [refused, answered]| [r + refused, a + answered]);
     if refused == 0 { "0".to_owned() } else { percent(refused as f64 / (refused + answered) as f64) }

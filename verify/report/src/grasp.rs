@@ -16,7 +16,7 @@ use serde::Serialize;
 const CSV: &str = "grasp.csv";
 const SCENES_CSV: &str = "grasp_scenes.csv";
 
-/// First column of a row of forces.
+/// First column of a row of forces: the scene.
 #[derive(Serialize)]
 struct OfScene<'s> {
     scene: &'s str,
@@ -31,7 +31,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     vec![forces, Dataset::new(SCENES_CSV, &scenes(), &study.grasps), rates::dataset(study)]
 }
 
-/// Key figures of every grasp.
+/// Columns with the key figures of every grasp.
 fn scenes<'c>() -> Columns<'c, &'c GraspStudy> {
     let of = |within: usize, all: usize| format!("{within} of {all}");
     Columns::<&GraspStudy>::new()
@@ -86,14 +86,14 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(section.saying(say("grasp.verdict", Some(numbers))?)))
 }
 
-/// The whole grasp as an animated drawing.
+/// Animated drawing of the whole grasp.
 fn moving(grasp: &GraspStudy) -> Result<Block, ReportError> {
     let svg = grasp_animation_svg(&grasp.name, &grasp.scene, &grasp.steps)?;
-    let caption = "Every step of the grasp; in print, and where motion is not wanted, one of them.";
+    let caption = "Every step of the grasp. In print, or if the reader prefers no motion, one step.";
     Ok(Block::Figure(Figure::narrow(svg, caption, CSV)))
 }
 
-/// Drawings of a grasp: selected moments, and forces over the steps.
+/// Drawings of a grasp: selected steps, and forces over the steps.
 fn figures(grasp: &GraspStudy) -> Result<Block, ReportError> {
     let drawings = drawings(&grasp.name, &grasp.scene, &grasp.steps)?.into_iter();
     Ok(Block::Figures { figures: drawings.map(|it| Figure::narrow(it.svg, it.caption, CSV)).collect() })

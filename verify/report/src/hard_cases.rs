@@ -1,4 +1,4 @@
-//! Hard cases: checks at the limits of what can be computed, and their results.
+//! Hard cases: checks of fingers and loads at the limits of what can be computed, and their results.
 
 use super::format::{figure, verdict};
 use crate::prelude::*;
@@ -38,7 +38,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("hard-cases", "Hard cases", blocks).saying([in_words(&study.hard_cases)])))
 }
 
-/// Cases that fail a check.
+/// Sentence that counts the cases, or names those that fail a check.
 fn in_words(cases: &[HardCase]) -> String {
     let broken: Vec<&str> = cases.iter().filter(|case| !case.passes()).map(|case| case.case).collect();
     match &broken[..] {
@@ -47,7 +47,7 @@ fn in_words(cases: &[HardCase]) -> String {
     }
 }
 
-/// Results of a case: its text, then one line per number.
+/// Result of a case: its text, then one line per computed number.
 fn outcome(case: &HardCase) -> String {
     let mut lines = case.notes.clone();
     lines.extend(case.checks.iter().map(compared));
@@ -67,7 +67,7 @@ fn compared(check: &Check) -> String {
             _ => format!("{quantity}: {ours} of {reference}{broken}"),
         };
     }
-    // `{:?}` writes small numbers with a power of ten.
+    // The format `{:?}` writes small numbers with a power of ten.
     let limit = match reference {
         0.0 => format!("\u{2264} {tolerance:?}"),
         reference => format!("in {reference:?} \u{b1} {tolerance:?}"),
@@ -75,7 +75,7 @@ fn compared(check: &Check) -> String {
     format!("{quantity}: {} {limit} ({source}){broken}", figure(*ours))
 }
 
-/// Keeps powers of ten such as 1e-6 on one line.
+/// Replaces hyphens, so that a power of ten such as 1e-6 is not split between two lines.
 fn unbroken(words: &str) -> String {
     words.replace("e-", "e\u{2011}")
 }

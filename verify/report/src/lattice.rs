@@ -1,4 +1,4 @@
-//! The finger as rigid bodies and springs: its difference from beams, its assumptions, and sensing on it.
+//! The finger as rigid bodies and springs: its difference from beams, the choice of its springs, and sensing on it.
 
 pub mod words;
 
@@ -15,16 +15,16 @@ use finray_studies::problems::lattice::FINENESS;
 const CSV: &str = "lattice.csv";
 const AXIAL_CSV: &str = "lattice_axial_springs.csv";
 const SETTLING_CSV: &str = "lattice_settling.csv";
-/// Margin beside the first and the last point of the figure, as a factor on their position.
+/// Factor by which the figure's axis extends beyond the first and the last point.
 const BESIDE: f64 = 1.08;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     data(study.lattice.as_ref())
 }
 
-/// Errors and costs by fineness and force; the lattice with other axial springs; settings of settling.
+/// Datasets of the section: errors and times by fineness and force, results with other axial springs, and settings of settling.
 pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
-    // Errors are relative to the largest displacement: of the equilibrium from converged beams, and of the settled lattice from its equilibrium.
+    // Errors are relative to the largest displacement. Reference of the equilibrium: converged beams; of the settled lattice: its equilibrium.
     let fineness = Columns::<(&FinenessRow, usize)>::new()
         .file("segments_a_stretch", |(row, _)| row.fineness)
         .file("bodies", |(row, _)| row.bodies)
@@ -55,10 +55,10 @@ pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
     ]
 }
 
-/// Sweeps and precision of settling; no error if the lattice does not settle.
+/// Dataset of the settings of settling: sweeps and precision. The error is missing if the lattice does not settle.
 pub fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
     let columns = Columns::<&SettlingRow>::new()
-        .both("sweeps", "sweeps a step", Format::Plain, |row| row.sweeps)
+        .both("sweeps", "sweeps per step", Format::Plain, |row| row.sweeps)
         .both("positions", "precision", Format::Words, |row| match row.positions {
             Precision::Double => "double",
             Precision::Single => "single",
@@ -88,12 +88,12 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         )));
     }
     folded.extend(words::precision(lattice)?.map(text));
-    blocks.push(details("Which springs, and how they settle", folded));
+    blocks.push(details("Choice of springs, and settings of settling", folded));
     let section = Section::new("lattice", "Another discretisation: the spring lattice", blocks);
     Ok(Some(section.saying(words::verdict(lattice)?)))
 }
 
-/// Effect of the axial springs on the difference from beams.
+/// Table of the difference from beams for several choices of axial springs.
 pub fn axial(lattice: &LatticeStudy) -> Table {
     let cell = |row: &&AxialRow, force: usize| match &row.errors {
         Some(errors) => error_as(percent_two_digits(errors[force]), errors[force]),
@@ -105,7 +105,7 @@ pub fn axial(lattice: &LatticeStudy) -> Table {
             columns.cells(Column::numbers(format!("{force_n} N")), move |row| cell(row, i))
         })
         .table(
-            format!("Difference from converged beams, {FINENESS} segments a plate member"),
+            format!("Difference from converged beams, {FINENESS} segments per plate member"),
             AXIAL_CSV,
             &lattice.axial,
         )
@@ -120,7 +120,7 @@ fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportErr
     ))
 }
 
-/// Error of each estimator on the lattice, by position.
+/// Chart of each estimator's error on the lattice, by position.
 pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let force_n = lattice.sensing.largest_n();
     let title = format!("lattice truth, no noise, {force_n} N, worst direction");
@@ -132,7 +132,7 @@ pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
         };
         Series::nth(n, map.estimator.label(), map.request.positions_mm.iter().filter_map(worst).collect())
     });
-    let alt = format!("{title}: error of the sensed force by position, one line an estimator.");
+    let alt = format!("{title}: error of the sensed force by position, one line per estimator.");
     let axes = [Axis::linear(drawings::ALONG_THE_PLATE), Axis::log("error |sensed / true - 1|, %")];
     let series = series.filter(|series| !series.points.is_empty()).collect();
     Ok(Figure::narrow(
@@ -142,7 +142,7 @@ pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     ))
 }
 
-/// Difference over fineness, one series per force.
+/// Chart of the difference from beams over the fineness, one series per force.
 pub fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
     let forces_n = rows.first().map_or(&[][..], |row| &row.forces_n);
     let series: Vec<Series> = forces_n

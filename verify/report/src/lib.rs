@@ -1,4 +1,4 @@
-//! Turns a [`Study`] into page, figures, tables and a machine-readable summary. Nothing is computed here.
+//! Turns a [`Study`] into page, figures, tables and a machine-readable summary. Nothing is simulated here.
 #![forbid(unsafe_code)]
 
 mod answers;
@@ -50,39 +50,39 @@ use std::path::PathBuf;
 /// Version of finray that makes the report.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Why a report could not be made.
+/// Reason why a report cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A figure could not be drawn.
     #[error(transparent)]
     Figure(#[from] FigureError),
     /// The page could not be rendered.
-    #[error("page: {0}")]
+    #[error("cannot render the page: {0}")]
     Page(#[from] minijinja::Error),
-    /// The sentences of the page are not valid templates.
-    #[error("words of the page: {0}")]
+    /// The sentences in `words.toml` are not valid templates.
+    #[error("cannot read the sentences of the page: {0}")]
     Words(String),
     /// A table could not be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
     /// The summary could not be written.
-    #[error("summary: {0}")]
+    #[error("cannot write the summary: {0}")]
     Summary(#[from] serde_json::Error),
 }
 
-/// The results from which a report is made.
+/// The study and the claims from which a report is made.
 #[derive(Clone, Copy)]
 struct Results<'s> {
     study: &'s Study,
     claims: &'s [Claim],
 }
 
-/// A report, ready to be written.
+/// The files of a report, not yet written to disk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     /// Relative path and text of each file: `index.html`, `summary.json` and a CSV file behind every figure.
     pub files: Vec<(PathBuf, String)>,
-    /// Conclusions: the answers at the head of the page, then the statements of its sections.
+    /// Conclusions: the answers at the top of the page, then the conclusions of its sections.
     pub verdict: Vec<String>,
 }
 
@@ -106,7 +106,7 @@ pub fn report(study: &Study, claims: &[Claim]) -> Result<Report, ReportError> {
     Ok(Report { files, verdict })
 }
 
-/// `summary.json`: every number that the page shows. Arrays are written by their datasets.
+/// Text of `summary.json`, which has every number that the page shows. Each dataset writes its array.
 fn summary(scene: &str, verdict: &[String], data: &[Dataset]) -> Result<String, ReportError> {
     let mut fields = vec![
         ("scene", serde_json::to_string(scene)?),
@@ -116,7 +116,7 @@ fn summary(scene: &str, verdict: &[String], data: &[Dataset]) -> Result<String, 
     for dataset in data {
         fields.extend(dataset.json()?);
     }
-    // Line breaks in JSON text are layout only, so they can be indented.
+    // A line break in JSON text is never part of a value, so lines can be indented.
     let fields = fields.into_iter().map(|(key, text)| format!("  \"{key}\": {}", text.replace('\n', "\n  ")));
     Ok(format!("{{\n{}\n}}\n", fields.collect::<Vec<_>>().join(",\n")))
 }

@@ -1,4 +1,4 @@
-//! Where sensing fails: an overview of all truths and estimators, single maps, and their explanation.
+//! Maps of where sensing fails: an overview of all true fingers and estimators, single maps, and their explanation.
 
 pub mod drawings;
 mod tables;
@@ -12,7 +12,7 @@ use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 
 pub(super) use tables::map_csv_name;
 
-/// A map of the overview. A map on the fine grid is reduced to the coarse one to keep the page small.
+/// A map of the overview. It has only the cells of the coarse grid, to keep the page small.
 pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy: bool) -> Option<AccuracyMap> {
     let map = study.map_by(truth, estimator, noisy)?;
     let coarse = study.map_by(truth, EstimatorId::Ridge, noisy).map(|map| &map.request);
@@ -22,7 +22,7 @@ pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy
     })
 }
 
-/// A quantity of the explanations.
+/// Reads one explaining quantity of a cell.
 type ExplainedQuantity = fn(&Explanation) -> Option<f64>;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -36,7 +36,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.push(details("The same with ridge and the linear finger", vec![all]));
     blocks.push(details("Least squares and the nonlinear estimator in full", in_full(study)?));
     blocks.push(details("What limits any estimator", vec![Block::Figures { figures: drawings::explanations(study)? }]));
-    blocks.push(details("Every map in figures, with its cells", vec![Block::Table(tables::figures(study))]));
+    blocks.push(details("Key figures and cells of every map", vec![Block::Table(tables::figures(study))]));
     Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study)?)))
 }
 
@@ -49,14 +49,14 @@ fn overview(study: &Study, shown: MapFilter) -> Result<Figure, ReportError> {
     Ok(Figure::wide(drawings::overview(study, shown)?, caption, OVERVIEW_CSV))
 }
 
-/// The finest maps of the co-rotational finger, with their bias and scatter.
+/// Maps of the co-rotational finger on the finest grid, with their bias and scatter.
 fn in_full(study: &Study) -> Result<Vec<Block>, ReportError> {
     let noisy = study.noise_mm > 0.0;
     let maps = [EstimatorId::LeastSquares, EstimatorId::Nonlinear].into_iter();
     let maps = maps.filter_map(|estimator| study.map_by(TruthId::Corotational, estimator, noisy));
     let figure = |map: &AccuracyMap| -> Result<Figure, ReportError> {
         let samples =
-            if noisy { format!(", {} noise samples a cell", map.request.noise_samples) } else { String::new() };
+            if noisy { format!(", {} noise samples per cell", map.request.noise_samples) } else { String::new() };
         Ok(Figure::narrow(
             map_figure_svg(&study.finger, map, None)?,
             format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map)?),

@@ -1,4 +1,4 @@
-//! Forces sensed in images, compared with measured forces, and the residuals of the markers.
+//! Forces sensed in images, compared with measured forces, and residuals of the markers.
 
 pub mod picture;
 
@@ -10,10 +10,10 @@ use finray_studies::statistics::{mean, rms};
 
 const CSV: &str = "measured_forces.csv";
 const COVERAGE_CSV: &str = "measured_coverage.csv";
-/// Number of assumptions listed image by image: the measured direction and the friction of the scene.
+/// Number of cases that are listed image by image: with the measured direction, and with the friction of the scene.
 const OF_SCENE: usize = 2;
 const RESIDUALS_CSV: &str = "measured_residuals.csv";
-/// Length of the longest drawn residual, mm on the page; the others have the same scale.
+/// Length of the longest drawn residual, mm on the page; all residuals have the same magnification.
 const LONGEST_MM: f64 = 12.0;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -31,7 +31,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let captions = [
         ("Sensed against measured force, with 95 % intervals.", CSV),
         (
-            "Residual of each marker under the measured force, all images: from where it is seen to where the finger has it.",
+            "Residual of each marker under the measured force, all images: from its located position to its position on the finger.",
             RESIDUALS_CSV,
         ),
     ];
@@ -44,7 +44,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         let magnified = picture::magnified(&measured.pictures);
         let figure = |shown: &Picture| {
             let caption = format!(
-                "{}: residual of each marker, {magnified} times as long, from where it is seen (circle) to where the finger has it.",
+                "{}: residual of each marker, {magnified} times as long, from its located position (circle) to its position on the finger.",
                 shown.image
             );
             Figure::narrow(picture::svg(shown, magnified), caption, RESIDUALS_CSV)
@@ -52,7 +52,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         let figures = measured.pictures.iter().map(figure).collect();
         blocks.push(Block::Figures { figures });
     }
-    let caption = "Error of the force as a share of the measured one, by what is known: all that the scene has, and all but one thing";
+    let caption = "Error of the force relative to the measured force, by known quantities: all that the scene states, then all but one";
     let of_all = coverages(measured).into_iter().filter(|coverage| coverage.object.is_none());
     blocks.push(Block::Table(coverage_columns().table(caption, COVERAGE_CSV, of_all)));
     let by_object: Vec<Coverage> =
@@ -69,7 +69,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("measured", "Measured images", blocks).saying(says)))
 }
 
-/// Images sensed under one assumption, of one object or of all objects.
+/// Images sensed with the same knowledge of the contact, of one object or of all objects.
 struct Coverage<'s> {
     known: &'static str,
     object: Option<&'s str>,
@@ -87,7 +87,7 @@ impl Coverage<'_> {
     }
 }
 
-/// Coverage for each assumption: over all images, then for each object if objects are named.
+/// Coverage for each knowledge of the contact: over all images, then for each object if the file names objects.
 fn coverages(measured: &MeasuredStudy) -> Vec<Coverage<'_>> {
     let mut objects: Vec<&str> = Vec::new();
     for force in measured.forces.iter().filter(|force| !force.object.is_empty()) {
@@ -133,7 +133,7 @@ fn image_columns<'s>() -> Columns<'s, &'s MeasuredForce> {
         .page("z", Format::Fixed(2), |force| force.error_over_sigma)
 }
 
-/// Results with the scene's friction if it has one, otherwise with the measured direction.
+/// Numbers for the conclusion, with the scene's friction if it has one, otherwise with the measured direction.
 pub(super) fn in_words(measured: &MeasuredStudy) -> Option<Value> {
     let all = coverages(measured);
     let first = all.iter().find(|of| of.known.starts_with("friction") && of.object.is_none()).or(all.first())?;
@@ -148,7 +148,7 @@ pub(super) fn in_words(measured: &MeasuredStudy) -> Option<Value> {
 fn forces(measured: &MeasuredStudy) -> Result<Option<String>, FigureError> {
     let mut series = Vec::new();
     let mut largest = 0.0_f64;
-    // Assumptions that a scene provides; the table lists the others.
+    // Only the knowledge that a scene can provide is drawn; the table lists the rest.
     for (n, (known, forces)) in measured.by_knowledge().take(3).enumerate() {
         let answered = || forces.iter().filter_map(|force| Some((force.measured_n, force.sensed_n?, force.sigma_n?)));
         let points: Vec<Point> = answered().map(|(measured_n, sensed_n, _)| [measured_n, sensed_n]).collect();

@@ -1,4 +1,4 @@
-//! The shipped networks, their training, and the size that they need.
+//! The shipped networks, their training, and the network size that is needed.
 
 use super::format::{NOTHING, error_as, list, percent_with, share_refused, verdict};
 use super::trainings;
@@ -25,7 +25,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     std::iter::once(Dataset::new(CSV, &columns, rows)).chain(trainings::datasets(&study.records)).collect()
 }
 
-/// Scatter of the sum of several forces.
+/// Errors of the sum of several forces; `None` for a single force.
 fn sum(row: &ScatterRow) -> Option<&Scatter> {
     row.sum.as_ref().filter(|_| row.nodes.len() > 1)
 }
@@ -34,7 +34,7 @@ fn bound(scatter: &Scatter) -> Option<f64> {
     Some(scatter.bound?.mean_error_bound)
 }
 
-/// Share of all forces within 1.96 stated standard deviations.
+/// Share of all forces that lie within 1.96 stated standard deviations.
 fn coverage(row: &ScatterRow) -> Option<f64> {
     let shares: Option<Vec<f64>> = row.forces.iter().map(|force| Some(force.coverage?.two_sigma)).collect();
     mean(shares?)
@@ -52,9 +52,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok((!blocks.is_empty()).then(|| Section::new("networks", "The sensing network", blocks).saying(says)))
 }
 
-/// Distance of the networks' errors from the bound, and number of tolerances that hold.
+/// Numbers for the sentence on the networks' errors relative to the bound, and on the tolerances that hold.
 fn in_words(networks: &NetworkStudy) -> Option<Value> {
-    // As many digits as distinguish an error from its bound.
+    // Two decimals distinguish an error from its bound.
     let percent = |share| percent_with(share, 2);
     let errors = |forces: usize| {
         let of_so_many = networks.rows.iter().filter(|row| row.nodes.len() == forces);

@@ -15,7 +15,7 @@ pub const SCRIPT: &str = include_str!("explore/explore.js");
 /// Style sheet of the interactive section.
 pub const STYLE: &str = include_str!("explore/explore.css");
 
-/// A whole page.
+/// Content of the whole page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Page {
     /// Title of the page.
@@ -28,22 +28,22 @@ pub struct Page {
     pub caveat: String,
     /// Drawings beside and below the answers.
     pub lead: Vec<Figure>,
-    /// Text below these drawings.
+    /// Text below the drawings of `lead`.
     pub lead_caption: String,
     /// Data of the interactive section; `None` leaves the section out.
     pub explore: Option<String>,
     /// The results by question, in the order of the table of contents.
     pub questions: Vec<Question>,
-    /// Small print at the end.
+    /// Text in small print at the end of the page.
     pub footer: String,
 }
 
 /// A question with a short answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Answer {
-    /// The question.
+    /// Question in the reader's words.
     pub question: String,
-    /// The answer.
+    /// Short answer to the question.
     pub answer: String,
 }
 
@@ -94,11 +94,11 @@ pub enum Block {
     },
     /// A table.
     Table(Table),
-    /// Blocks shown on request, and in print.
+    /// Blocks that are shown if the reader opens them, and in print.
     Details {
-        /// The visible line.
+        /// Line that is visible before the reader opens the blocks.
         summary: String,
-        /// The hidden blocks.
+        /// Blocks that are hidden until the reader opens them.
         blocks: Vec<Block>,
     },
 }
@@ -180,7 +180,7 @@ pub fn text(paragraph: impl Into<String>) -> Block {
     Block::Text { paragraph: paragraph.into() }
 }
 
-/// Blocks below a line that opens them.
+/// Blocks that are hidden until the reader opens their summary line.
 pub fn details(summary: impl Into<String>, blocks: Vec<Block>) -> Block {
     Block::Details { summary: summary.into(), blocks }
 }
@@ -237,7 +237,7 @@ pub(super) fn about() -> BTreeMap<&'static str, &'static str> {
 pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    // Lines with only template instructions leave no empty line.
+    // With these settings, lines that have only template instructions leave no empty line.
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;

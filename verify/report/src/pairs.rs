@@ -1,4 +1,4 @@
-//! Two contacts at once: which pairs of nodes can be trusted, and why neighbours are difficult.
+//! Two contacts at once: pairs of nodes at which both forces can be trusted, and the reason why neighbours are difficult.
 
 use super::drawings::percent_classes;
 use super::format::{list, nodes_in_words, range_of};
@@ -33,7 +33,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     vec![Dataset::new(CSV, &columns, rows)]
 }
 
-/// Root mean square error over the Cramer-Rao bound, for the worse of the two forces.
+/// Root mean square error divided by the Cramer-Rao bound, for the force of the two with the larger ratio.
 fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
     row.forces.iter().filter_map(|force: &Scatter| Some(force.bound?.over_bound)).reduce(f64::max)
 }
@@ -64,7 +64,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("pairs", "Two contacts at once", blocks)))
 }
 
-/// One quantity of every pair, with the nonlinear estimator above the diagonal.
+/// Matrix of one quantity of every pair: the nonlinear estimator above the diagonal, least squares below it.
 fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option<f64>) -> Result<String, FigureError> {
     let mut nodes: Vec<usize> = noise.pairs.iter().flat_map(|row| row.nodes.clone()).collect();
     nodes.sort_unstable();
@@ -78,7 +78,7 @@ fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option
     };
     let names: Vec<String> = nodes.iter().map(ToString::to_string).collect();
     let at: Vec<f64> = (0..nodes.len()).map(|n| n as f64).collect();
-    // Rows run from top to bottom.
+    // Reversed, because rows of a map are numbered from the bottom.
     let down: Vec<f64> = at.iter().rev().copied().collect();
     let values = (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect();
     let cells = Cells::new(&at, &down, values);
@@ -94,7 +94,7 @@ fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option
     .svg()
 }
 
-/// A number short enough for a cell: 0.62, 2.4, 47.
+/// A number with two significant digits, to fit into a cell: 0.62, 2.4, 47.
 fn two_digits(value: f64) -> String {
     match value {
         value if value < 0.995 => format!("{value:.2}"),
@@ -103,7 +103,7 @@ fn two_digits(value: f64) -> String {
     }
 }
 
-/// Pairs that can be trusted.
+/// Numbers for the sentence on pairs that can be trusted.
 fn trusted(noise: &NoiseStudy) -> Option<Value> {
     let sums = |rows: &[ScatterRow]| Some(range_of(Span::of(rows.iter().filter_map(|row| Some(row.sum?.mean_error)))?));
     let bad = noise.pairs.iter().filter(|row| !row.is_within(TRUSTED_ERROR)).map(|row| nodes_in_words(&row.nodes));
@@ -118,10 +118,10 @@ fn trusted(noise: &NoiseStudy) -> Option<Value> {
     })
 }
 
-/// Cause of the large errors of neighbours.
+/// Numbers for the sentence on the errors of neighbouring nodes.
 fn neighbours(noise: &NoiseStudy) -> Option<Value> {
     let pairs = || noise.pairs.iter().zip(&noise.condition_numbers);
-    // Errors and condition numbers of pairs, by their distance in nodes.
+    // Errors and condition numbers of the pairs whose distance in nodes is `wanted`.
     let apart = |wanted: fn(usize) -> bool| {
         let of = pairs().filter(move |(row, _)| wanted(row.nodes[1] - row.nodes[0]));
         let errors = range_of(Span::of(of.clone().filter_map(|(row, _)| row.mean_error()))?);

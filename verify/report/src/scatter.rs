@@ -1,4 +1,4 @@
-//! Nonlinear sensing under camera noise, compared with the Cramer-Rao bound.
+//! Errors of the nonlinear estimator under camera noise, compared with the Cramer-Rao bound.
 
 use super::format::{list, nodes_in_words, range_of};
 use crate::prelude::*;
@@ -36,7 +36,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let [one_n, two_n] = [ONE_FORCE_N, TWO_FORCES_N].map(|range_n| study.checked_forces().scaled(range_n));
     let numbers = context! { one_n, two_n, cases };
     let mut blocks = vec![paragraph("noise.about", numbers)?];
-    // A node may have no force of the range under which the finger has an equilibrium.
+    // A row has no force if the finger has no equilibrium under any force of the range at this node.
     let first = |row: &ScatterRow| row.forces.first().copied();
     let single = Columns::<&ScatterRow>::new()
         .page("node", Format::Plain, |row| row.nodes[0])
@@ -59,7 +59,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("noise", "Nonlinear sensing", blocks).saying(say("noise.says", in_words(noise))?)))
 }
 
-/// Range of the mean errors over the nodes.
+/// Numbers for the sentence on the range of the mean errors over the nodes.
 fn in_words(noise: &NoiseStudy) -> Option<Value> {
     let range = |rows: &[ScatterRow]| {
         let errors = range_of(Span::of(rows.iter().filter_map(ScatterRow::mean_error))?);

@@ -1,4 +1,4 @@
-//! All sections of the report: they yield the page, the CSV files and the arrays of the summary.
+//! All sections of the report. Each contributes to the page, the CSV files and the summary.
 
 use super::dataset::Dataset;
 use super::page::{Page, Question, Section};
@@ -11,7 +11,7 @@ use super::{
 /// A section: its question, its part of the page (`None` if the scene has no such study), and its data.
 struct Entry(Asked, fn(Results) -> Result<Option<Section>, ReportError>, for<'s> fn(Results<'s>) -> Vec<Dataset<'s>>);
 
-/// Questions of the reader, in the order of the page.
+/// Questions of the reader, in the order in which the page answers them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Asked {
     Where,
@@ -24,7 +24,7 @@ enum Asked {
 impl Asked {
     const ALL: [Asked; 5] = [Asked::Where, Asked::Fix, Asked::Which, Asked::Physics, Asked::Paper];
 
-    /// Anchor and heading.
+    /// Anchor of the question for links, and its heading.
     fn names(self) -> [&'static str; 2] {
         match self {
             Asked::Where => ["where", "Where"],
@@ -64,13 +64,13 @@ const SECTIONS: &[Entry] = &[
     Entry(Asked::Paper, twin::section, twin::datasets),
 ];
 
-/// The data of all sections.
+/// Datasets of all sections.
 pub(super) fn datasets(results: Results) -> Vec<Dataset> {
     let first = trust::datasets(results.study);
     first.into_iter().chain(SECTIONS.iter().flat_map(|Entry(.., datasets)| datasets(results))).collect()
 }
 
-/// The whole page.
+/// The page with all its sections.
 pub(super) fn page(results: Results) -> Result<Page, ReportError> {
     let study = results.study;
     let mut questions = Vec::new();
@@ -79,13 +79,13 @@ pub(super) fn page(results: Results) -> Result<Page, ReportError> {
         let of_question = SECTIONS.iter().filter(|Entry(of, ..)| *of == asked);
         let sections = of_question.filter_map(|Entry(_, section, _)| section(results).transpose());
         let sections = sections.collect::<Result<Vec<_>, _>>()?;
-        // Some questions have no answer for a finger other than the paper's.
+        // A question is left out if the scene has no study that answers it.
         if !sections.is_empty() {
             questions.push(Question { id, heading, sections });
         }
     }
     Ok(Page {
-        title: format!("Where the finger \"{}\" can feel", study.scene),
+        title: format!("Where the finger \"{}\" senses forces", study.scene),
         subtitle: "Contact forces sensed through the finger's own deformation, in simulation.".to_owned(),
         answers: answers::answers(study)?,
         caveat: answers::caveat(study)?,

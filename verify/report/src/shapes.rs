@@ -1,4 +1,4 @@
-//! Deformed shapes under a few forces, and the validity of the beam model there.
+//! Deformed shapes under a few forces, and whether the beam model is valid for them.
 
 use super::drawings;
 use super::format::percent;
@@ -8,7 +8,7 @@ use finray_studies::experiments::shapes::{BentFinger, TouchedFinger};
 
 const CSV: &str = "shapes.csv";
 const VALIDITY_CSV: &str = "validity.csv";
-/// Shapes for the interactive section.
+/// File with the shapes of the interactive section.
 pub(super) const TOUCHED_CSV: &str = "touched.csv";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -39,7 +39,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let (mut blocks, force_n) = (Vec::new(), study.forces.drawn_n());
     if study.bent.is_empty() {
-        blocks.push(text(format!("The finger cannot carry {force_n} N at any of the nodes tried.")));
+        blocks.push(text(format!("The finger cannot carry {force_n} N at any of the tested nodes.")));
     } else {
         blocks.push(Block::Figure(Figure::wide(
             drawings::bent(study)?,
@@ -72,7 +72,7 @@ fn validity_columns<'s>(limits: StrainLimits) -> Columns<'s, &'s BentFinger> {
         .both("shear_in", "shear in", Format::Words, |bent| bent.validity.shear_at.map(|member| member.to_string()))
 }
 
-/// The drawn co-rotational shape with the largest strain relative to its material's limit, and that strain.
+/// The largest strain, relative to its material's limit, in all drawn co-rotational shapes.
 fn most_strained(study: &Study) -> Option<&FibreStrain> {
     let limits = &study.strain_limits;
     let share = |at: &FibreStrain| at.strain / limits.of(at.member.part);
@@ -84,7 +84,7 @@ fn most_sheared(study: &Study) -> Option<&Validity> {
     corotational(study).map(|bent| &bent.validity).max_by(|a, b| a.shear_share.total_cmp(&b.shear_share))
 }
 
-/// Strains of the drawn co-rotational shapes relative to the limits of the beam model.
+/// Numbers for the sentence that compares the strains of the drawn co-rotational shapes with the limits of the beam model.
 fn validity(study: &Study) -> Option<Value> {
     let (strain, sheared) = (most_strained(study)?, most_sheared(study)?);
     Some(context! {
@@ -95,7 +95,7 @@ fn validity(study: &Study) -> Option<Value> {
     })
 }
 
-/// Limits of the beam model that the drawn shapes exceed.
+/// Texts about the limits of the beam model that the drawn shapes exceed; empty if they exceed none.
 pub(super) fn beyond_limits(study: &Study) -> Vec<String> {
     let strain = most_strained(study).map(|at| (at.strain, study.strain_limits.of(at.member.part)));
     let strain = strain.filter(|(strain, limit)| strain > limit);

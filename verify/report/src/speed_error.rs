@@ -1,4 +1,4 @@
-//! Time and error of each solver and estimator.
+//! Run time and error of each solver and estimator.
 
 use super::format::{NOTHING, or_nothing, time};
 use crate::prelude::*;
@@ -26,7 +26,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.extend(study.timing_notes.iter().map(text));
     if !points.iter().any(is_peer) {
         blocks.push(text(
-            "Other programs were not timed: finray report --peers peers.csv adds what bench/peers/peers.py writes.",
+            "Other programs were not timed: finray report --peers peers.csv adds the times that bench/peers/peers.py writes.",
         ));
     }
     let floor = study.convergence.left(solved_n).filter(|left| *left > 0.0);
@@ -36,7 +36,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         (Task::SenseNeighbours, "two neighbouring forces from a frame"),
     ] {
         let points: Vec<&SpeedErrorPoint> = points.iter().filter(|point| point.task == task).collect();
-        // An error of 0 cannot be drawn on a logarithmic axis.
+        // An error of 0 has no position on a logarithmic axis.
         if points.iter().any(|point| point.error > 0.0) {
             let floor = if task == Task::Solve { floor } else { None };
             blocks.push(Block::Figure(Figure::wide(
@@ -52,10 +52,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ))
 }
 
-/// Largest error of a good shape, relative: the tolerance of the paper's mesh of key nodes.
+/// A shape counts as accurate if its relative error is at most this, the tolerance of the paper's mesh of key nodes.
 const GOOD_SHAPE: f64 = 0.01;
 
-/// Recommended models of the finger: the fastest of sufficient accuracy, the most accurate, and linear theory.
+/// Numbers on three models of the finger: the fastest of sufficient accuracy, the most accurate, and the fastest.
 fn in_words(study: &Study) -> Option<Value> {
     let points = study.speed_error.iter().filter(|point| point.task == Task::Solve && !is_peer(point));
     let points: Vec<&SpeedErrorPoint> = points.filter(|point| point.error.is_finite()).collect();
@@ -82,7 +82,7 @@ fn is_peer(point: &SpeedErrorPoint) -> bool {
     matches!(point.timed_by, TimedBy::OtherProgram { .. })
 }
 
-/// Name of the model, and of its program if another than finray.
+/// Name of the model, with the program's name if the program is not finray.
 fn name(point: &SpeedErrorPoint) -> String {
     match &point.timed_by {
         TimedBy::OtherProgram { program, .. } => format!("{program}: {}", point.model),
@@ -93,12 +93,12 @@ fn name(point: &SpeedErrorPoint) -> String {
     }
 }
 
-/// Time in microseconds, and error; errors of forces in percent.
+/// Coordinates of a point in the chart: time, microseconds, and error; errors of forces in percent.
 fn place(point: &SpeedErrorPoint) -> [f64; 2] {
     [1e6 * point.seconds, if point.task == Task::Solve { 1.0 } else { 100.0 } * point.error]
 }
 
-/// Error over time, one point per setting; labels state failures.
+/// Chart of error over time, one point per setting; labels state the number of failures.
 pub fn drawing(
     task: Task,
     points: &[&SpeedErrorPoint],
@@ -110,7 +110,7 @@ pub fn drawing(
     let mut series: Vec<Series> = Vec::new();
     for group in drawn.chunk_by(|a, b| name(a) == name(b)) {
         let one = Series::nth(series.len(), name(group[0]), group.iter().map(|point| place(point)).collect());
-        // Dominated points have no label unless they failed; the table names them.
+        // A point that another one beats in time and error has a label only if it failed; the table names all points.
         let labels = group.iter().map(|point| match point.failed {
             0 if point.on_front => point.mesh().to_owned(),
             0 => String::new(),
@@ -120,18 +120,18 @@ pub fn drawing(
     }
     let mut front: Vec<[f64; 2]> = drawn.iter().filter(|point| point.on_front).map(|point| place(point)).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    series.push(Series::guide("nothing is faster and nearer", front));
+    series.push(Series::guide("no point is faster and more accurate", front));
     let alt = format!("Error of {title} over the time that it takes, both axes logarithmic.");
     let y = Axis::log(if task == Task::Solve { "error / largest displacement" } else { "mean error, %" });
     let axes = [Axis::log("time of one answer, \u{b5}s"), y];
     let chart =
         Chart::new(Frame::full(format!("Time and error of {title}"), alt).with_plot_height(360.0), axes, series);
-    chart.compared(floor.map(|left| (left, "may be left in the reference".to_owned()))).svg()
+    chart.compared(floor.map(|left| (left, "uncertainty of the reference".to_owned()))).svg()
 }
 
 /// All points with their times, errors and failures.
 pub fn table(points: &[SpeedErrorPoint]) -> Table {
-    // Amber marks a disadvantage.
+    // Amber marks a value that is a disadvantage.
     let amber_if = |amber: bool, words: String| Cell { shade: amber.then_some(Shade::Amber), ..Cell::plain(words) };
     Columns::<&SpeedErrorPoint>::new()
         .page("answer", Format::Words, |point| answer(point.task))

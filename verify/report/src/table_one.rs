@@ -1,4 +1,4 @@
-//! The paper's Table I: its errors by node beside the computed ones, for each possible direction of its weights.
+//! The paper's Table I: its errors by node beside the computed ones, for each assumed direction of the weights.
 
 use super::drawings;
 use super::format::{list, percent};
@@ -52,7 +52,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ))
 }
 
-/// Share of the paper's large errors that geometric nonlinearity explains, for each orientation of the finger.
+/// Share of the paper's large errors that geometric nonlinearity alone explains, over the assumed directions of the weights.
 fn in_words(tables: &[TableOne]) -> Value {
     let by_node = (0..tables[0].rows.len()).map(|row| tables.iter().map(|table| &table.rows[row]).collect::<Vec<_>>());
     let large: Vec<_> = by_node.filter(|rows| rows[0].paper_mean_error > TRUSTED_ERROR).collect();

@@ -1,4 +1,4 @@
-//! The paper's Table II by finger, noise and estimator, with recorded results of the paper's own network.
+//! The paper's Table II by true finger, noise and estimator, with recorded results of the paper's network.
 
 mod gripper;
 mod rows;
@@ -12,7 +12,7 @@ use finray_studies::experiments::networks::records::RecipeRow;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
 
 const CSV: &str = "table_two.csv";
-/// Errors below this, relative, are rounding and shown as 0.
+/// Relative errors below this are rounding and shown as 0.
 const ROUNDING: f64 = 1e-8;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -38,7 +38,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("table-two", "The paper's Table II", blocks).saying(says)))
 }
 
-/// The paper's five figures and those on the co-rotational finger, as bars.
+/// Bar chart of the paper's five figures and of those on the co-rotational finger.
 fn drawing(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Result<String, FigureError> {
     let truth = TruthId::Corotational;
     let bars = |label: String, hue, of: &dyn Fn(&ContactGroup, &'static str) -> Option<f64>| {
@@ -66,7 +66,7 @@ fn drawing(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Result<Strin
     Chart::of_bars(Frame::full("Table II: one force, two neighbours, two apart", alt), axes, all.collect()).svg()
 }
 
-/// Mean error of a truth, noise level and estimator.
+/// Mean error for a true finger, noise level (mm) and estimator.
 fn estimated(two: &TableTwo, of: (TruthId, f64, EstimatorId), group: &ContactGroup, quantity: &str) -> Option<f64> {
     two.group(group, of.0, of.1, of.2).and_then(|errors| of_quantity(quantity, errors.force, errors.sum))
 }
@@ -79,7 +79,7 @@ fn of_quantity(quantity: &str, force: f64, sum: Option<f64>) -> Option<f64> {
     if quantity == "sum" { sum } else { Some(force) }
 }
 
-/// Name of a paper recipe in tables.
+/// Name of one of the paper's training recipes in tables.
 fn paper_network(recipe: &str) -> String {
     format!("network of the paper, scaled by the {}", scaling(recipe))
 }
@@ -88,7 +88,7 @@ fn scaling(recipe: &str) -> &'static str {
     if recipe == PAPER_RECIPES[0] { "largest" } else { "spread" }
 }
 
-/// Fingers and noise levels (mm) that have records.
+/// True fingers and noise levels (mm) for which records exist.
 pub(super) fn recorded_settings(records: &[RecipeRow]) -> Vec<(TruthId, f64)> {
     let mut settings = Vec::new();
     for truth in [TruthId::Linear, TruthId::Corotational] {
@@ -100,7 +100,7 @@ pub(super) fn recorded_settings(records: &[RecipeRow]) -> Vec<(TruthId, f64)> {
     settings
 }
 
-/// Finger, noise (mm) and estimator of the computed rows, ordered by finger, then noise.
+/// True finger, noise (mm) and estimator of the computed rows, ordered by finger, then noise.
 fn settings(two: &TableTwo) -> Vec<(TruthId, f64, EstimatorId)> {
     let mut all: Vec<(TruthId, f64, EstimatorId)> = Vec::new();
     for finger in &two.fingers {
@@ -124,10 +124,10 @@ fn by_group<T>(of: impl Fn(&ContactGroup, &'static str) -> T) -> Vec<T> {
     CONTACT_GROUPS.iter().flat_map(of_group).collect()
 }
 
-/// A line of the page's table: its name, its errors by group and quantity, and the share of refused cases.
+/// A row of the page's table: its name, its errors by group and quantity, and the share of refused cases.
 type Line = (String, Vec<Cell>, String);
 
-/// Table of the paper, its recorded network, the estimators and the bound with noise, and linear least squares. The file has the rest.
+/// Table with noise: the paper, its recorded network, the estimators and the bound; then least squares on the linear finger. The file has all other rows.
 fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     let truth = TruthId::Corotational;
     let mut lines: Vec<Line> = vec![(
@@ -150,7 +150,7 @@ fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     };
     let here = settings(two).into_iter().filter(|(of, noise, _)| (*of, *noise) == (truth, noise_mm));
     lines.extend(here.map(|(.., estimator)| line(truth, estimator, estimator.label())));
-    // All estimators have the same bound; this one answered all cases.
+    // The Cramer-Rao bound is the same for all estimators; it is read from one that answered all cases.
     let bounds = by_group(|group, quantity| {
         let of = two.group(group, truth, noise_mm, EstimatorId::LeastSquares);
         error_or_rounding(of.and_then(|of| if quantity == "sum" { of.sum_bound } else { of.force_bound }))
@@ -160,7 +160,7 @@ fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     by_estimator("Mean error of each force and of the sum", CSV, lines)
 }
 
-/// Errors of each estimator by group, in the paper's order.
+/// Table of each estimator's errors by group, in the paper's order.
 fn by_estimator(title: &str, csv: &'static str, lines: Vec<Line>) -> Table {
     let headings = by_group(|group, quantity| if quantity == "sum" { quantity } else { group.name });
     Columns::<Line>::new()
@@ -172,7 +172,7 @@ fn by_estimator(title: &str, csv: &'static str, lines: Vec<Line>) -> Table {
         .table(title, csv, lines)
 }
 
-/// An error that may be missing, or only rounding.
+/// Cell of an error that may be missing, or that is only rounding.
 fn error_or_rounding(share: Option<f64>) -> Cell {
     match share {
         None => Cell::plain(NOTHING),

@@ -1,4 +1,4 @@
-//! Duration of each part of the report, to find slow parts.
+//! Run time of each part of the report, which shows slow parts.
 
 use crate::prelude::*;
 use finray_studies::study::PartTime;

@@ -34,7 +34,7 @@ pub fn blocks(records: &Records) -> Result<Vec<Block>, ReportError> {
     ])
 }
 
-/// Recipes with and without noise on the uniform finger.
+/// Errors of the recipes with and without noise, on the uniform finger.
 pub fn by_recipe(recorded: &[RecipeRow]) -> Table {
     type Line<'r> = (&'static str, f64, Vec<&'r RecipeRow>);
     let settings = recorded_settings(recorded).into_iter().filter(|(truth, _)| *truth == TruthId::Corotational);
@@ -63,7 +63,7 @@ pub fn by_recipe(recorded: &[RecipeRow]) -> Table {
         .table("On the uniform finger: mean error over the seeds (least to greatest)", RECIPES_CSV, lines)
 }
 
-/// Networks of recipe (c) that differ only in their seed, one row each.
+/// Errors by number of cases and network size for recipe (c), one row per group of networks that differ only in their seed.
 pub fn by_size(recorded: &[CurveRow]) -> Table {
     let alike = |a: &CurveRow, b: &CurveRow| {
         (&a.curve, &a.nodes, a.samples, &a.hidden_layers) == (&b.curve, &b.nodes, b.samples, &b.hidden_layers)

@@ -1,4 +1,4 @@
-//! Where a force can be trusted: drawings, counts and files of the first screen, by the worst force of each cell.
+//! First screen: drawings, counts and files that show where a force can be trusted, by the worst force of each cell.
 
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, at_rest, error_classes, point, rank_of};
 use super::format::{capitalised, percent};
@@ -9,55 +9,55 @@ use finray_studies::sampling::map::MapRequest;
 use finray_studies::sampling::worst::WorstCell;
 
 const CSV: &str = "trust.csv";
-/// File with the cells of the assumed contact.
+/// File with the cells (positions and directions) of the map with assumed contact.
 pub(super) const ASSUMED_CSV: &str = "map_corotational_nonlinear_contact_assumed.csv";
-/// Number of positions at which all directions are drawn.
+/// Number of positions along the plate at which the drawing has a fan of all directions.
 const FANS: usize = 6;
-/// Length of a fan's rays, as a share of the plate's length.
+/// Length of a fan's rays, as a share of the plate length.
 const REACH: f64 = 0.1;
-/// Half the width of the coloured plate, as a share of its length.
+/// Half the width of the coloured plate in the drawing, as a share of the plate length.
 const HALF_WIDTH: f64 = 0.012;
 
-/// Assumptions under which the recommended estimator is evaluated.
+/// A case in which the recommended estimator is evaluated: known or assumed contact and finger.
 pub(super) struct Situation<'s> {
     /// Short name for files and headings.
     pub name: &'static str,
-    /// Known and unknown quantities.
+    /// Text that states which quantities are known and which are not.
     pub about: String,
-    /// Unknown quantities, as part of a sentence.
+    /// The same as part of a sentence.
     pub in_words: String,
-    /// Knowledge of the contact.
+    /// Whether the contact is known exactly or assumed with an error.
     pub contact: ContactKnowledge,
-    /// File with the cells.
+    /// Name of the CSV file with the cells.
     csv: &'static str,
-    /// Map of the errors.
+    /// Map of the errors by position, direction and force.
     pub map: &'s AccuracyMap,
     /// Cells with their worst force.
     pub cells: Vec<WorstCell>,
-    /// Counts over the positions and directions that all situations share.
+    /// Counts over those positions and directions that all situations have.
     pub common: TrustCounts,
 }
 
 impl Situation<'_> {
-    /// Counts over a region, tested by position over the plate's length and direction in degrees.
+    /// Counts over a region; `region` says whether a position (share of the plate length) and direction (degrees) belong to it.
     pub(super) fn counts(&self, finger: &Finger, region: impl Fn(f64, f64) -> bool) -> TrustCounts {
         let length_mm = finger.plate_length_mm(Plate::Front);
         TrustCounts::of(self.cells.iter().filter(|cell| region(cell.s_mm / length_mm, cell.angle_deg)))
     }
 
-    /// Counts over all cells.
+    /// Counts of trusted, refused and other cells over the whole map.
     pub(super) fn all(&self) -> TrustCounts {
         TrustCounts::of(&self.cells)
     }
 
-    /// Number of refused noise samples in answered cells, and of all their samples.
+    /// Number of refused noise samples in answered cells, and number of all noise samples in these cells.
     fn refused_samples(&self) -> [usize; 2] {
         let answered = self.map.cells.iter().filter(|cell| cell.state() == CellState::Answered);
         answered.fold([0, 0], |[refused, all], cell| [refused + cell.samples - cell.answered, all + cell.samples])
     }
 }
 
-/// The ideal situation first, then practical ones.
+/// All situations: first the one with everything known, then those with errors of the contact or the finger.
 pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
     let noisy = study.noise_mm > 0.0;
     let mapped = |truth| study.map_by(truth, EstimatorId::Nonlinear, noisy);
@@ -144,7 +144,7 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     let alt = format!(
         "{title}. The finger, base on the left; its front plate coloured by the error along the normal, fans by the error in every direction."
     );
-    // The ideal situation is drawn large, above the others.
+    // The situation with everything known is drawn larger, above the others.
     let frame = if is_first { Frame::full(&title, alt) } else { Frame::half(&title, alt) };
     let drawn = Chart::to_scale(
         frame.with_plot_height(if is_first { 400.0 } else { 250.0 }),
@@ -167,14 +167,14 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     Ok(Figure { wide: is_first, ..Figure::wide(chart.svg()?, caption, situation.csv) })
 }
 
-/// Axis of contact nodes in horizontal direction.
+/// Horizontal axis with the numbers of the contact nodes.
 fn node_ticks(finger: &Finger) -> Axis {
     let every = finger.contact_nodes().len().div_ceil(13);
     let nodes = finger.contact_nodes().step_by(every).map(|node| (finger.position(node).x, node.to_string()));
     Axis::linear("contact node, base to tip").named(nodes.collect())
 }
 
-/// The coloured plate and its fans, best class first.
+/// Areas of the coloured plate and its fans, ordered from the best class to the worst.
 fn patches(finger: &Finger, situation: &Situation) -> Vec<Patch> {
     let (positions, angles) = (&situation.map.request.positions_mm, &situation.map.request.angles_deg);
     let length_mm = finger.plate_length_mm(Plate::Front);
@@ -207,7 +207,7 @@ fn patches(finger: &Finger, situation: &Situation) -> Vec<Patch> {
     painted.into_iter().map(|(_, patch)| patch).collect()
 }
 
-/// Rank of a cell (0 is best), and its area.
+/// Class rank of a cell (0 is best), and its coloured area.
 fn patch(cell: &WorstCell, classes: &[Class], outline: Vec<[f64; 2]>) -> (usize, Patch) {
     let rank = rank_of(cell.state, cell.worst_error);
     (rank, Patch { class: classes[rank].clone(), outline })

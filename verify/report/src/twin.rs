@@ -1,4 +1,4 @@
-//! The finger with softer ends: one of several fitted to Table I, and the gain of knowing it for sensing.
+//! The finger with softer ends, one of several that fit Table I, and how much sensing improves if its zones are known.
 
 pub mod words;
 
@@ -14,7 +14,7 @@ const CSV: &str = "twin.csv";
 const SETS_CSV: &str = "twin_zone_sets.csv";
 const CALIBRATION_CSV: &str = "twin_calibration.csv";
 
-/// One contact node: its rows of Table I (if any) on the uniform finger and on the twin, and sensing there with noise.
+/// One contact node: its rows of Table I, if any, on the uniform finger and on the twin; then errors with noise on the twin.
 struct NodeComparison<'s> {
     before: Option<&'s TableOneRow>,
     after: Option<&'s TableOneRow>,
@@ -30,7 +30,7 @@ fn at_nodes(study: &TwinStudy) -> impl Iterator<Item = NodeComparison<'_>> {
     })
 }
 
-/// By node: the paper's errors, those of the uniform finger and of the twin in the protocol of Table I, then sensing on the twin with noise.
+/// Errors by node: the paper's; the uniform finger's and the twin's under the weights of Table I; then the twin's with noise.
 fn by_node<'s>(study: Option<&'s TwinStudy>) -> Dataset<'s> {
     let columns = Columns::<NodeComparison>::new()
         .file("node", |at| at.sensing.node)
@@ -46,7 +46,7 @@ fn by_node<'s>(study: Option<&'s TwinStudy>) -> Dataset<'s> {
     Dataset::new(CSV, &columns, study.into_iter().flat_map(at_nodes))
 }
 
-/// Repetition (from 1), its estimate, and the index of a factor.
+/// A calibrated factor: number of the repetition (from 1), the estimate of the repetition, and the index of the factor in it.
 type Factor<'s> = (usize, &'s FactorEstimate, usize);
 
 fn calibrated<'s>() -> Columns<'s, Factor<'s>> {
@@ -58,7 +58,7 @@ fn calibrated<'s>() -> Columns<'s, Factor<'s>> {
         .both("sigma", "stated sigma", Format::Fixed(4), |(_, found, i)| found.factors[*i] * found.relative_sigmas[*i])
 }
 
-/// The twin's factors, calibrated from noise samples.
+/// All factors of the twin, calibrated from displacements with noise.
 fn factors(study: &TwinStudy) -> impl Iterator<Item = Factor<'_>> {
     let repetitions = (1..).zip(&study.calibrations);
     repetitions.flat_map(|(repetition, found)| (0..found.factors.len()).map(move |i| (repetition, found, i)))
@@ -66,7 +66,7 @@ fn factors(study: &TwinStudy) -> impl Iterator<Item = Factor<'_>> {
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     let twin = study.twin.as_ref();
-    // Standard deviations assume six independent errors; a set of zones fits if its misfit is below 1.
+    // Standard deviations assume six independent errors. A set of zones fits if its misfit is below 1.
     let sets = Columns::<(&TwinFit, usize)>::new()
         .file("zones", |(fit, _)| fit.set.name)
         .file("group", |(_, group)| group + 1)

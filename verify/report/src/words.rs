@@ -1,4 +1,4 @@
-//! Sentences of the page: templates of `words.toml`, filled with numbers that the sections compute.
+//! Sentences of the page: templates of `words.toml`, filled with numbers from the sections.
 
 use super::ReportError;
 use super::format::{percent, percent_two_digits, percent_with, time};
@@ -8,7 +8,7 @@ use minijinja::{Environment, Value};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// Templates by section, then sentence.
+/// Templates: section name, then sentence name, then text.
 type Sentences = BTreeMap<String, BTreeMap<String, String>>;
 
 static WORDS: LazyLock<Result<Environment<'static>, String>> = LazyLock::new(|| {

@@ -27,7 +27,7 @@ fn point(model: &str, seconds: f64, error: f64, failed: usize) -> SpeedErrorPoin
 fn every_point_is_named_and_failures_are_marked() {
     let points = [point("beams", 1e-5, 1e-2, 0), point("lattice", 1e-2, 1e-4, 2), point("exact", 1e-6, 0.0, 0)];
     let svg = drawing(Task::Solve, &points.each_ref(), "the shape under a load", Some(1e-6)).unwrap();
-    for words in [">beams set<", ">lattice set (2 of 5 failed)<", "may be left"] {
+    for words in [">beams set<", ">lattice set (2 of 5 failed)<", "uncertainty"] {
         assert!(svg.contains(words), "{words}");
     }
     assert!(!svg.contains("exact set"), "an error of nothing has no place");

@@ -9,12 +9,13 @@ use finray_model::sensor::{AskedDirection, SensorContacts};
 const AT_NODES: &str = "contact";
 const AT_POSITIONS: &str = "contact-at";
 
-/// Values of `--contact` and `--contact-at` in their joint order on the command line. Clap's derive keeps the order of each option only.
+/// Values of `--contact` and `--contact-at` in the order in which they stand on the command line. Clap's derive macro keeps only the order within each
+/// option.
 pub struct Contacts(Vec<AskedContact>);
 
 impl Contacts {
-    /// Combines the contacts with the scene's friction and object. Either all contacts or none have standard deviations; with them, forces lie in the
-    /// cone of the coefficient `friction`. `measured_deg` is the direction of the measured force, degrees.
+    /// Combines the contacts with the scene's friction and object. `friction` is the friction coefficient of contacts with standard deviations,
+    /// whose forces lie in its cone. `measured_deg` is the direction of the image's measured force, degrees.
     ///
     /// # Errors
     /// [`Failure::BadInput`] if the scene lacks the friction or object that a direction needs, or if only some contacts have standard deviations.
@@ -32,7 +33,7 @@ impl Contacts {
             };
         }
         if friction > 0.0 {
-            return Err(bad_input("--friction is for contacts with standard deviations (+-)"));
+            return Err(bad_input("--friction: expected contacts with standard deviations (+-)"));
         }
         let question = |asked: &AskedContact| {
             let direction = asked.direction.of_scene(scene, measured_deg).map_err(bad_input)?;
@@ -46,7 +47,7 @@ impl Contacts {
         self.0.len()
     }
 
-    /// Whether any direction is `measured`.
+    /// Whether any contact has the direction `measured`.
     pub fn ask_measured(&self) -> bool {
         self.0.iter().any(|asked| asked.direction == AskedDirection::Measured)
     }

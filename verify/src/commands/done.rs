@@ -4,7 +4,7 @@ use finray_files::is_standard_stream;
 use std::fmt::{self, Display};
 use std::path::Path;
 
-/// Summary of a command: its result, and the files that it wrote.
+/// Summary line of a command: its result, and the files that it wrote.
 pub struct Done {
     result: String,
     files: Vec<String>,

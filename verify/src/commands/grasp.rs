@@ -26,7 +26,7 @@ Guide: finray guide press-and-grasp";
 pub struct Arguments {
     /// Scene file (TOML) with a gripper, a free object and a grasp; - for standard input
     scene: PathBuf,
-    /// Standard deviation of one coordinate of a node or outline point, mm [default: the scene's, or 0]
+    /// Standard deviation of the noise in one coordinate of a node or outline point, mm [default: the scene's, or 0]
     #[arg(long, help_heading = "Sensing", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Sense from rendered images of each finger; --noise-mm then applies to outlines only
@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Standard deviation of the Gaussian image blur, px
     #[arg(long, help_heading = "Sensing", value_name = "S", default_value_t = 0.8, value_parser = not_negative, requires = "images")]
     blur_px: f64,
-    /// Use an estimator of `finray sense`, which takes contacts as exact and frictionless
+    /// Estimator as for `finray sense`; contacts are then assumed exact and frictionless
     #[arg(long, help_heading = "Sensing", value_name = "E", value_parser = listed::<EstimatorId>())]
     estimator: Option<EstimatorId>,
     /// Seed of the noise

@@ -30,10 +30,10 @@ pub struct GridArguments {
     /// Seed of the noise
     #[arg(long, help_heading = "Cells", value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Approximate number of positions along the front plate
+    /// Approximate number of contact positions along the front plate
     #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     places: u32,
-    /// Angle between directions, degrees; they reach 80 to both sides of the normal; 90: only the normal
+    /// Angle between directions, degrees; directions reach 80 to both sides of the normal. 90: only the normal
     #[arg(long, help_heading = "Cells", value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
     step_deg: f64,
     /// Compute only share I of N; `finray merge` joins the shares
@@ -44,20 +44,20 @@ pub struct GridArguments {
     out: PathBuf,
 }
 
-/// Models of the true finger and estimators to evaluate.
+/// Models of the true finger and estimators that a map or sweep compares.
 pub struct Candidates<'a> {
     /// Models of the true finger.
     pub truths: &'a [TruthId],
     /// Estimators of the forces.
     pub estimators: &'a [EstimatorId],
-    /// Standard deviations of one measured coordinate, mm. If empty, the noise of the scene's camera, or else 0.
+    /// Standard deviations of the noise in one coordinate, mm. If the list is empty, the noise of the scene's camera is used, or 0 without a camera.
     pub noise_mm: &'a [f64],
 }
 
-/// Computes a table and writes it row by row, with the figure of a map beside it.
+/// Computes a table and writes it row by row. For a map, it also writes the figure.
 pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> Result<Done, Failure> {
     if arguments.network.is_some() && !candidates.estimators.contains(&EstimatorId::Network) {
-        return Err(bad_input("--network is for --estimator network"));
+        return Err(bad_input("--network: expected --estimator network too, found another estimator"));
     }
     let (scene, text) = scene_or_papers(arguments.scene.as_deref())?;
     let finger = &scene.finger;
@@ -101,7 +101,7 @@ fn grid(
     scene: &Scene,
     truths: &[Box<dyn Truth + '_>],
 ) -> Result<Grid, Failure> {
-    // A truth with fixed positions, such as exported data, determines the positions of the whole grid.
+    // A true finger from exported data has fixed contact positions; they then apply to the whole grid.
     let given = truths.iter().map(|truth| truth.positions(&arguments.force_n)).collect::<Result<Vec<_>, _>>()?;
     let (positions_mm, angles_deg) = given
         .into_iter()
@@ -128,7 +128,7 @@ fn grid(
     })
 }
 
-/// Checks that the estimator can answer at least one position and direction of the grid; returns its first refusal otherwise.
+/// Checks that the estimator answers for at least one cell (position and direction) of the grid; otherwise returns the first cell's refusal.
 fn require_an_answer(finger: &Finger, estimator: &dyn Estimator, grid: &Grid) -> Result<(), Failure> {
     let at_rest = Measurement::at_rest(finger);
     let mut refusal = None;
@@ -188,7 +188,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Done,
     Ok(Done::new(result).to(&out).to_each(beside.iter().map(|(path, _)| path.as_path())))
 }
 
-/// Why the output stream ends early.
+/// Reason why the output stream ends before the last row.
 enum Stop {
     Unread,
     Failed(Failure),
@@ -212,7 +212,7 @@ pub fn figure(finger: &Finger, map: &AccuracyMap, out: &Path) -> Result<(PathBuf
     Ok((figure_path(out), standalone(&figure)))
 }
 
-/// Summary of a map: the share of cells that are trusted under their worst force.
+/// Summary of a map: the share of cells (position and direction) whose error stays within the limit under every force.
 pub fn trusted(map: &AccuracyMap) -> String {
     let counts = TrustCounts::of(&map.worst());
     let share = counts.share().map_or("none".to_owned(), |share| format!("{:.0} %", 100.0 * share));

@@ -5,7 +5,7 @@ use crate::commands::prelude::*;
 use finray_model::gripper::{Gripper, LinkageErrors, NodeErrors};
 use finray_model::keys::{GRIPPER, SceneTable};
 
-/// Motor step of the paper's experiments, degrees (sec. V-C).
+/// Step of the motor angle in the paper's experiments, degrees (sec. V-C).
 const STEP_DEG: f64 = 22.5;
 
 /// Help text below the options.
@@ -23,13 +23,13 @@ Guide: finray guide press-and-grasp";
 pub struct Arguments {
     /// Scene file (TOML) with a gripper; - for standard input
     scene: PathBuf,
-    /// Motor angle, or a range FROM:TO:STEP, degrees [default: the whole reach in steps of 22.5]
+    /// Motor angle, or range FROM:TO:STEP, degrees [default: the whole range of the linkage in steps of 22.5]
     #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, value_parser = motor_angles, conflicts_with = "opening_mm")]
     motor_deg: Option<MotorAngles>,
-    /// Distance between the tips, mm, instead of a motor angle; takes the solution nearest to 0 degrees
+    /// Distance between the tips, mm, instead of a motor angle; of several motor angles, the nearest to 0 is used
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     opening_mm: Option<f64>,
-    /// Standard deviation of the motor angle, backlash of the screw, standard deviation of each length
+    /// Standard deviation of the motor angle, backlash of the screw, standard deviation of each link length
     #[arg(long, value_name = "DEG,MM,MM", value_parser = linkage_errors)]
     errors: Option<LinkageErrors>,
     /// Result file; - for standard output
@@ -45,7 +45,7 @@ fn linkage_errors(text: &str) -> Result<LinkageErrors, String> {
     }
 }
 
-/// Columns added by `--errors`: error of the worst node by each cause, mm.
+/// Columns that `--errors` adds: position error of the worst node by each cause, mm.
 #[derive(Serialize)]
 struct ErrorColumns {
     motor_error_mm: Option<f64>,
@@ -91,7 +91,7 @@ fn row(gripper: &Gripper, finger: &Finger, motor_deg: f64) -> Row {
         phi2_rad: of_pose.map(|pose| pose.phi2_rad),
         base_x_mm: of_pose.map(|pose| pose.base.x),
         base_y_mm: of_pose.map(|pose| pose.base.y),
-        // Eq. (9): the finger turns with the link.
+        // The finger is fixed to the link, so both rotate by the same angle (eq. (9) of the paper).
         angle_rad: of_pose.map(|pose| pose.phi2_rad),
         opening_mm: of_pose.map(|pose| gripper.opening_mm(finger, pose)),
         opening_per_turn_mm: of_pose.and_then(|pose| gripper.opening_per_turn_mm(finger, pose)),
@@ -123,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             })?;
             vec![motor_deg]
         }
-        // Whole steps, counted from motor angle 0.
+        // Multiples of the step within the range of the linkage.
         (None, None) => {
             let [first, last] = [(from_deg / STEP_DEG).ceil() as i64, (to_deg / STEP_DEG).floor() as i64];
             (first..=last).map(|step| step as f64 * STEP_DEG).collect()

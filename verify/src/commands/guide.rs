@@ -33,7 +33,7 @@ pub fn run(arguments: &Arguments) -> Result<Option<Done>, Failure> {
             Some(guide) => guide.text.to_owned(),
             None => {
                 let names: Vec<_> = topics().map(|(name, _)| name).collect();
-                return Err(bad_input(format!("guide: expected one of {}, found {name:?}", names.join(", "))));
+                return Err(bad_input(format!("TOPIC: expected one of {}, found {name:?}", names.join(", "))));
             }
         },
     };

@@ -1,4 +1,4 @@
-//! Warnings about valid but implausible input.
+//! Warnings about input that is valid but probably wrong.
 
 use super::print_message;
 use finray_files::observations::RefusedImage;
@@ -6,7 +6,7 @@ use finray_files::{Elsewhere, name_of, of_another_finger};
 use finray_model::Finger;
 use std::path::Path;
 
-/// Young's modulus of diamond, MPa, rounded down. A larger modulus is probably in another unit.
+/// Young's modulus of diamond, MPa, rounded down. A larger modulus in a scene is probably in another unit.
 const STIFFEST_MPA: f64 = 1e6;
 const PA_A_MPA: f64 = 1e6;
 
@@ -24,7 +24,7 @@ pub fn of_moduli(path: &Path, finger: &Finger) {
     }
 }
 
-/// Warns of a displacement file that belongs to another finger.
+/// Warns of a displacement file whose undeformed nodes differ from those of `finger`.
 pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
     if let Some(Elsewhere { node, stated, own }) = of_another_finger(path, text, finger) {
         print_message(format_args!(
@@ -39,7 +39,7 @@ pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
     }
 }
 
-/// Warns of images that `finray locate` refused; they are left out.
+/// Warns of images that `finray locate` refused; the command leaves them out.
 pub fn of_refused(refused: &[RefusedImage]) {
     for RefusedImage { image, reason } in refused {
         print_message(format_args!("warning: {image} is left out, because `finray locate` refused it: {reason}"));

@@ -36,10 +36,11 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Relative standard deviation of the focal length above which a warning is printed. The parallax of points off the grid's plane has about the
-/// same relative error.
+/// A warning is printed if the relative standard deviation of the focal length exceeds this share. Distances from the camera, and heights above the
+/// grid's plane, then have about the same relative error.
 const LARGEST_FOCAL_SHARE: f64 = 0.05;
-/// Largest difference between images of one fixed plane: of its normal, degrees, and of its relative distance from the camera.
+/// The plane counts as moved if an image's normal differs from the mean by more than the first value, degrees. It also counts as moved if the distance
+/// from the camera differs by more than the second, relative.
 const SAME_NORMAL_DEG: f64 = 0.5;
 const SAME_DISTANCE: f64 = 0.005;
 
@@ -55,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let size_px = sizes[0];
     if let Some(other) = sizes.iter().position(|size| *size != size_px) {
         let ([w, h], [x, y]) = (size_px, sizes[other]);
-        let message = format!("expected {w} x {h} px as the first image has, found {x} x {y}");
+        let message = format!("expected {w} x {h} px, the size of the first image, found {x} x {y}");
         return Err(FileError::Content { path: arguments.image[other].clone(), message }.into());
     }
     let (fit, left_out) = lens_of_grids(size_px, arguments.grid_mm, &grids).map_err(bad_input)?;
@@ -82,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     if kind == GridKind::AsymmetricDots {
         print_message(format_args!(
-            "note: the grid is asymmetric: --grid-mm is taken as the distance of its rows, {} mm; neighbouring dots are {:.3} mm apart",
+            "note: the grid is asymmetric: --grid-mm is used as the distance between its rows, {} mm; neighbouring dots are {:.3} mm apart",
             arguments.grid_mm,
             arguments.grid_mm * std::f64::consts::SQRT_2
         ));
@@ -97,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(format!("lens of {} in {}", count(dots, points), count(grids.len(), "image"))).to(&arguments.out))
 }
 
-/// The mean pose of the plane that all images show; an error if the images show different planes.
+/// Mean pose of the grid's plane over all images; an error if the plane moved between images.
 fn pose_of_plane(fit: &LensFit) -> Result<Pose, String> {
     let ray = fit.lens.ray(&fit.lens.middle()).map_err(|error| format!("--plane: the middle of the image {error}"))?;
     let seen: Vec<[Vector3<f64>; 2]> = fit
@@ -115,8 +116,8 @@ fn pose_of_plane(fit: &LensFit) -> Result<Pose, String> {
         let farther = (of[1] - origin).norm() / origin.norm();
         if turned_deg > SAME_NORMAL_DEG || farther > SAME_DISTANCE {
             return Err(format!(
-                "--plane: expected a grid that does not move between images, found image {} turned by {turned_deg:.2} deg and {:.2} % of the \
-                 distance off the mean",
+                "--plane: expected a grid that does not move between images, but the plane of image {} is rotated by \
+                 {turned_deg:.2} deg and shifted by {:.2} % of its distance from the mean of all images",
                 number + 1,
                 100.0 * farther
             ));
@@ -131,7 +132,7 @@ fn to_toml(fit: &LensFit, arguments: &Arguments, kind: GridKind, dots: usize) ->
     let images = arguments.image.len();
     let plural = if images == 1 { "" } else { "s" };
     let (grid_mm, residual) = (arguments.grid_mm, fit.residual_sd_px);
-    // Writing to a string does not fail.
+    // Writing to a string cannot fail.
     let _ = writeln!(
         text,
         "# Lens from {images} image{plural} of {} of {grid_mm} mm: {dots} {}, residual {residual:.3} px.",
@@ -153,7 +154,7 @@ fn to_toml(fit: &LensFit, arguments: &Arguments, kind: GridKind, dots: usize) ->
     text
 }
 
-/// A warning if the focal length is too uncertain for distances and slants.
+/// A warning if the focal length is too uncertain for distances from the camera and slants of planes.
 fn uncertain_focus(fit: &LensFit) -> Option<String> {
     let share = fit.sds[0] / fit.lens.focal_px()[0];
     (share > LARGEST_FOCAL_SHARE).then(|| {
@@ -165,13 +166,13 @@ fn uncertain_focus(fit: &LensFit) -> Option<String> {
     })
 }
 
-/// A note that names the lens parameters which the images do not determine.
+/// A note that names the lens parameters that the images hardly determine; `None` if they determine all.
 fn not_shown(fit: &LensFit) -> Option<String> {
     let names: Vec<&str> =
         LENS_PARAMETERS.iter().zip(fit.is_shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "the images hardly determine {}, which stay near usual values: add images of a slanted grid",
+            "the images hardly determine {}, which a prior keeps near usual values: add images of a slanted grid",
             names.join(", ")
         )
     })

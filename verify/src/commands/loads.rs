@@ -7,12 +7,12 @@ use finray_model::mesh::FingerShape;
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh};
 
-/// Elements per member of successively finer meshes. `render` draws the first mesh that moves no marker by more than `DRAWN_MM` relative to the
-/// mesh before. About a third of that change remains, because errors fall with the square of the element length: 0.001 px at 10 px per mm.
+/// Elements per member of successively finer meshes. `render` draws the first mesh on which no marker moves by more than `DRAWN_MM`, mm, from the
+/// mesh before. Errors fall with the square of the element length, so a third of that change remains: 0.001 px at 10 px per mm.
 const DRAWN_ELEMENTS: [usize; 7] = [4, 8, 16, 32, 64, 128, 256];
 const DRAWN_MM: f64 = 3e-4;
 
-/// Loads of the command line, and the mesh that carries them.
+/// Loads given on the command line, and the number of mesh nodes.
 #[derive(clap::Args)]
 pub struct Loads {
     /// Force (N) and optional moment (N mm) on a key node, in the finger frame
@@ -40,7 +40,7 @@ impl Loads {
         })
     }
 
-    /// The shape that an image shows: on the requested mesh, or refined until markers no longer move.
+    /// Displacements for an image: on the requested mesh, or on meshes refined until no marker moves.
     pub fn drawn_shape(&self, finger: &Finger) -> Result<FingerShape, Failure> {
         let on = |mesh: &Mesh| Ok::<_, Failure>(mesh.shape(&self.equilibrium(mesh, Kinematics::Corotational)?.0));
         if self.is_empty() {
@@ -63,7 +63,7 @@ impl Loads {
         Ok(shape)
     }
 
-    /// The equilibrium under the loads to rounding accuracy, and the loads on the mesh.
+    /// The equilibrium under the loads, exact within rounding, and the loads on the mesh.
     pub fn equilibrium(&self, mesh: &Mesh, kinematics: Kinematics) -> Result<(FrameMotion, Vec<FrameLoad>), Failure> {
         let finger = mesh.finger();
         let node_loads =

@@ -11,7 +11,7 @@ use finray_model::scene::{MarkerLook, Markers};
 use nalgebra::UnitComplex;
 use rayon::prelude::*;
 
-/// Residual of the pose from the unloaded image, px, above which a warning is printed. Image noise and lens errors alone stay below it.
+/// A warning is printed if the residual of the pose in the unloaded image exceeds this value, px. Image noise and lens errors alone stay below it.
 const SURE_REST_PX: f64 = 0.3;
 
 /// Help text below the options.
@@ -29,10 +29,10 @@ Guide: finray guide photographs";
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Images of the finger (PNG, JPEG), in the order they were taken; - for standard input
+    /// Images of the finger (PNG, JPEG), in the order in which they were taken; - for standard input
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     image: Vec<PathBuf>,
-    /// Image of the unloaded finger, from which pose and displacements are measured
+    /// Image of the unloaded finger; pose and displacements are then measured from it
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
     /// Result file; - for standard output
@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let observer = observer(arguments, &scene)?;
     warn_of_rest(arguments, &observer);
     let found = images_with_their_radii(arguments, &scene, observer);
-    // Without any located image there is no table.
+    // If no image was located, the command fails with the first refusal, because there is no table.
     if found.iter().all(Result::is_err) {
         return Err(found
             .into_iter()
@@ -83,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(done).to(&arguments.out))
 }
 
-/// Markers and radii found in one image.
+/// Observation and marker radii of one image.
 struct SeenImage {
     observation: Observation,
     radii: SeenRadii,
@@ -92,7 +92,7 @@ struct SeenImage {
 
 type SeenImages = Vec<Result<SeenImage, Failure>>;
 
-/// Locates all images. If the markers have other radii than the scene's, it prints a message and searches again with the radii seen.
+/// Locates all images. If the markers have other radii than the scene's, it prints a message and searches again with the measured radii.
 fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Observer) -> SeenImages {
     let found = all_images(arguments, observer);
     let others = OtherRadius::of(scene, &radii(&found));
@@ -108,7 +108,7 @@ fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Obser
     let count = |images: &SeenImages| images.iter().flatten().map(|seen| seen.observation.markers.len()).sum::<usize>();
     if are_alike(&found, &anew) {
         others.iter().for_each(|other| {
-            print_message(format_args!("note: {other}; the markers found are the same with either radius"))
+            print_message(format_args!("note: {other}; with either radius, the same markers are found"))
         });
         return found;
     }
@@ -124,7 +124,7 @@ fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Obser
     found
 }
 
-/// Largest distance, in standard deviations, between the positions of one marker in two searches that count as equal.
+/// Largest distance between the positions of one marker in two searches, in standard deviations, at which the positions count as equal.
 const ALIKE_SIGMAS: f64 = 3.0;
 
 /// Whether two searches found the same markers at the same positions in all images.
@@ -147,7 +147,7 @@ fn radii(images: &SeenImages) -> Vec<&SeenRadii> {
     images.iter().flatten().map(|seen| &seen.radii).collect()
 }
 
-/// Locates each image on its own, in parallel, unless markers are tracked from image to image.
+/// Locates each image independently, in parallel. If markers are tracked, each image starts from the one before, in order.
 fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
     if observer.is_tracking() {
         return arguments.image.iter().map(|path| observed(&mut observer, path)).collect();
@@ -155,7 +155,7 @@ fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
     arguments.image.par_iter().map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect()
 }
 
-/// Rotation of a base relative to half of the other images, degrees, above which its image was probably turned.
+/// Rotation of a base relative to half of the other images, degrees, above which its image is probably upside down.
 const TURNED_DEG: f64 = 150.0;
 
 /// Warns of images whose base is rotated by more than `TURNED_DEG` relative to at least half of all images.
@@ -172,7 +172,7 @@ fn warn_of_turned(images: &[Result<Observation, RefusedImage>]) {
     }
 }
 
-/// Share of grey markers found, at or below which a warning is printed. Occlusion hides few markers; a wrong radius loses many.
+/// A warning is printed if at most this share of the grey markers is found. Occlusion hides few markers; a wrong radius loses many.
 const MANY_LOST: f64 = 0.75;
 
 /// Warns if many grey markers are missing, which a wrong radius explains better than occlusion.
@@ -204,7 +204,7 @@ fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
     }
 }
 
-/// Builds the scene's marker locator, with the image of the unloaded finger if given.
+/// Builds the marker locator for a scene, with the image of the unloaded finger if one is given.
 fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>, Failure> {
     let path = &arguments.scene;
     // Report missing tables of the scene before reading an image.
@@ -227,15 +227,15 @@ fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
         && residual_px > SURE_REST_PX
     {
         print_message(format_args!(
-            "warning: {}: the markers are {residual_px:.1} px rms from those of the scene's unloaded finger: if it carries a load here, every sensed \
-             force lacks that load; markers beside their nodes cause no error",
+            "warning: {}: the markers are {residual_px:.1} px (rms) away from those of the scene's unloaded finger: if the finger carries a load in \
+             this image, every sensed force is wrong by that load; markers mounted beside their nodes cause no error",
             path.display()
         ));
     }
 }
 
-/// Describes how the markers of clamped nodes contradict the pose from which displacements are measured.
-/// `None` if they agree, if the base moves, or if no clamped node has a marker.
+/// Describes a contradiction between the markers of clamped nodes and the pose from which displacements are measured.
+/// `None` if the two agree, if the base moves, or if no clamped node has a marker.
 fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
     let mut nodes = finger.clamped_nodes().into_iter().filter(|node| finger.has_marker(*node)).peekable();
     if seen.base.is_some() || nodes.peek().is_none() {
@@ -243,9 +243,7 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
     }
     let clamped: Vec<_> = nodes.filter_map(|node| seen.markers.iter().find(|marker| marker.node == node)).collect();
     if clamped.is_empty() {
-        return Some(
-            "no marker of a clamped node is seen where the pose has it, so the pose is not verified".to_owned(),
-        );
+        return Some("no marker of a clamped node is found, so the pose cannot be verified".to_owned());
     }
     let moved = clamped.iter().find_map(|seen| {
         let marker = Marker { node: seen.node, displacement: seen.displacement?, weight: 1.0 };
@@ -253,7 +251,7 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
         Some(marker)
     })?;
     Some(format!(
-        "the marker of clamped node {} is seen {:.2} mm from where the pose has it: displacements err by at least as much, which sigma_mm does not \
+        "the marker of clamped node {} is {:.2} mm away from its position in this pose: displacements err by at least as much, which sigma_mm does not \
          include",
         moved.node,
         moved.displacement.norm()

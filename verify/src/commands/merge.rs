@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Files written with --shard, in any order
     #[arg(value_name = "SHARD", required = true)]
     shards: Vec<PathBuf>,
-    /// Result file; a map also writes its figure, with suffix .svg; - for standard output
+    /// Result file; a map also writes its figure with suffix .svg; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }
@@ -36,7 +36,8 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let request = shards.request();
     let out = table_path(request.table, &arguments.out);
-    let scene = Scene::from_toml(&request.scene).map_err(|error| bad_input(format!("the scene: {error}")))?;
+    let scene = Scene::from_toml(&request.scene)
+        .map_err(|error| bad_input(format!("the scene in the shards is invalid: {error}")))?;
     let map = map_of(request, shards.table())?;
     let figure = map.as_ref().map(|map| figure(&scene.finger, map, &out)).transpose()?;
     let mut table = shards.table();
@@ -54,7 +55,7 @@ fn pour(mut table: impl Read, out: &Path) -> Result<(), Failure> {
     let mut stream = Stream::open(out)?;
     let mut bytes = vec![0; AT_ONCE];
     loop {
-        let read = table.read(&mut bytes).map_err(|error| not_computed(format!("a shard: {error}")))?;
+        let read = table.read(&mut bytes).map_err(|error| not_computed(format!("cannot read a shard: {error}")))?;
         if read == 0 || stream.write(&bytes[..read])? == Reader::Left {
             return Ok(());
         }

@@ -42,16 +42,16 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Why a command ends without a result.
+/// Reason why a command ends without a result.
 pub enum Failure {
-    /// Bad input, or a question without a unique answer: exit code 2.
+    /// The input is bad or does not determine a unique answer: exit code 2.
     BadInput(String),
-    /// A valid question that could not be computed, or a result that could not be written: exit code 1.
+    /// The input is valid, but the computation failed or a result could not be written: exit code 1.
     NotComputed(String),
 }
 
 impl Failure {
-    /// Message of the failure.
+    /// Message that says what failed and why.
     pub fn reason(&self) -> &str {
         match self {
             Failure::BadInput(message) | Failure::NotComputed(message) => message,
@@ -74,8 +74,8 @@ pub fn print_message(message: impl Display) {
     let _ = io::stderr().write_all(format!("{message}\n").as_bytes());
 }
 
-/// Prints clap's own answer (help, version or usage error) and returns its exit code. Help and version must reach standard output;
-/// a lost usage error is ignored.
+/// Prints clap's output (help, version or usage error) and returns its exit code. If help or version cannot be written to standard output, the exit
+/// code is 1; a usage error that cannot be written is ignored.
 pub fn print_answer(answer: &clap::Error) -> ExitCode {
     match answer.print().and_then(|()| io::stdout().flush()) {
         Err(reason) if !answer.use_stderr() && reason.kind() != io::ErrorKind::BrokenPipe => {
@@ -100,12 +100,12 @@ fn figure_path(table: &Path) -> PathBuf {
     table.with_extension("svg")
 }
 
-/// The path of a table; if it equals the figure's path, the suffix becomes csv.
+/// The path of a table; if it is also the path of the figure, the suffix becomes csv.
 fn path_beside_figure(table: &Path) -> PathBuf {
     if figure_path(table) == table { table.with_extension("csv") } else { table.to_owned() }
 }
 
-/// Refuses a scene and another file that both come from standard input, which can be read only once.
+/// Rejects a scene and another file that both come from standard input, which can be read only once.
 fn not_both_from_standard_input(scene: &Path, other: &Path, option: &str) -> Result<(), Failure> {
     if is_standard_stream(scene) && is_standard_stream(other) {
         let message = format!("the scene and {option} cannot both be -: standard input can be read only once");
@@ -222,14 +222,14 @@ impl From<Refusal> for Failure {
     }
 }
 
-/// A request holds only numbers, texts and lists, all of which TOML can represent.
+/// Serialisation as TOML is not expected to fail: a request has only numbers, texts and lists.
 impl From<toml::ser::Error> for Failure {
     fn from(error: toml::ser::Error) -> Failure {
         not_computed(error)
     }
 }
 
-/// Results are written to memory, so the CSV writer fails only if memory runs out.
+/// Results are written to memory, so the CSV writer is not expected to fail.
 impl From<csv::Error> for Failure {
     fn from(error: csv::Error) -> Failure {
         not_computed(error)

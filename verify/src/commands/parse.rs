@@ -17,7 +17,7 @@ pub struct NodeLoad {
     pub moment_nmm: f64,
 }
 
-/// Load on the front plate, `S_MM:FORCE,ANGLE_DEG`: mm from the base, N, degrees from the inward normal.
+/// Load on the front plate, `S_MM:FORCE,ANGLE_DEG`: position in mm from the base, force in N, angle in degrees from the inward normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PositionLoad {
     /// Position along the front plate, mm from its base.
@@ -28,7 +28,7 @@ pub struct PositionLoad {
     pub angle_deg: f64,
 }
 
-/// A finite number.
+/// Parses a finite number.
 pub fn finite(text: &str) -> Result<f64, String> {
     text.trim()
         .parse()
@@ -37,22 +37,22 @@ pub fn finite(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("expected a finite number, found \"{text}\""))
 }
 
-/// A finite number, zero or more.
+/// Parses a finite number, zero or more.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x >= 0.0 { Ok(x) } else { Err(format!("expected zero or more, found {x}")) })
 }
 
-/// A finite number above zero.
+/// Parses a finite number above zero.
 pub fn positive(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x > 0.0 { Ok(x) } else { Err(format!("expected more than zero, found {x}")) })
 }
 
-/// A number from 0 to 1.
+/// Parses a number from 0 to 1.
 pub fn share(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(format!("expected 0 to 1, found {x}")) })
 }
 
-/// Angle between neighbouring directions, degrees, at least 0.01.
+/// Parses the angle between neighbouring directions, degrees, at least 0.01.
 pub fn degrees_between(text: &str) -> Result<f64, String> {
     const FINEST: f64 = 0.01;
     finite(text).and_then(|x| if x >= FINEST { Ok(x) } else { Err(format!("expected {FINEST} or more, found {x}")) })
@@ -90,7 +90,7 @@ pub struct MotorAngles(pub Vec<f64>);
 /// Parses one motor angle `DEG` or a range `FROM:TO:STEP`, degrees.
 pub fn motor_angles(text: &str) -> Result<MotorAngles, String> {
     const MOST: f64 = 1e6;
-    // Relative rounding error by which the last angle may pass the end.
+    // Relative rounding error by which the last angle may exceed the end of the range.
     const ROUNDING: f64 = 1e-9;
     let numbers = text.split(':').map(finite).collect::<Result<Vec<_>, _>>()?;
     match numbers[..] {
@@ -111,7 +111,7 @@ pub fn motor_angles(text: &str) -> Result<MotorAngles, String> {
 /// A contact as given on the command line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AskedContact {
-    /// Position along the front plate; `None` if it is to be estimated.
+    /// Position along the front plate; `None` if the position is unknown and to be estimated.
     pub position: Option<ContactPosition>,
     /// Standard deviation of a measured position, mm.
     pub position_sd_mm: Option<f64>,

@@ -27,7 +27,7 @@ Guide: finray guide press-and-grasp";
 pub struct Arguments {
     /// Scene file (TOML) with an object; - for standard input
     scene: PathBuf,
-    /// Standard deviation of one coordinate of a node or outline point, mm [default: the scene's, or 0]
+    /// Standard deviation of the noise in one coordinate of a node or outline point, mm [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Seed of the noise
@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Lattice segments per plate member [default: doubled until total forces change by under 0.1 %]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=100))]
     fineness: Option<u16>,
-    /// Also write the final shape, in the format of `finray solve`
+    /// Also write the displacements of the last step to FILE, as `finray solve` writes them
     #[arg(long, value_name = "FILE")]
     shape: Option<PathBuf>,
     /// Result file; - for standard output
@@ -44,7 +44,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Largest distance, mm, that an object may miss its prescribed position by rounding.
+/// A warning is printed if the object stops farther than this from its prescribed position, mm; rounding alone causes less.
 const STOPPED_MM: f64 = 1e-6;
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         }
         if *shape == arguments.out || *shape == figure_path(&arguments.out) {
             return Err(bad_input(
-                "expected different files for --shape and --out (or the figure beside it), found one",
+                "expected different files for --shape and --out (or the figure beside it), found the same file for two of them",
             ));
         }
     }
@@ -83,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             bar.suspend(|| print_message(format_args!("note: step {number}: {refusal}")));
         }
         if let Some(imbalance) = step.pressed.imbalance().filter(|imbalance| *imbalance > BALANCE_TOLERANCE) {
-            let share = format!("{imbalance:.1e} of their size");
+            let share = format!("{imbalance:.1e} of the contact forces");
             bar.suspend(|| {
                 print_message(format_args!(
                     "note: step {number}: contact forces and the reaction at the base differ by {share}"
@@ -106,9 +106,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let ended = match outcome {
         Ok(Refinement { fineness, change: Some(change) }) if change.share > TOTAL_TOLERANCE => {
             let TotalChange { step, share } = change;
-            let differ = format!("its total force and that with half as many differ by {:.1} %", 100.0 * share);
+            let differ =
+                format!("its total force differs by {:.1} % from that with half as many segments", 100.0 * share);
             print_message(format_args!(
-                "warning: step {step}: a lattice of {fineness} segments a member is coarse: {differ}"
+                "warning: step {step}: a lattice of {fineness} segments per member is coarse: {differ}"
             ));
             Ok(())
         }

@@ -5,7 +5,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// A progress bar with the remaining time; hidden if standard error is not a terminal.
 pub fn bar(steps: u64, what: &str) -> ProgressBar {
     let bar = ProgressBar::new(steps);
-    // The template is a constant; if it were invalid, the default style would be used.
+    // `with_template` fails only for an invalid template; this one is a valid constant.
     if let Ok(style) = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len} {eta} left") {
         bar.set_style(style);
     }
@@ -22,7 +22,7 @@ impl TrainingBar {
     /// A bar for this number of epochs.
     pub fn new(epochs: usize) -> TrainingBar {
         let bar = bar(epochs as u64, "drawing cases");
-        // As above, the default style is the fallback.
+        // `with_template` fails only for an invalid template; this one is a valid constant.
         if let Ok(style) = ProgressStyle::with_template("epoch {pos}/{len} {wide_bar} {msg} {eta} left") {
             bar.set_style(style);
         }

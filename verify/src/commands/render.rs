@@ -7,7 +7,7 @@ use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::camera::Camera;
 use nalgebra::Isometry2;
 
-/// Largest accepted blur, px; a larger one makes a marker of a few pixels invisible.
+/// Largest accepted standard deviation of the blur, px; a larger blur makes a marker of a few pixels invisible.
 const LARGEST_BLUR_PX: f64 = 100.0;
 
 /// Help text below the options.
@@ -28,10 +28,10 @@ pub struct Arguments {
     scene: PathBuf,
     #[command(flatten)]
     loads: Loads,
-    /// Shape instead of loads (CSV of `solve` or `press`); - for standard input
+    /// Displacements instead of loads (CSV of `solve` or `press`); - for standard input
     #[arg(long, value_name = "FILE", conflicts_with_all = ["load", "load_at", "mesh_nodes"])]
     shape: Option<PathBuf>,
-    /// Pose of a movable base (mm, mm, degrees) in the frame of the camera's pose
+    /// Pose of a movable base in the frame of the camera's pose
     #[arg(long, value_name = "X_MM,Y_MM,DEG", value_parser = moved_base, allow_hyphen_values = true)]
     base: Option<Isometry2<f64>>,
     /// Standard deviation of pixel noise, grey levels of 255
@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Share of light missing in the image corners, 0 to 1
     #[arg(long, help_heading = "Camera", value_name = "SHARE", value_parser = share, default_value_t = 0.0)]
     light_falloff: f64,
-    /// Number of added discs and boxes, half in marker colours
+    /// Number of added discs and boxes; half of them have the markers' colours
     #[arg(long, help_heading = "Camera", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1000))]
     clutter: u16,
     /// Nodes whose markers are left out

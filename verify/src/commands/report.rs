@@ -32,10 +32,10 @@ pub struct Arguments {
     /// Folder for the report; created if missing
     #[arg(long, value_name = "DIR", default_value = "finray-report")]
     out: PathBuf,
-    /// Largest force of the report, N; its maps show F/6, F/3, 2F/3 and F
+    /// Largest force F of the report, N; its maps are for F/6, F/3, 2F/3 and F
     #[arg(long, value_name = "F", value_parser = positive, default_value_t = ReportForces::PAPER.drawn_n())]
     force_n: f64,
-    /// Coarser maps and fewer cases, in a fraction of the time
+    /// Compute coarser maps and fewer cases, in a fraction of the time
     #[arg(long)]
     quick: bool,
     /// Folder with Criterion's results of the benchmark `speed_error` [default: target/criterion]
@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Measured forces, frame of the camera's pose: image,fx_n,fy_n (CSV)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "measurements")]
     forces: Option<PathBuf>,
-    /// Some of these images (PNG, JPEG); marker residuals are drawn over them
+    /// Images (PNG, JPEG) among those in the file; the page draws marker residuals over them
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", num_args = 1.., requires = "measurements")]
     image: Vec<PathBuf>,
     /// Open the page in the browser when done
@@ -58,7 +58,7 @@ pub struct Arguments {
     open: bool,
 }
 
-/// Largest difference between the scene's markers and those of the file, mm: far below any noise, far above rounding.
+/// A warning is printed if the scene's markers and those of the file differ by more than this, mm. It is far below any noise and far above rounding.
 const SAME_MM: f64 = 1e-3;
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if let Some(peers) = peers {
         study.take_peers(peers);
     }
-    // Criterion's times must be set first: the claims quote them.
+    // `ledger` quotes Criterion's times, so they are set first.
     let claims = ledger(&study).map_err(not_computed)?;
     let report = finray_report::report(&study, &claims).map_err(not_computed)?;
     write_folder(&arguments.out, &report.files)?;
@@ -118,9 +118,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if arguments.open
         && let Err(error) = open::that_detached(&page)
     {
-        // The report exists and its path is printed, so this is not an error.
+        // The report is written and its path is printed, so a browser that does not open is no error.
         print_message(format_args!(
-            "note: no program opens the page ({}); it is {}",
+            "note: the page could not be opened ({}); open {} in a browser",
             first_line(&error),
             page.display()
         ));
@@ -138,7 +138,7 @@ fn named_image(path: &Path, located: &[&str]) -> Result<NamedImage, FileError> {
     let image = load_image(path)?;
     let none = |_| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        FileError::content(path, format!("image {name:?} is not among those that were located"))
+        FileError::content(path, format!("image {name:?} is not among the located images"))
     };
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let name = image_named(&whole.to_string_lossy(), located).map_err(none)?;
@@ -159,7 +159,7 @@ struct Bars(Mutex<ProgressBar>);
 
 impl Bars {
     fn with(&self, act: impl FnOnce(&mut ProgressBar)) {
-        // A poisoned lock only means that another thread failed while drawing its bar.
+        // The lock is poisoned only if another thread panicked while drawing its bar.
         act(&mut self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner));
     }
 

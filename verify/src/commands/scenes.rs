@@ -9,7 +9,7 @@ use finray_model::keys::{CAMERA, MARKERS, SceneTable};
 use finray_model::scene::Markers;
 use std::path::Path;
 
-/// The scene of a file with its text, or the paper's finger without a path. Warns of moduli that are probably in Pa.
+/// The scene of a file with its text; without a path, the paper's finger. Warns of moduli that are probably in Pa.
 ///
 /// # Errors
 /// [`Failure`] if the file cannot be read or is not a valid scene.
@@ -23,7 +23,7 @@ pub fn scene_or_papers(path: Option<&Path>) -> Result<(Scene, String), Failure> 
     Ok((scene, text))
 }
 
-/// Failure that names a missing table. The message gives line 1, as for any missing key.
+/// The error for a missing table. The message names line 1, as for any missing key.
 fn missing(path: &Path, what: &str) -> Failure {
     bad_input(format!("{}: line 1: the scene has no {what}; fixtures/scenes/camera.toml has an example", name_of(path)))
 }

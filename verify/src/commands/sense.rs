@@ -32,16 +32,16 @@ pub struct Arguments {
     /// Estimator of the forces
     #[arg(long, help_heading = "Estimator", value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
-    /// File of `finray train` [default: network shipped for the contacts]
+    /// Network file of `finray train` [default: the shipped network]
     #[arg(long, help_heading = "Estimator", value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Standard deviation of one measured coordinate, mm [default: the scene's, else the file's, else from the residual]
+    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else the file's, else from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Friction coefficient that bounds the force direction of contacts with +-SD
+    /// Friction coefficient; limits the force direction of contacts with +-SD
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
-    /// Image to evaluate, if the file holds several
+    /// Image to evaluate, if the file has several
     #[arg(long, help_heading = "Input", value_name = "NAME")]
     image_name: Option<String>,
     /// Evaluate every image of the file, one row per image and contact
@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Measured forces, for the direction `measured` (CSV: image,fx_n,fy_n, in the frame of the camera's pose)
     #[arg(long, help_heading = "Question", value_name = "FILE")]
     forces: Option<PathBuf>,
-    /// Mesh nodes, nonlinear estimator [default: refined until converged]
+    /// Mesh nodes (nonlinear only) [default: refined until converged]
     #[arg(long, help_heading = "Estimator", value_name = "N")]
     mesh_nodes: Option<usize>,
     /// Result file; - for standard output
@@ -58,7 +58,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// A sensed force; all columns are empty for a refused image.
+/// Row of a sensed force; all columns are empty if the image was refused.
 #[derive(Serialize, Default)]
 struct Row {
     contact: Option<String>,
@@ -68,13 +68,13 @@ struct Row {
     sigma_n: Option<f64>,
 }
 
-/// First column of a row with `--all-images`.
+/// First column of a row with `--all-images`: name of the image.
 #[derive(Serialize)]
 struct OfImage<'t> {
     image: &'t str,
 }
 
-/// Last column of a row with `--all-images`: the reason of a refusal, or empty.
+/// Last column of a row with `--all-images`: the reason why the image was refused; empty otherwise.
 #[derive(Serialize)]
 struct Refused {
     refused: String,
@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     hints::of_moduli(&arguments.scene, finger);
     let networks = match &arguments.network {
         Some(_) if arguments.estimator != EstimatorId::Network => {
-            return Err(bad_input("--network is for --estimator network"));
+            return Err(bad_input("--network: expected --estimator network too, found another estimator"));
         }
         Some(path) => Networks::of(vec![load_network(path)?]),
         None => Networks::read(&finray_fixtures::NETWORKS)?,
@@ -108,15 +108,19 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     match (&arguments.forces, arguments.contacts.ask_measured()) {
         (Some(_), true) if arguments.contacts.count() > 1 => {
             return Err(bad_input(
-                "a direction is `measured`: expected one contact, because --forces has one force an image",
+                "a direction is `measured`: expected one contact, because --forces has one force per image",
             ));
         }
         (Some(forces), true) => {
             not_both_from_standard_input(&arguments.scene, forces, "--forces")?;
             not_both_from_standard_input(&arguments.displacements, forces, "--forces")?;
         }
-        (Some(_), false) => return Err(bad_input("--forces is for the direction `measured`, as in auto@measured")),
-        // Report wrong contacts before the file is read: they are wrong for every image.
+        (Some(_), false) => {
+            return Err(bad_input(
+                "--forces: expected a contact with the direction `measured`, for instance auto@measured",
+            ));
+        }
+        // Wrong contacts are reported before the images are evaluated: they are wrong for every image.
         (None, _) => drop(question.sensor(&Observation::default())?),
     }
     let text = read_text(&arguments.displacements)?;
@@ -141,7 +145,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(done).to(&arguments.out))
 }
 
-/// The question asked of each image: contacts, friction and estimator.
+/// Contacts, friction and estimator for all images, with the measured force of each image.
 struct ImageQuestion<'a> {
     scene: &'a Scene,
     contacts: &'a Contacts,
@@ -156,7 +160,7 @@ impl<'a> ImageQuestion<'a> {
         self.forces.iter().flatten().find(|measured| measured.image == image)
     }
 
-    /// Builds the sensor of one image; a measured force is rotated into the frame of the image's base.
+    /// Builds the sensor for one image. The direction of a measured force is rotated into the frame of the image's base.
     fn sensor(&self, seen: &Observation) -> Result<Sensor<'a>, Failure> {
         let in_base = |measured: &MeasuredForce| seen.frame(self.scene).rotation.inverse() * measured.force;
         let measured_deg = self.force(&seen.image).map(|measured| self.scene.finger.angle_deg(in_base(measured)));
@@ -165,7 +169,7 @@ impl<'a> ImageQuestion<'a> {
     }
 }
 
-/// One row per image and contact. A refused image has rows without numbers, with the reason.
+/// One row per image and contact. Rows of a refused image have a reason instead of numbers.
 fn all_images<'t>(
     question: &ImageQuestion,
     table: &'t ObservationTable,
@@ -191,7 +195,7 @@ fn all_images<'t>(
                 warn(&format!("{image}: "), &sensed.warnings);
                 all.extend(rows(finger, &sensed).into_iter().map(|numbers| row(numbers, String::new())));
             }
-            // An error in the file ends the command; a refused image only fills its rows.
+            // An invalid cell ends the command; a refused image only fills its rows with the reason.
             Err(Refusal::Observation(error)) => return Err(table.error(Some(image), &error).into()),
             Err(refusal) => all.extend(refused(&refusal.to_string())),
         }

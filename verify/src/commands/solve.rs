@@ -33,11 +33,11 @@ pub struct Arguments {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum KinematicsArgument {
-    // Small displacements
+    // Linear kinematics, for small displacements.
     Linear,
-    // Co-rotational, with the axial strain of a shallow arch
+    // Co-rotational kinematics with the axial strain of a shallow arch.
     Corotational,
-    // Co-rotational, with the plain strain of the chord (as in OpenSees)
+    // Co-rotational kinematics with the axial strain of the chord, as in OpenSees.
     CorotationalChord,
 }
 

@@ -25,7 +25,7 @@ pub struct Arguments {
     /// Estimators, comma-separated
     #[arg(long, value_parser = listed::<EstimatorId>(), value_delimiter = ',', default_values_t = [EstimatorId::Nonlinear])]
     estimator: Vec<EstimatorId>,
-    /// Standard deviations of one coordinate, mm, for instance 0,0.067 [default: the scene's, or 0]
+    /// Standard deviations of the noise in one coordinate, mm, for instance 0,0.067 [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_delimiter = ',', value_parser = not_negative)]
     noise_mm: Vec<f64>,
 }

@@ -26,7 +26,7 @@ pub struct Arguments {
     scene: PathBuf,
     #[command(flatten, next_help_heading = "Contacts")]
     contacts: Contacts,
-    /// Train for every subset of the contacts; `finray sense` then names the subset
+    /// Train for every subset of the contacts; `finray sense` then names the loaded ones
     #[arg(long, help_heading = "Contacts", conflicts_with = "plain")]
     any_of: bool,
     /// Model of the true finger
@@ -35,13 +35,13 @@ pub struct Arguments {
     /// Number of training cases [default: 20000; 100000 with --any-of]
     #[arg(long, help_heading = "Cases", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     samples: Option<u32>,
-    /// Standard deviation of one coordinate, mm [default: the scene's, or 0.067]
+    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, or 0.067]
     #[arg(long, help_heading = "Cases", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Largest force per contact, N
     #[arg(long, help_heading = "Cases", value_name = "F", default_value_t = 5.0, value_parser = positive)]
     largest_force_n: f64,
-    /// Largest sum of the forces, N
+    /// Largest sum of all contact forces, N
     #[arg(long, help_heading = "Cases", value_name = "F", default_value_t = 10.0, value_parser = positive)]
     largest_sum_n: f64,
     /// Standard deviation of each force's direction, deg
@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Relative standard deviation of the finger's modulus
     #[arg(long, help_heading = "Cases", value_name = "S", default_value_t = 0.0, value_parser = not_negative)]
     modulus_spread: f64,
-    /// Nodes that the camera never sees
+    /// Nodes whose displacements the network does not use
     #[arg(long, help_heading = "Cases", value_name = "NODE", num_args = 1..)]
     hide: Vec<usize>,
     /// Widths of the hidden layers [default: 32,32; 128,128 with --any-of]
@@ -70,7 +70,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Parses a truth that consists of the scene's own beams; training samples can be drawn only from these.
+/// Parses the name of a true finger that is computed with the scene's beams. Training cases can be drawn only for such fingers.
 fn own_beams(name: &str) -> Result<TruthId, String> {
     let own = || TruthId::ALL.iter().filter(|id| id.kinematics().is_some());
     let names: Vec<&str> = own().map(|id| id.name()).collect();

@@ -1,4 +1,4 @@
-//! Warnings where the beam model no longer holds: large strains, thick members, flat fingers.
+//! Warnings where the assumptions of the beam model do not hold: large strains, shear, bending out of the plane.
 
 use super::print_message;
 use finray_model::finger::Plate;
@@ -10,7 +10,7 @@ use finray_model::validity::{Doubt, StrainLimits, Validity};
 use finray_model::{Kinematics, Load, Mesh, Scene};
 use finray_studies::experiments::contact_scene::SceneStep;
 
-/// Warns where an equilibrium violates the beam model's assumptions. The result stands, so the exit code is still 0.
+/// Warns if an equilibrium violates the assumptions of the beam model. The result is still written, so the exit code is 0.
 pub fn warn_of_equilibrium(
     limits: &StrainLimits,
     mesh: &Mesh,
@@ -21,7 +21,7 @@ pub fn warn_of_equilibrium(
     warn("", &Validity::of(mesh, motion, kinematics, loads).doubts(limits));
 }
 
-/// Warns where the co-rotational finger violates the beam model's assumptions under the sensed forces.
+/// Warns if the co-rotational finger violates the assumptions of the beam model under the sensed forces.
 pub fn warn_of_forces(sensor: &Sensor, sensed: &SensedForces) {
     match sensor.doubts(sensed) {
         Ok(doubts) => warn("", &doubts),
@@ -31,7 +31,7 @@ pub fn warn_of_forces(sensor: &Sensor, sensed: &SensedForces) {
     }
 }
 
-/// The step of a pressed finger with the largest strain, computed with beams under the true contact forces.
+/// The step of a pressed finger with the largest strain relative to its limit, computed with beams under the true contact forces.
 #[derive(Default)]
 pub struct Pressing {
     steps: usize,
@@ -40,7 +40,7 @@ pub struct Pressing {
 }
 
 impl Pressing {
-    /// Evaluates the next step.
+    /// Computes the strains of the next step, and keeps the step if they are the largest.
     pub fn examine(&mut self, scene: &Scene, step: &SceneStep) {
         self.steps += 1;
         let finger = &scene.finger;
@@ -64,7 +64,7 @@ impl Pressing {
         }
     }
 
-    /// Prints the warnings of the worst step.
+    /// Prints the warnings about the step with the largest strain.
     pub fn warn(&self) {
         if let Some((step, error)) = &self.unsolved {
             print_message(format_args!(

@@ -1,9 +1,9 @@
-//! Preprocesses command-line arguments before clap reads them: negative numbers are values, and `help --help` prints the help.
+//! Prepares command-line arguments for clap: negative numbers become values, and `help --help` prints the help.
 
 use clap::{Arg, Command};
 use std::ffi::{OsStr, OsString};
 
-/// Lets every option accept a negative number as its value, so that the option's own check reports an error.
+/// Lets every option accept a negative number as its value, so that errors about it come from the option's parser.
 pub fn taking_negative_numbers(command: Command) -> Command {
     let taking = |arg: Arg| {
         let is_number =
@@ -13,8 +13,8 @@ pub fn taking_negative_numbers(command: Command) -> Command {
     command.mut_subcommands(move |command| command.mut_args(taking))
 }
 
-/// Arguments in a form that clap accepts. Lists that begin with a negative number, such as `-5:1,0` and `-5@auto`, get a leading space:
-/// clap would read them as options. All parsers of this program trim their input.
+/// Arguments in a form that clap accepts. A list that begins with a negative number, such as `-5:1,0` or `-5@auto`, gets a leading space:
+/// clap would otherwise read the list as an option. All parsers of this program trim their input.
 pub fn readable(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let list = |word: OsString| if begins_below_zero(&word) { [" ".into(), word].into_iter().collect() } else { word };
     let mut words: Vec<OsString> = words.map(list).collect();
@@ -24,7 +24,7 @@ pub fn readable(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
     words
 }
 
-/// Whether an argument is not a single number, but starts with a negative number and has only numbers up to `@`.
+/// Whether an argument starts with a negative number and has only numbers up to `@`, but is more than one number.
 fn begins_below_zero(word: &OsStr) -> bool {
     let Some(text) = word.to_str() else { return false };
     let numbers = text.split('@').next().unwrap_or_default();

@@ -203,16 +203,16 @@ fn compared_in_a_report(
     let out = folder.path("report");
     let report = ["report", calibrated, "--quick", "--out", &out, "--measurements", located, "--forces", forces];
     let other = finray(&[&report[..], &["--image", &images[3]]].concat()).refused();
-    assert_says(&other, &["\"press3.png\" is not among those that were located"]);
+    assert_says(&other, &["\"press3.png\" is not among the located images"]);
     let answer = finray(&[&report[..], &["--image", &images[0], &images[2]]].concat());
     assert!(!answer.err.contains("another scene"), "{}", answer.err);
-    let caveat = ["contact force in 3 images (objects disc, bar)", "which is simulation"];
+    let caveat = ["contact force in 3 images (objects disc, bar)", "section on measured images is simulation"];
     assert_says(&answer.computed(), &caveat);
     let page = folder.read("report/index.html");
     let section =
         page.split("id=\"measured\"").nth(1).expect("the section").split("</section>").next().unwrap_or_default();
     assert_eq!(section.matches("<svg").count(), 4);
-    assert_says(section, &["3 images whose contact force was measured", "friction of the scene", "no brackets"]);
+    assert_says(section, &["3 images with measured contact force", "friction of the scene", "no brackets"]);
     let rows = Csv::of(&folder.read("report/measured_forces.csv"));
     let errors = |known: &str| -> Vec<[f64; 2]> {
         let of_known = rows

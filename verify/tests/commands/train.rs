@@ -153,5 +153,8 @@ fn wrong_arguments_are_refused() {
     refused(&["--contact", "19", "--any-of", "--plain"], &["--any-of"]);
     assert!(folder.names().is_empty(), "{:?}", folder.names());
     let stray = ["sense", PAPER, "--displacements", "-", "--contact", "19", "--network", "file"];
-    assert_says(&finray_reading(b"node,ux_mm,uy_mm\n7,0,-1\n", &stray).refused(), &["--network is for"]);
+    assert_says(
+        &finray_reading(b"node,ux_mm,uy_mm\n7,0,-1\n", &stray).refused(),
+        &["--network: expected --estimator network too"],
+    );
 }

@@ -1,4 +1,4 @@
-//! Linear equations of the fingers and of their border, the unknowns that they share: the object's pose.
+//! Linear equations of the fingers and of their border: the unknowns that all fingers share, which are the object's pose.
 
 use super::elimination::Order;
 use nalgebra::{DMatrix, DVectorViewMut, Matrix3};
@@ -20,7 +20,8 @@ impl Inner<'_> {
         3 * self.order.body_count()
     }
 
-    /// With the finger's matrix A, a right-hand side r and the derivatives B by the border: A⁻¹ r, then A⁻¹ B; one row per unknown.
+    /// Returns A⁻¹ r, then A⁻¹ B, with one row per unknown. A is the finger's matrix, r a right-hand side, and B the derivatives with respect to the
+    /// border.
     fn solved(&mut self, right: &[f64], border_count: usize) -> Option<Vec<f64>> {
         let columns = 1 + border_count;
         let mut solved = vec![0.0; self.unknown_count() * columns];
@@ -34,7 +35,7 @@ impl Inner<'_> {
     }
 }
 
-/// A square matrix whose unknowns are those of the fingers' bodies, finger by finger, followed by those of the border.
+/// A square matrix. Its unknowns are those of the fingers' bodies, finger by finger, then those of the border.
 pub(super) struct Bordered<'o> {
     fingers: Vec<Inner<'o>>,
     border: DMatrix<f64>,
@@ -43,7 +44,7 @@ pub(super) struct Bordered<'o> {
 }
 
 impl<'o> Bordered<'o> {
-    /// An empty matrix.
+    /// A matrix of zeros.
     pub fn new(orders: impl Iterator<Item = &'o Order>, border_count: usize) -> Bordered<'o> {
         let mut first = 0;
         let of_finger = |order: &'o Order| {
@@ -55,13 +56,13 @@ impl<'o> Bordered<'o> {
         Bordered { fingers, border: DMatrix::zeros(border_count, border_count), first }
     }
 
-    /// Order and blocks of a finger.
+    /// Elimination order and blocks of a finger.
     pub fn blocks(&mut self, finger: usize) -> (&'o Order, &mut [Matrix3<f64>]) {
         let Inner { order, blocks, .. } = &mut self.fingers[finger];
         (order, blocks)
     }
 
-    /// Adds a derivative. Panics if row and column belong to two different bodies: such a derivative belongs in the [`blocks`](Self::blocks).
+    /// Adds a derivative. Panics if row and column belong to two different bodies; such a derivative belongs in the [`blocks`](Self::blocks).
     pub fn add(&mut self, row: usize, column: usize, derivative: f64) {
         let first = self.first;
         if row.min(column) >= first {
@@ -81,7 +82,7 @@ impl<'o> Bordered<'o> {
         }
     }
 
-    /// Solves for `right` in place. `None` if a block of a finger, or the reduced matrix of the border, is singular.
+    /// Solves for `right` in place. `None` if a pivot block of a finger, or the reduced matrix of the border, is singular.
     pub fn solve(mut self, right: &mut [f64]) -> Option<()> {
         let count = self.border.nrows();
         let columns = 1 + count;
@@ -110,7 +111,7 @@ mod tests {
     use super::*;
     use nalgebra::DVector;
 
-    /// Compares with dense elimination: two chains of bodies of different length, a shared border, and no symmetry.
+    /// Compares with dense elimination, for two chains of bodies of different length with a shared border and without symmetry.
     #[test]
     fn a_bordered_matrix_is_solved_as_a_dense_one_is() {
         const BODIES: [usize; 2] = [4, 3];

@@ -1,7 +1,7 @@
 //! Kinematics of one contact: gap, slip, and the effect of its forces on finger and object.
 //!
-//! The unknowns are displacement and rotation of a body of the finger, in the finger's frame, and the pose of the object in the world. The formulas
-//! are written once for plain and dual numbers; dual numbers give the derivatives for Newton's method.
+//! The unknowns are displacement and rotation of a body of the finger, in the finger's frame, and the pose of the object in the world. Each formula is
+//! written once, for plain and for dual numbers; dual numbers give the derivatives for Newton's method.
 
 use crate::energy::BodyMotion;
 use finray_model::Vector;
@@ -12,7 +12,7 @@ use num_dual::{Dual64, DualNum};
 /// Displacement x, y (mm) and rotation (rad) of the finger's body, then x, y (mm) and angle (rad) of the object.
 pub type Unknowns = [f64; 6];
 
-/// Geometry of the two parts in contact. Finger points are relative to the body's centre, undeformed; object points are in the object's frame; mm.
+/// Geometry of the two parts in contact, mm. Points of the finger are relative to the body's centre, undeformed; points of the object are in its frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pair {
     /// A disc of the finger, and a corner or a disc of the object.
@@ -21,7 +21,7 @@ pub enum Pair {
         centre: Vector,
         /// Corner of the object, or centre of its disc, mm.
         corner: Vector,
-        /// Radii of the finger's disc and of the object's disc, mm; the latter is 0 for a corner.
+        /// Radius of the finger's disc, and radius of the object's disc (0 for a corner), mm.
         radii_mm: [f64; 2],
     },
     /// A disc of the finger and a straight side of the object.
@@ -43,7 +43,7 @@ pub enum Pair {
         outward: Vector,
         /// Corner of the object, or centre of its disc, mm.
         corner: Vector,
-        /// Half the piece's thickness, and the radius of the object's disc, mm.
+        /// Half the thickness of the piece, and radius of the object's disc (0 for a corner), mm.
         radii_mm: [f64; 2],
     },
 }
@@ -72,7 +72,7 @@ impl PairPose {
 pub struct Touching {
     /// Gap, mm; negative for an overlap.
     pub gap_mm: f64,
-    /// Slip of the finger over the object since the reference poses, mm, positive along the normal rotated by +90 degrees.
+    /// Slip of the finger over the object since the reference poses, mm; positive along the normal rotated by +90 degrees.
     pub slip_mm: f64,
     /// Unit vector from the object into the finger, world frame.
     pub normal: Vector,
@@ -85,10 +85,10 @@ pub struct Touching {
 pub struct Tangent {
     /// Derivatives of the slip, mm per mm and mm per rad.
     pub slip_by: Unknowns,
-    /// Generalised forces of 1 N along the normal and of 1 N across it: N and N mm, on the body in the finger's frame, then on the object in the world.
-    /// The first are also the derivatives of the gap.
+    /// Generalised forces of 1 N along the normal, and of 1 N across it. Entries: N and N mm on the body in the finger's frame, then on the object in the
+    /// world. The first vector is also the gradient of the gap.
     pub pull: [Unknowns; 2],
-    /// Derivatives of both with respect to each unknown (mm or rad), one row per unknown.
+    /// Derivatives of both vectors in `pull` with respect to each unknown (mm or rad), one row per unknown.
     pub pull_by: [[Unknowns; 2]; 6],
 }
 
@@ -119,25 +119,25 @@ fn inner<D: Number>(a: Vector2<D>, b: Vector2<D>) -> D {
     a.x * b.x + a.y * b.y
 }
 
-/// Gap, slip, normal and point of a contact.
+/// Gap, slip, normal and point of a contact, in plain or dual numbers.
 struct Evaluated<D> {
     gap: D,
     slip: D,
     normal: Vector2<D>,
     point: Vector2<D>,
-    /// Vector from the body's centre to the contact, finger's frame, and from the object's origin to it, world frame; mm.
+    /// Vectors to the contact point, mm: from the body's centre in the finger's frame, and from the object's origin in the world frame.
     arms: [Vector2<D>; 2],
 }
 
 impl Pair {
-    /// Gap and slip between the object and a body whose undeformed centre is `rest`, mm, finger frame. Slip is measured from the poses `before`, at the
+    /// Gap and slip between the object and a body whose undeformed centre is `rest`, mm, finger frame. Slip counts from the poses `before`, at the
     /// start of the step.
     pub fn touching(&self, rest: Vector, now: &PairPose, before: &PairPose) -> Touching {
         let Evaluated { gap, slip, normal, point, .. } = self.evaluate(rest, &now.finger, now.unknowns(), before);
         Touching { gap_mm: gap, slip_mm: slip, normal, point }
     }
 
-    /// Derivatives of [`touching`](Self::touching).
+    /// Derivatives of gap and slip, as [`touching`](Self::touching) computes them, and generalised forces.
     pub fn tangent(&self, rest: Vector, now: &PairPose, before: &PairPose) -> Tangent {
         let axes = now.finger.axes();
         let by = |seed: usize| {
@@ -172,7 +172,7 @@ impl Pair {
         let (body_world, object) = (constant::<D>(finger.origin) + times(axes, body), Vector2::new(x, y));
         let on_body = |arm: Vector| body_world + times(axes, turned(rotation, constant(arm)));
         let on_object = |point: Vector| object + turned(angle, constant(point));
-        // The contact point is on the surface of the object.
+        // The contact point lies on the surface of the object.
         let (gap, normal, point) = match *self {
             Pair::BallAndCorner { centre, corner, radii_mm: [ball_mm, disc_mm] } => {
                 let between = on_body(centre) - on_object(corner);
@@ -191,7 +191,7 @@ impl Pair {
                 (height - half_mm - disc_mm, -outward, on_object(corner) - outward.map(|x| x * disc_mm))
             }
         };
-        // Earlier positions of the two material points that are in contact now.
+        // Positions in the poses `before` of the two material points that are in contact now.
         let arms = [times(axes.transpose(), point - body_world), point - object];
         let (in_body, in_object) = (turned(-rotation, arms[0]), turned(-angle, arms[1]));
         let then = constant::<D>(rest + before.body.displacement) + turned(before.body.rotation.into(), in_body);

@@ -1,39 +1,39 @@
-//! Block elimination of a finger's bodies, three unknowns each, in a fixed order. Contacts add no blocks between bodies.
+//! Block elimination of a finger's bodies, three unknowns each, in a fixed order. A contact adds no block between two bodies of the finger.
 
 use nalgebra::Matrix3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Elimination step of one body.
+/// The elimination step of one body (the pivot).
 #[derive(Debug, Clone)]
 struct Pivot {
     body: usize,
-    /// Bodies eliminated later that share blocks with it.
+    /// Bodies that share blocks with the pivot and are eliminated later.
     later: Vec<CoupledBody>,
-    /// Indices of the blocks that change: between each two of these bodies, row by row.
+    /// Indices of the blocks that this step changes: those between each two bodies of `later`, row by row.
     changed: Vec<usize>,
 }
 
-/// A body that shares blocks with a pivot.
+/// A body that shares blocks with a pivot, and indices of these blocks.
 #[derive(Debug, Clone, Copy)]
 struct CoupledBody {
     body: usize,
-    /// Index of the block in the pivot's row.
+    /// Index of the coupling block in the pivot's row.
     right: usize,
-    /// Index of the block in the pivot's column.
+    /// Index of the coupling block in the pivot's column.
     below: usize,
 }
 
-/// Elimination order of the free bodies, and the indices of the blocks: first those on the diagonal, body by body.
+/// Elimination order of the free bodies, and indices of the blocks. The diagonal blocks come first, body by body.
 #[derive(Debug, Clone)]
 pub(super) struct Order {
     pivots: Vec<Pivot>,
-    /// Block indices of each link, in the row of its first body and of its second; `None` if an end is clamped.
+    /// Block indices of each link between two bodies: in the row of its first body, and of its second; `None` if an end is clamped.
     links: Vec<Option<[usize; 2]>>,
     block_count: usize,
 }
 
 impl Order {
-    /// Elimination order for free bodies and the links between them; the body with the fewest links comes first.
+    /// Elimination order for free bodies and the links between them. In each step, the body with the fewest links is eliminated.
     pub fn of(body_count: usize, links: &[Option<[usize; 2]>]) -> Order {
         let mut linked = vec![BTreeSet::new(); body_count];
         let mut places: BTreeMap<[usize; 2], usize> = (0..body_count).map(|body| ([body, body], body)).collect();
@@ -47,7 +47,7 @@ impl Order {
             [place(a, b), place(b, a)]
         };
         let links = links.iter().map(|link| link.map(&mut of_link)).collect();
-        // Remaining bodies, sorted by their number of links.
+        // Bodies not yet eliminated, sorted by their number of links.
         let mut left: BTreeSet<(usize, usize)> = (0..body_count).map(|body| (linked[body].len(), body)).collect();
         let mut pivots = Vec::with_capacity(body_count);
         while let Some((_, body)) = left.pop_first() {
@@ -73,20 +73,20 @@ impl Order {
         self.pivots.len()
     }
 
-    /// All blocks, set to zero.
+    /// A list of all blocks, set to zero.
     pub fn blocks(&self) -> Vec<Matrix3<f64>> {
         vec![Matrix3::zeros(); self.block_count]
     }
 
-    /// Block indices of each link, in the row of its first body and of its second; `None` if an end is clamped.
+    /// Block indices of each link between two bodies: in the row of its first body, and of its second; `None` if an end is clamped.
     pub fn links(&self) -> &[Option<[usize; 2]>] {
         &self.links
     }
 
-    /// Factorises in place, always in the same order. `None` if a block is exactly singular.
+    /// Factorises the blocks in place, always in the same order. `None` if a pivot block is exactly singular.
     ///
-    /// The elimination is stable if the stiffness of the finger with its contacts is positive definite. During a snap it may be indefinite: the
-    /// correction is then less accurate, and Newton's method repeats it or gives up.
+    /// The elimination is stable if the stiffness of the finger with its contacts is positive definite. During a snap the stiffness may be indefinite.
+    /// The correction is then less accurate, and Newton's method repeats it or gives up.
     pub fn factorise(&self, blocks: &mut [Matrix3<f64>]) -> Option<()> {
         for Pivot { body, later, changed } in &self.pivots {
             let inverse = blocks[*body].try_inverse()?;
@@ -103,7 +103,7 @@ impl Order {
         Some(())
     }
 
-    /// Solves for several right-hand sides in place, with factorised blocks. `right` has three rows per body, with `columns` values each.
+    /// Solves for `columns` right-hand sides in place, with factorised blocks. `right` has three rows per body, with `columns` values each.
     pub fn solve(&self, blocks: &[Matrix3<f64>], right: &mut [f64], columns: usize) {
         let [mut own, mut left] = [0, 1].map(|_| vec![0.0; 3 * columns]);
         for Pivot { body, later, .. } in &self.pivots {
@@ -123,12 +123,12 @@ impl Order {
     }
 }
 
-/// The three rows of a body.
+/// The three rows of a body in the right-hand sides.
 fn rows_of(right: &mut [f64], body: usize, columns: usize) -> &mut [f64] {
     &mut right[3 * body * columns..3 * (body + 1) * columns]
 }
 
-/// Subtracts a block times three rows from three rows.
+/// Subtracts a block times three rows from the three rows `from`.
 fn subtract(from: &mut [f64], block: &Matrix3<f64>, rows: &[f64], columns: usize) {
     for (i, from) in from.chunks_exact_mut(columns).enumerate() {
         for (j, row) in rows.chunks_exact(columns).enumerate() {
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
     use nalgebra::DMatrix;
 
-    /// Compares with dense elimination: a ring of bodies with links across, and unsymmetric blocks.
+    /// Compares with dense elimination, for a ring of bodies with additional links and unsymmetric blocks.
     #[test]
     fn blocks_are_eliminated_as_a_dense_matrix_is() {
         const BODIES: usize = 9;

@@ -1,9 +1,9 @@
 //! Equilibrium of fingers, object and contacts by Newton's method.
 //!
-//! The unknowns are the motions of the fingers' bodies, the object's pose, and the normal and friction force of every near pair. Signorini's and
+//! The unknowns are the motions of the fingers' bodies, the object's pose, and the normal and friction force of every contact pair. Signorini's and
 //! Coulomb's laws become equations without inequalities (Alart and Curnier 1991). With a stiffness c, a contact is open if normal force minus c times
-//! gap is negative. It sticks if friction minus c times slip lies within the cone, and slips otherwise. Each Newton step fixes the contact status of
-//! every pair, then re-evaluates it (semi-smooth Newton).
+//! gap is negative. It sticks if friction minus c times slip lies within the friction cone, and slips otherwise. Each Newton step fixes the contact
+//! status of every pair, then re-evaluates it (semi-smooth Newton).
 //!
 //! Reference: Alart, Curnier, "A mixed formulation for frictional contact problems prone to Newton like solution methods" (Comput. Methods Appl.
 //! Mech. Eng. 92, 1991).
@@ -14,26 +14,26 @@ use finray_model::Vector;
 use finray_model::gripper::Placement;
 use std::collections::BTreeMap;
 
-/// Largest number of Newton steps; 99 % of the solves that converge take fewer.
+/// A solve is abandoned after this number of Newton steps; 99 % of the solves that converge take fewer.
 const MOST_STEPS: usize = 30;
-/// Factor on the allowed distance beyond which the solve is abandoned; 99 % of the solves that converge never exceed it.
+/// A solve is abandoned if anything moves by more than this factor times the allowed distance; 99 % of the solves that converge never do.
 const ASTRAY: f64 = 2.5;
-/// Newton step from which friction uses the normal force of the previous step. This mostly ends alternation between sticking and slipping.
+/// From this Newton step on, friction uses the normal force of the previous step. This mostly ends alternation between sticking and slipping.
 const LAGGING: usize = 15;
-/// The iteration cycles if all statuses equal those of an earlier step and the step lengths differ by at most this share...
+/// The iteration counts as cycling if all statuses equal those of an earlier step, and the step lengths differ by at most this share...
 const ROUND: f64 = 1e-3;
-/// ...unless the step is shorter than this share of the object's size: small steps may still converge.
+/// ...unless the step is shorter than this share of the object's size, because small steps may still converge.
 const ROUND_MM: f64 = 1e-6;
-/// Largest step of a body or the object, as a share of the object's size, and in rad.
+/// Largest Newton step of a body or the object: translation as a share of the object's size, and rotation in rad.
 const LONGEST: [f64; 2] = [0.3, 0.2];
-/// Convergence: a step moves nothing by more than this share of the object's size.
+/// The iteration has converged if a step moves nothing by more than this share of the object's size.
 const CONVERGED: f64 = 1e-11;
-/// Overlap, as a share of the object's size, that reveals an overlooked pair.
+/// An overlap above this share of the object's size means that a pair was overlooked.
 const OVERLAP: f64 = 1e-6;
 
 impl Scene<'_> {
-    /// Equilibrium with the fingers at `placements`, with slips counted from the state `before`. `None` if Newton's method does not converge, or if
-    /// anything moves by more than `farthest_mm`.
+    /// Equilibrium with the fingers at `placements`; slips count from the state `before`. `None` if Newton's method does not converge, or if
+    /// anything moves by more than `farthest_mm`, mm.
     pub(super) fn equilibrium(
         &self,
         before: &State,
@@ -46,7 +46,7 @@ impl Scene<'_> {
         let mut statuses: BTreeMap<Key, ContactStatus> = BTreeMap::new();
         let mut passed: Vec<(Vec<Option<Grip>>, f64)> = Vec::new();
         for step in 0..MOST_STEPS {
-            // The first step moves the finger with a hand's object using only the loaded contacts; overlaps before that step have no meaning.
+            // If a hand holds the object, the first step moves the finger with only the loaded contacts, because overlaps before that step have no meaning.
             let pairs = match step == 0 && self.held == [true; 3] {
                 true => self.loaded_pairs(&state, before, around),
                 false => self.near_pairs(&state, before, around),
@@ -84,7 +84,7 @@ impl Scene<'_> {
         None
     }
 
-    /// Drops negligible forces, and returns whether no pair overlaps or pulls.
+    /// Removes negligible forces, and returns whether no pair overlaps and no normal force is tensile.
     fn is_equilibrium(&self, state: &mut State, before: &State, around: &Surroundings) -> bool {
         state.forces.retain(|_, [normal_n, _]| normal_n.abs() > self.nothing_n());
         let given_mm = |pair: &ContactPair| self.yield_mm(state.forces.get(&pair.key).map_or(0.0, |forces| forces[0]));
@@ -93,7 +93,7 @@ impl Scene<'_> {
         !pulls && !self.near_pairs(state, before, around).iter().any(overlaps)
     }
 
-    /// The share of a correction that keeps within the largest step, and the correction's largest movement, mm (rotations times the object's size).
+    /// Largest share of a correction that keeps within the largest step, and the correction's largest displacement, mm (rotations times the object's size).
     fn share(&self, correction: &[f64]) -> (f64, f64) {
         let object = self.first(self.fingers.len());
         let (mut moved_mm, mut turned_rad) = (0.0_f64, 0.0_f64);

@@ -1,7 +1,7 @@
-//! Linear equations of one Newton step: balance of the fingers' bodies and of the object, and two laws per contact.
+//! Linear equations of one Newton step: equilibrium of the fingers' bodies and of the object, and two contact laws per contact.
 //!
-//! The laws of a contact involve only its two forces and the motions of its body and the object. They are solved for the forces contact by contact,
-//! so the remaining system has as many unknowns as motions, however many contacts are closed.
+//! The two laws of a contact involve only its two forces and the motions of its body and of the object. Each contact's laws are solved for its forces,
+//! so the unknowns of the remaining system are the motions, regardless of the number of contacts.
 
 use super::bordered::Bordered;
 use super::contact::{Tangent, Touching};
@@ -16,21 +16,21 @@ struct Equations<'s> {
     derivatives: Bordered<'s>,
 }
 
-/// One law of a contact: its value, and its derivatives by the six motion unknowns and by the normal and friction force.
+/// One law of a contact: its value, and its derivatives with respect to the six motions and to the normal and friction force.
 struct Law {
     value: f64,
     by_motion: [f64; 6],
     by_forces: [f64; 2],
 }
 
-/// Change of a contact's forces from its laws: minus (`value` + `by_motion` times the motions).
+/// Change of a contact's two forces: minus (`value` + `by_motion` times the motions). It follows from the contact's laws.
 struct ForceChange {
     value: Vector2<f64>,
     by_motion: SMatrix<f64, 2, 6>,
 }
 
 impl ForceChange {
-    /// `None` if the laws do not determine the forces.
+    /// Solves the two laws of a contact for the change of its forces; `None` if the laws do not determine the forces.
     fn of(laws: &[Law; 2]) -> Option<ForceChange> {
         let inverse = Matrix2::from_fn(|law, force| laws[law].by_forces[force]).try_inverse()?;
         let by_motion = SMatrix::<f64, 2, 6>::from_fn(|law, unknown| laws[law].by_motion[unknown]);
@@ -41,14 +41,14 @@ impl ForceChange {
     }
 }
 
-/// Indices of a contact's six unknowns: of the body (`None` if it is clamped or the support), then of the object.
+/// Indices of a contact's six unknowns: three of the body (`None` if the body is clamped or the support), then three of the object.
 fn unknowns(of_body: Option<usize>, object: usize) -> [Option<usize>; 6] {
     [0, 1, 2, 3, 4, 5].map(|i| if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) })
 }
 
 impl Scene<'_> {
-    /// Correction of one Newton step: motions, object, then forces of the closed pairs. With `is_lagging`, the friction bound uses the normal force of
-    /// the previous step. `None` if the equations are singular.
+    /// Correction of one Newton step: motions of bodies, then of the object, then forces of the closed pairs. With `is_lagging`, the friction bound uses
+    /// the normal force of the previous step. `None` if the equations are singular.
     pub(super) fn correction(
         &self,
         state: &State,
@@ -127,7 +127,7 @@ impl Scene<'_> {
         let loads = [around.weight.x, around.weight.y, arm.perp(&around.weight)];
         let from = around.carried_from(before.object);
         for i in 0..3 {
-            // For a coordinate held by a hand, the equation that it keeps its value replaces balance.
+            // If a hand holds a coordinate, the equation of balance is replaced by one that keeps the coordinate constant.
             let (drag, load) = if self.held[i] { (1.0, 0.0) } else { (drags[i], loads[i]) };
             equations.residual[object + i] += drag * (state.object[i] - from[i]) - load;
             equations.derivatives.add(object + i, object + i, drag);
@@ -137,13 +137,13 @@ impl Scene<'_> {
         }
     }
 
-    /// Index of the first unknown of the pair's body; `None` if it is clamped or the support.
+    /// Index of the first unknown of the pair's body; `None` if the body is clamped or the support.
     fn first_of_body(&self, pair: &ContactPair) -> Option<usize> {
         let body = pair.part?.body;
         Some(self.first(pair.key.0) + self.fingers[pair.key.0].energy.first_unknown(body)?)
     }
 
-    /// Adds a pair's forces, and their change with the motions, to the balance of its bodies.
+    /// Adds a pair's forces, and their change with the motions, to the equilibrium of body and object.
     fn add_contact(
         &self,
         equations: &mut Equations,
@@ -166,7 +166,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Laws of the normal force and of friction for a closed pair.
+    /// The two laws of a closed pair: for the normal force and for friction.
     fn laws(&self, grip: Grip, touching: &Touching, tangent: &Tangent, forces: [f64; 2], is_lagging: bool) -> [Law; 2] {
         let given = self.yield_mm(1.0);
         let [normal_n, friction_n] = forces;

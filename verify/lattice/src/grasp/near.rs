@@ -1,4 +1,5 @@
-//! Contact pairs that are near each other, and their status in a Newton step: open, sticking or slipping.
+//! Contact pairs within a search distance, each a part of a finger and a feature of the object. Their status in a Newton step is open, sticking or
+//! slipping.
 
 use super::contact::{Pair, PairPose, Tangent, Touching};
 use super::scene::{Key, Scene, State, Surroundings};
@@ -9,48 +10,48 @@ use finray_model::Vector;
 use finray_model::gripper::Placement;
 use std::collections::BTreeMap;
 
-/// Distance along the plate, in lengths of a piece, within which pieces count as neighbours.
+/// Pieces of the plate count as neighbours if their distance along the plate is at most this number of piece lengths.
 const NEXT: f64 = 1.5;
 
-/// Distance, as a share of the object's size, within which a pair is considered.
+/// Search distance: a pair takes part in a Newton step if its gap is below this share of the object's size.
 const NEAR: f64 = 0.2;
 
-/// A carried object has left its support if the gap times the fingers' stiffness exceeds the contact force divided by this factor.
+/// A carried object counts as lifted off its support if the gap times the fingers' stiffness exceeds the contact force divided by this factor.
 const LIFTED: f64 = 10.0;
 
-/// Relative distance of friction to its bound within which it counts as slipping; rounding leaves slipping pairs slightly below the bound.
+/// A contact counts as slipping if friction is within this relative distance of its bound. Rounding leaves slipping contacts slightly below the bound.
 const AT_BOUND: f64 = 1e-9;
 
-/// A near pair, evaluated at one state.
+/// A contact pair within the search distance `NEAR`, evaluated at one state.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactPair {
-    /// Identity of the pair.
+    /// Finger, part and feature that identify the pair.
     pub key: Key,
-    /// Part of the finger; `None` for the support.
+    /// Part of the finger; `None` if the object is in contact with the support.
     pub part: Option<Part>,
     pair: Pair,
-    /// Gap, slip and location of the contact.
+    /// Gap, slip, normal and point of the contact.
     pub touching: Touching,
 }
 
-/// Friction status of a closed pair.
+/// Friction status of a pair in contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Grip {
     Sticks,
     Slips { forwards: bool },
 }
 
-/// Status of a pair in a Newton step, and whether its normal force was tensile in the previous one.
+/// Contact status of a pair in a Newton step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactStatus {
-    /// `None` for an open pair.
+    /// Sticking or slipping; `None` for an open pair.
     pub(super) grip: Option<Grip>,
-    /// Whether the normal force was tensile in the previous step.
+    /// Whether the normal force was tensile in the previous Newton step.
     pub(super) is_pulled: bool,
 }
 
 impl State {
-    /// Poses of a finger's part and the object; without a part, of the support.
+    /// Poses of the object and of a finger's part, or of the support if `part` is `None`.
     fn stand(&self, finger: usize, part: Option<&Part>) -> PairPose {
         let (finger, body) = match part {
             Some(part) => (self.placements[finger], self.motions[finger][part.body]),
@@ -61,18 +62,18 @@ impl State {
 }
 
 impl Scene<'_> {
-    /// All near pairs.
+    /// All pairs within the search distance in `state`.
     pub(super) fn near_pairs(&self, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
         self.pairs_near_at(state, state, before, around)
     }
 
-    /// All pairs that carried a force before, evaluated at the current state.
+    /// All pairs that carried a force in `before`, evaluated at `state`.
     pub(super) fn loaded_pairs(&self, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
         let is_loaded = |pair: &ContactPair| before.forces.get(&pair.key).is_some_and(|[normal_n, _]| *normal_n > 0.0);
         self.pairs_near_at(before, state, before, around).into_iter().filter(is_loaded).collect()
     }
 
-    /// Pairs that are near at the state `at`, evaluated at `state`.
+    /// Pairs within the search distance in the state `at`, evaluated at `state`.
     fn pairs_near_at(&self, at: &State, state: &State, before: &State, around: &Surroundings) -> Vec<ContactPair> {
         let mut pairs = Vec::new();
         let within_mm = NEAR * self.size_mm;
@@ -80,7 +81,7 @@ impl Scene<'_> {
             for (index, part) in standing.front.parts.iter().enumerate() {
                 let body = standing.lattice.assembly().bodies[part.body];
                 if body.fixed && self.held == [true; 3] {
-                    // Neither side can move, so the contact force is undetermined.
+                    // Neither side can move, so the contact force would be undetermined.
                     continue;
                 }
                 let [now, then] = [state, before].map(|state| state.stand(finger, Some(part)));
@@ -105,7 +106,7 @@ impl Scene<'_> {
         pairs
     }
 
-    /// Derivatives of a near pair.
+    /// Derivatives of a pair's gap, slip and forces.
     pub(super) fn tangent(&self, contact: &ContactPair, state: &State, before: &State) -> Tangent {
         let ContactPair { key: (finger, ..), part, pair, .. } = contact;
         let rest = |part: Part| self.fingers[*finger].lattice.assembly().bodies[part.body].position;
@@ -113,8 +114,9 @@ impl Scene<'_> {
         pair.tangent(part.map_or(Vector::zeros(), rest), &now, &then)
     }
 
-    /// Contact forces of the near pairs. A new pair inherits the force of a pair no longer near, if both share the finger's part or the object's
-    /// corner. Among several neighbours on the plate, the one with the largest overlap inherits; otherwise the nearest.
+    /// Contact forces of the pairs within the search distance. A new pair takes over the force of a pair that has left this distance. Both pairs must have
+    /// the same part of the finger, or the same corner of the object. Among neighbours on the plate, the pair with the largest overlap takes the force,
+    /// or else the nearest pair.
     pub(super) fn inherited(&self, state: &State, pairs: &[ContactPair]) -> BTreeMap<Key, [f64; 2]> {
         let own = |pair: &ContactPair| (pair.key, state.forces.get(&pair.key).copied().unwrap_or_default());
         let mut forces: BTreeMap<Key, [f64; 2]> = pairs.iter().map(own).collect();
@@ -141,7 +143,7 @@ impl Scene<'_> {
         forces
     }
 
-    /// Distance along the plate between the starts of two parts of a finger, mm; 0 for the support.
+    /// Distance along the plate between the starts of two parts of a finger, mm; 0 if one is the support.
     fn along_plate_mm(&self, a: Key, b: Key) -> f64 {
         let at_mm = |(finger, part, _): Key| {
             let standing = self.fingers.get(finger);
@@ -150,14 +152,14 @@ impl Scene<'_> {
         (at_mm(a) - at_mm(b)).abs()
     }
 
-    /// Length of a flat piece of a finger, mm; 0 for a disc and for the support.
+    /// Length of a flat piece of a finger's plate, mm; 0 for a disc and for the support.
     fn length_mm(&self, (finger, part, _): Key) -> f64 {
         let part = self.fingers.get(finger).map(|standing| standing.front.parts[part]);
         part.and_then(|part| Some((part.to? - part.from).norm())).unwrap_or(0.0)
     }
 
-    /// Statuses of all pairs after a step with the statuses `before`. When the support releases the object, the fingers alone hold it: their pairs are
-    /// then set to sticking.
+    /// Contact statuses of all pairs after a Newton step that assumed the statuses `before`. If the object is lifted off its support, only the fingers hold
+    /// it; the pairs of the fingers are then set to sticking.
     pub(super) fn statuses(
         &self,
         pairs: &[ContactPair],
@@ -181,8 +183,8 @@ impl Scene<'_> {
         statuses
     }
 
-    /// Status of a pair after a step with the status `before`. A closed pair opens only after two tensile steps in a row: forces are inaccurate after a
-    /// large step.
+    /// Contact status of a pair after a Newton step that assumed the status `before`. A closed pair opens only after two steps with a tensile force,
+    /// because forces are inaccurate after a large step.
     fn status(
         &self,
         pair: &ContactPair,
@@ -197,7 +199,7 @@ impl Scene<'_> {
         let is_lifted = pair.part.is_none() && normal_n < LIFTED * self.stiffness * gap_mm;
         let before = before.copied().unwrap_or(ContactStatus {
             grip: if normal_n > self.nothing_n() && !is_lifted {
-                // A slipping pair keeps slipping until a step shows that it sticks.
+                // A slipping pair keeps slipping until a Newton step shows that it sticks.
                 grip(friction_n, (1.0 - AT_BOUND) * normal_n)
             } else {
                 None
@@ -220,7 +222,7 @@ impl Scene<'_> {
     }
 }
 
-/// The part in contact; on a flat piece, the position at `arm` along the plate.
+/// The part in contact. On a flat piece, this is the position along the plate of the contact, which `arm` gives relative to the body's centre.
 pub(super) fn touched(part: &Part, arm: Vector) -> TouchedPart {
     match (part.touched, part.to) {
         (TouchedPart::Plate(from_mm), Some(to)) => {
@@ -230,8 +232,8 @@ pub(super) fn touched(part: &Part, arm: Vector) -> TouchedPart {
     }
 }
 
-/// Unloaded pairs on consecutive pieces of the plate that would close beside a pair with a deeper overlap. Moving the plate off the deepest overlap
-/// mostly opens the others; closing all of them would bend the plate arbitrarily.
+/// Unloaded pairs on consecutive pieces of the plate that would close beside a pair with a deeper overlap. When the plate moves out of the deepest
+/// overlap, the other pairs mostly open. Closing all of them at once would bend the plate without cause.
 fn beside_deepest(
     pairs: &[ContactPair],
     forces: &BTreeMap<Key, [f64; 2]>,
@@ -242,7 +244,7 @@ fn beside_deepest(
         is_piece && forces[&pair.key] == [0.0; 2] && statuses[&pair.key].grip.is_some()
     };
     let closing: Vec<&ContactPair> = pairs.iter().filter(closes).collect();
-    // A flat piece is followed by the disc at its end; two flat pieces may also follow each other.
+    // A flat piece is followed by the disc at its end, or directly by the next flat piece.
     let follows = |a: &&ContactPair, b: &&ContactPair| a.key.0 == b.key.0 && b.key.1 - a.key.1 <= 2;
     let mut shallow = Vec::new();
     for run in closing.chunk_by(follows) {

@@ -9,24 +9,24 @@ use finray_model::Vector;
 use finray_model::gripper::Placement;
 use std::collections::BTreeMap;
 
-/// Force below which contacts count as unloaded, relative to the force that would bend a finger by the object's size.
+/// A contact counts as unloaded below this force, relative to the force that would bend a finger by the object's size.
 const ROUNDING: f64 = 1e-11;
-/// Compliance of a contact, relative to the finger's. It distributes friction where a rigid object touches the rigid support at two points.
+/// Compliance of a contact, relative to the finger's compliance. It determines how friction is shared between two contacts of rigid object and support.
 const YIELD: f64 = 1e-6;
 
-/// Identifies a contact pair: number of the finger (the support follows the last finger), index of its part, and the object's feature.
+/// Identifies a contact pair by the index of the finger, the index of its part, and the object's feature. The support has the index after the last finger.
 pub(super) type Key = (usize, usize, Feature);
 
-/// A finger with its energy, contact surface and elimination order.
+/// A finger with the data that its equilibrium needs: energy, contact surface and elimination order.
 #[derive(Debug, Clone)]
 pub(super) struct PlacedFinger<'l> {
     /// Bodies and springs.
     pub lattice: &'l Lattice,
     /// Elastic energy of the lattice.
     pub energy: Energy<'l>,
-    /// Contact surface.
+    /// Contact surface of the finger's front.
     pub front: Front,
-    /// Order in which its bodies are eliminated.
+    /// Order in which the finger's bodies are eliminated.
     pub order: Order,
 }
 
@@ -43,10 +43,10 @@ impl<'l> PlacedFinger<'l> {
     }
 }
 
-/// Everything that does not change from step to step.
+/// Data that do not change during a grasp.
 #[derive(Debug, Clone)]
 pub(super) struct Scene<'l> {
-    /// The fingers.
+    /// The fingers, the left one first.
     pub fingers: Vec<PlacedFinger<'l>>,
     /// Outline of the object.
     pub shape: Shape,
@@ -54,11 +54,11 @@ pub(super) struct Scene<'l> {
     pub friction: f64,
     /// Centre of mass in the object's frame, mm.
     pub centre: Vector,
-    /// Stiffness scale of the fingers, N/mm.
+    /// Stiffness of the softest finger, N/mm, as the scale for tolerances.
     pub stiffness: f64,
-    /// Length scale, mm: the object's size, or a share of the finger's length for an object held by a hand.
+    /// Length scale, mm: the object's size, or a share of the finger's length if a hand holds the object.
     pub size_mm: f64,
-    /// Whether a hand holds the object in x, in y and against rotation.
+    /// Whether a hand holds the object against motion in x, motion in y, and rotation.
     pub held: [bool; 3],
 }
 
@@ -71,27 +71,27 @@ pub(super) struct State {
     pub motions: Vec<Vec<BodyMotion>>,
     /// Position of the object, mm, and its angle, rad, world frame.
     pub object: [f64; 3],
-    /// Normal and friction force of each near pair, N.
+    /// Normal and friction force of each contact pair within the search distance, N.
     pub forces: BTreeMap<Key, [f64; 2]>,
 }
 
-/// Loads on the object, apart from the fingers, and numerical resistance.
+/// Loads on the object other than the fingers' contacts, and numerical resistance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Surroundings {
-    /// Weight, world frame, N.
+    /// Weight of the object, world frame, N.
     pub weight: Vector,
     /// A point of the support (mm) and its upward unit normal, world frame.
     pub support: Option<(Vector, Vector)>,
-    /// Displacement of the gripper in this step, mm. The object starts the Newton iteration displaced by it; resistance counts from there.
+    /// Displacement of the gripper in this step, mm. The Newton iteration starts with the object displaced by it, and resistance counts from there.
     pub carried: Vector,
-    /// Resistance to the object's translation since the start of the step, N/mm. For rotation it is multiplied by the squared size, N mm per rad.
+    /// Numerical resistance to the object's translation since the start of the step, N/mm. For rotation it is multiplied by the squared size, N mm per rad.
     pub drag: f64,
-    /// Resistance to the motion of each body in its finger's frame, N/mm. It carries the solution over snaps, where no equilibrium path exists.
+    /// Numerical resistance to the motion of each body in its finger's frame, N/mm. It makes steps over a snap solvable, where no equilibrium path exists.
     pub finger_drag: f64,
 }
 
 impl Surroundings {
-    /// Pose of an object that moves along with the gripper.
+    /// Pose `[x, y, angle]` (mm, rad) of an object that has moved along with the gripper.
     pub(super) fn carried_from(&self, object: [f64; 3]) -> [f64; 3] {
         let [x, y, angle] = object;
         [x + self.carried.x, y + self.carried.y, angle]
@@ -99,7 +99,7 @@ impl Surroundings {
 }
 
 impl Scene<'_> {
-    /// Largest displacement between two states, mm: of the object (its rotation times its size) and of the bodies in their fingers' frames.
+    /// Largest displacement between two states, mm: of the object (rotations times its size), and of the bodies in their fingers' frames.
     pub(super) fn way_mm(&self, from: &State, to: &State) -> f64 {
         let [x, y, angle] = [0, 1, 2].map(|i| to.object[i] - from.object[i]);
         let bodies = from.motions.iter().flatten().zip(to.motions.iter().flatten());
@@ -107,7 +107,7 @@ impl Scene<'_> {
         bent.fold(x.hypot(y).max(angle.abs() * self.size_mm), f64::max)
     }
 
-    /// Resistance of the object in x and y, N/mm, and rotation, N mm per rad.
+    /// Numerical resistance of the object in x and y, N/mm, and to rotation, N mm per rad.
     pub(super) fn drags(&self, around: &Surroundings) -> [f64; 3] {
         [around.drag, around.drag, around.drag * self.size_mm * self.size_mm]
     }
@@ -122,7 +122,7 @@ impl Scene<'_> {
         ROUNDING * self.stiffness * self.size_mm
     }
 
-    /// Index of a finger's first unknown; for the number after the last finger, of the object's.
+    /// Index of the first unknown of a finger. For the index after the last finger: the first unknown of the object.
     pub(super) fn first(&self, finger: usize) -> usize {
         self.fingers[..finger].iter().map(|standing| standing.energy.unknown_count()).sum()
     }

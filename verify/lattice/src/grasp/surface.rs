@@ -1,4 +1,4 @@
-//! Finds the parts of finger and object that can touch: discs and flat pieces of a finger's front, corners and sides of an object.
+//! Parts of finger and object that can touch: discs and flat pieces of a finger's front, corners and sides of an object.
 
 use super::contact::{Pair, PairPose};
 use crate::Lattice;
@@ -17,18 +17,18 @@ pub struct Part {
     pub body: BodyIndex,
     /// Centre of a disc, or first end of a flat piece's middle line, relative to the body's centre, undeformed, mm.
     pub from: Vector,
-    /// Other end of a flat piece, mm; `None` for a disc.
+    /// Other end of a flat piece's middle line, relative to the body's centre, mm; `None` for a disc.
     pub to: Option<Vector>,
-    /// Radius of a disc, or half the thickness of a piece, mm.
+    /// Radius of a disc, or half the thickness of a flat piece, mm.
     pub radius_mm: f64,
-    /// The rod, or the position at which the part begins along the plate.
+    /// For callers: the rod, or the position along the plate at which the part begins.
     pub touched: TouchedPart,
 }
 
-/// Front surface of a finger: a disc for every rod, flat pieces between, and a disc where two pieces meet.
+/// Front surface of a finger: a disc for every rod, flat pieces between the rods, and a disc where two pieces meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Front {
-    /// Parts of the surface.
+    /// Discs of the rods, followed by flat pieces and their end discs along the plate from base to tip.
     pub parts: Vec<Part>,
 }
 
@@ -54,7 +54,8 @@ impl Front {
         Front { parts }
     }
 
-    /// Adds a disc at the second end of every piece. Where the plate bends sharply, or a clamped piece ends, the surfaces of two pieces separate.
+    /// Adds a disc at the second end of every piece. The disc closes the gap between the surfaces of two pieces where the plate bends sharply or a clamped
+    /// piece ends.
     pub fn round_at_both_ends(mut self) -> Front {
         let end = |flat: &Part| {
             let (to, TouchedPart::Plate(from_mm)) = (flat.to?, flat.touched) else { return None };
@@ -70,7 +71,7 @@ impl Front {
 /// Outline of an object in its own frame, mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
-    /// Corners, counter-clockwise; for a disc its centre only.
+    /// Corners of a polygon, counter-clockwise, mm; for a disc, only its centre.
     corners: Vec<Vector>,
     /// Radius of a disc, mm; 0 for a polygon.
     disc_mm: f64,
@@ -78,11 +79,11 @@ pub struct Shape {
     size_mm: f64,
 }
 
-/// Depth below a side, mm, beyond which a disc belongs to another side of a thin object.
+/// A disc deeper than this below a side, mm, is attributed to another side of a thin object.
 const BEHIND_MM: f64 = 0.5;
-/// Margin of the coarse distance test, mm, larger than rounding.
+/// Margin of the coarse distance test, mm; it is larger than rounding errors.
 const FAR_MM: f64 = 1e-3;
-/// Share of a piece's length by which a corner may lie beyond its ends. Where two pieces meet at a concave angle, both may hold the corner.
+/// A corner may lie beyond the ends of a piece by this share of the piece's length. Where two pieces meet at a concave angle, both may touch the corner.
 const BEYOND: f64 = 1e-9;
 
 impl Shape {
@@ -91,7 +92,7 @@ impl Shape {
         Shape { corners: vec![Vector::zeros()], disc_mm: radius_mm, size_mm: radius_mm }
     }
 
-    /// A polygon with corners (mm) in either order of rotation.
+    /// A polygon with these corners, mm, clockwise or counter-clockwise.
     pub fn polygon(corners: &[Vector]) -> Shape {
         let mut corners = corners.to_vec();
         if doubled_area(&corners) < 0.0 {
@@ -115,7 +116,7 @@ impl Shape {
         self.size_mm
     }
 
-    /// Largest extent along a unit vector from the origin, for an object rotated by `angle_rad`, mm.
+    /// Largest extent from the origin along a unit vector, mm, for an object rotated by `angle_rad`.
     pub fn reach_mm(&self, along: Vector, angle_rad: f64) -> f64 {
         let turn = Rotation2::new(angle_rad);
         self.disc_mm + self.corners.iter().map(|corner| (turn * corner).dot(&along)).fold(f64::NEG_INFINITY, f64::max)
@@ -131,7 +132,7 @@ impl Shape {
         self.corners.iter().zip(ends).map(|(a, b)| [*a, *b]).filter(|_| self.corners.len() > 1)
     }
 
-    /// Features of the object closer to a part than `within_mm`, each with its contact pair.
+    /// Features of the object that are closer to a part than `within_mm`, each with the geometry of the contact.
     pub fn near(&self, part: &Part, body: &Body, stand: &PairPose, within_mm: f64) -> Vec<(Feature, Pair)> {
         let world = |arm: Vector| {
             let BodyMotion { displacement, .. } = stand.body;
@@ -141,7 +142,7 @@ impl Shape {
         let turn = Rotation2::new(angle);
         let in_object = |point: Vector| turn.inverse() * (point - Vector::new(x, y));
         let ends = [in_object(world(part.from)), in_object(world(part.to.unwrap_or(part.from)))];
-        // No point of the piece's middle line is farther from its first end than its length.
+        // A point of the piece is at most one piece length away from the piece's first end.
         let away_mm = ends[0].norm() - (ends[1] - ends[0]).norm() - self.size_mm;
         if away_mm > part.radius_mm + within_mm + FAR_MM {
             return Vec::new();
@@ -152,12 +153,12 @@ impl Shape {
         }
     }
 
-    /// Pairs of a disc and the object; `at` is the disc's centre in the object's frame, mm.
+    /// Pairs of a disc and features of the object; `at` is the disc's centre in the object's frame, mm.
     fn near_ball(&self, part: &Part, at: Vector, within_mm: f64) -> Vec<(Feature, Pair)> {
         let Part { from: centre, radius_mm, .. } = *part;
         let mut pairs = Vec::new();
         let count = self.corners.len();
-        // Whether the disc is beyond the end of the side before a corner, and beyond the start of the side after it.
+        // For each corner: whether the disc is beyond the end of the side before it, and beyond the start of the side after it.
         let mut beyond = vec![[count == 1; 2]; count];
         for (i, [a, b]) in self.sides().enumerate() {
             let along = (b - a).normalize();
@@ -179,7 +180,7 @@ impl Shape {
         pairs
     }
 
-    /// Pairs of a flat piece and the object; `ends` are the piece's ends in the object's frame, mm.
+    /// Pairs of a flat piece and features of the object; `ends` are the piece's ends in the object's frame, mm.
     fn near_piece(&self, part: &Part, to: Vector, ends: [Vector; 2], within_mm: f64) -> Vec<(Feature, Pair)> {
         let Part { from: on_piece, radius_mm: half_mm, .. } = *part;
         let along = (to - on_piece).normalize();
@@ -203,11 +204,11 @@ fn doubled_area(corners: &[Vector]) -> f64 {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a.perp(b)).sum()
 }
 
-/// A feature of an object, identified by its index.
+/// A corner or side of an object, identified by its index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Feature {
-    /// A corner, or the centre of a disc.
+    /// A corner of a polygon, or the centre of a disc.
     Corner(usize),
-    /// The side from the corner with this index to the next.
+    /// The side of a polygon from the corner with this index to the next corner.
     Side(usize),
 }

@@ -1,10 +1,10 @@
-//! An object pressed onto the lattice: quasi-static equilibrium with Coulomb friction and its history.
+//! An object pressed onto the lattice: a sequence of quasi-static equilibria with Coulomb friction.
 //!
 //! The object is rigid and does not rotate. It touches the front plate and its rods only; the finger does not touch itself.
-//! A hand holds the object at a prescribed position, or pulls it with a force along a guide line. If the clamped end of the plate is in its way, a
-//! held object stops there.
-//! Every step is an equilibrium of [`grasp`](crate::grasp)'s Newton method, with one finger and a held object. The hand moves in short increments
-//! because friction depends on the whole path.
+//! A hand moves the object to a prescribed position, or pulls it with a force along a line. If the clamped end of the plate blocks an object that is
+//! moved, the object stops there.
+//! Every step is an equilibrium of one finger and a held object, found by the Newton method of [`grasp`](crate::grasp). The hand moves in short
+//! increments, because friction depends on the whole path.
 //!
 //! [`settled`] presses the same object in rapier, which verifies these equilibria.
 
@@ -20,17 +20,17 @@ use finray_model::finger::Plate;
 use finray_model::gripper::Placement;
 use finray_model::mesh::FingerShape;
 
-/// How the hand drives the object.
+/// Position of the hand, or its pull on the object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Push {
-    /// The hand holds the object at this point, finger frame, mm.
+    /// The hand holds the object's reference point at this position, finger frame, mm.
     To(Vector),
-    /// The hand pulls with this force, N, and guides the object along its line.
+    /// The hand pulls the object with this force, N, and keeps it on its line.
     With(f64),
 }
 
 impl Push {
-    /// The push at a share, 0 to 1, of the way to another push.
+    /// The position or pull at a share, 0 to 1, of the way to another.
     fn towards(self, to: Push, share: f64) -> Push {
         match (self, to) {
             (Push::To(from), Push::To(to)) => Push::To(from + (to - from) * share),
@@ -54,7 +54,7 @@ pub struct Pressed {
     pub touches: Vec<Touch>,
     /// Force of the hand on the object, N, finger frame.
     pub hand_force: Vector,
-    /// Force on the clamps, N, finger frame: from the springs, and from the object where it touches a clamped part.
+    /// Force on the clamps, N, finger frame. It includes the springs, and the object if the object touches a clamped part.
     pub base_force: Vector,
     /// Moment on the clamps about the origin, N mm.
     pub base_moment_nmm: f64,
@@ -66,7 +66,7 @@ impl Pressed {
         self.touches.iter().map(|touch| touch.force).sum()
     }
 
-    /// Largest imbalance of the contact force, against the hand's force or the clamps' force, as a share of the contact force. `None` without
+    /// Largest imbalance of the contact force, with the hand's force or with the clamps' force, as a share of the contact force. `None` if there is no
     /// contact.
     pub fn imbalance(&self) -> Option<f64> {
         let contact = self.contact_force();
@@ -80,30 +80,30 @@ impl Pressed {
     }
 }
 
-/// Largest increment of the hand, as a share of the front plate's length.
+/// Largest displacement of the hand in one increment, as a share of the front plate's length.
 const WAY: f64 = 1.0 / 75.0;
-/// The same with friction; the error of the friction history is proportional to the increment.
+/// The same with friction. The error from the friction history is proportional to the increment.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// Largest increment of the hand, as a share of the radii in contact, so that no part of the finger passes the object undetected.
+/// Largest displacement of the hand in one increment, as a share of the radii in contact. Below it, no part of the finger passes the object undetected.
 const WAY_OF_RADII: f64 = 0.5;
-/// Length scale of displacements, as a share of the front plate's length.
+/// Length scale of displacements for tolerances, as a share of the front plate's length.
 const SIZE: f64 = 1.0 / 8.0;
-/// Bisection steps to find where a held object meets the clamp.
+/// Number of bisection steps that find the position at which the clamp stops a held object.
 const HALVINGS: usize = 40;
 
-/// A lattice with an object in front of it.
+/// A lattice with an object in front of its front plate.
 pub struct Pressing<'l> {
-    /// In a frame whose x axis is the line along which the object is pressed.
+    /// Finger and object, in a frame whose x axis is the line along which the object is pressed.
     world: World<'l>,
-    /// Largest increment of the hand, mm.
+    /// Largest displacement of the hand in one increment, mm.
     way_mm: f64,
     last: Push,
     has_touched: bool,
 }
 
 impl<'l> Pressing<'l> {
-    /// Places an object (shape, coefficient of friction) at `start`, mm, finger frame, clear of the finger. It will be pressed along the unit vector
-    /// `along`.
+    /// Places an object (shape, coefficient of friction), clear of the finger, with its reference point at `start`, mm, finger frame. It will be pressed
+    /// along the unit vector `along`.
     ///
     /// # Errors
     /// [`LatticeError::Overlap`] if the object overlaps the finger at the start; [`LatticeError::Tapered`] if the front plate tapers.
@@ -135,10 +135,10 @@ impl<'l> Pressing<'l> {
         })
     }
 
-    /// Moves the hand to `push` without waiting for a pulled object to come to rest.
+    /// Moves the hand to a position or pull, without waiting for a pulled object to come to rest.
     ///
     /// # Errors
-    /// [`LatticeError::LetGo`] if the finger stops holding the object against a force; [`LatticeError::NoContactEquilibrium`] if no equilibrium is
+    /// [`LatticeError::LetGo`] if the finger does not hold the object against the pull; [`LatticeError::NoContactEquilibrium`] if no equilibrium is
     /// found.
     pub fn pass(&mut self, push: Push) -> Result<(), LatticeError> {
         let from = self.last;
@@ -149,7 +149,7 @@ impl<'l> Pressing<'l> {
         Ok(())
     }
 
-    /// Moves the hand to `push` and brings everything to rest.
+    /// Moves the hand to a position or pull, and brings finger and object to rest.
     ///
     /// # Errors
     /// As for [`pass`](Self::pass).
@@ -172,7 +172,7 @@ impl<'l> Pressing<'l> {
         })
     }
 
-    /// Length of a way in units of the largest increment.
+    /// Number of increments, not rounded, from one position or pull of the hand to another.
     fn parts(&self, from: Push, to: Push) -> f64 {
         let by_force = |change_n: f64| change_n.abs() / (self.world.stiffness() * self.way_mm);
         match (from, to) {
@@ -224,7 +224,8 @@ impl<'l> Pressing<'l> {
         }
     }
 
-    /// Placement of the finger with the object at the point `at`, mm, finger frame, or as near as the clamped end allows.
+    /// Placement of the finger at which the object is at the point `at`, mm, finger frame. If the clamped end is in the way, the object is as near to the
+    /// point as possible.
     fn placement_towards(&self, at: Vector) -> Placement {
         let (from, [x, y, _]) = (self.placement(), self.world.object());
         let to = Placement { origin: placed(from.angle_rad, at).origin + Vector::new(x, y), ..from };

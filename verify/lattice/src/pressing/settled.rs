@@ -1,11 +1,11 @@
 //! An object pressed onto the lattice in the physics engine rapier, to verify equilibria found by Newton's method.
 //!
 //! The object is a rigid body that does not rotate. It touches the [`skin`](crate::skin) of the front plate only; the finger does not touch itself.
-//! A hand puts it at a prescribed position, or pulls it and guides it along its line with stiff springs.
+//! A hand moves the object to a prescribed position, or pulls it with a force; stiff springs then keep the object on its line.
 //!
-//! Every step comes to rest as in [`settling`], from the previous step or from an equilibrium to be verified. Without friction, rapier and Newton's
-//! method reach the same equilibrium. With friction the rest state is not unique: it depends on the engine's motion, within the friction cone. An
-//! equilibrium with friction is therefore verified from its own state: rapier, with its own contacts, must stay there.
+//! In every step the bodies come to rest as in [`settling`], starting from the previous step or from an equilibrium to be verified. Without friction,
+//! rapier and Newton's method reach the same equilibrium. With friction the rest state is not unique: within the friction cone it depends on the motion
+//! of the simulation. An equilibrium with friction is therefore used as the initial state: rapier, with its own contacts, must stay there.
 
 use super::{Pressed, Push};
 use crate::energy::{BodyMotion, Energy};
@@ -30,7 +30,7 @@ pub struct RigidObject {
     pub friction: f64,
 }
 
-/// A lattice with an object in front of it, in the physics engine.
+/// A lattice with an object in front of its front plate, in the physics engine.
 pub struct EnginePressing<'l> {
     lattice: &'l Lattice,
     dynamics: Dynamics<'l>,
@@ -43,42 +43,42 @@ pub struct EnginePressing<'l> {
     stiffness: f64,
     /// Unit vector along which the object is pressed.
     along: Vector,
-    /// Steps between two position checks.
+    /// Number of steps between two position checks.
     watch: usize,
-    /// Way of the hand, mm, and change of its pull, N, during `watch` steps.
+    /// Largest displacement of the hand (mm) and largest change of its pull (N) during `watch` steps.
     pace: (f64, f64),
-    /// Last push of the hand.
+    /// Last position or pull of the hand.
     last: Push,
     /// Pull at which the object last touched the finger, N.
     touched_n: Option<f64>,
 }
 
-/// Distance, as a share of the front plate's length, within which the engine predicts contacts. No body moves by more than half of it per step, so
-/// that none passes another undetected.
+/// Distance within which the engine predicts contacts, as a share of the front plate's length. No body moves by more than half of this distance per step,
+/// so no body passes through another undetected.
 const FORESIGHT: f64 = 1.0 / 150.0;
-/// Largest overlap at the start, as a share of the front plate's length, that counts as mere touching.
+/// The object counts as merely touching the finger at the start if the overlap is at most this share of the front plate's length.
 const OVERLAP: f64 = 1e-5;
-/// Way of the hand during the finger's slowest motion, as a share of the front plate's length. It is slow enough for the finger to follow:
-/// the object neither passes through it nor does the finger swing back over the object.
+/// Displacement of the hand during one period of the finger's slowest motion, as a share of the front plate's length. At this speed the finger follows:
+/// the object does not pass through the finger, and the finger does not swing back over the object.
 const WAY: f64 = 1.0 / 75.0;
-/// The same with friction, where the rest state depends on every slip along the way.
+/// The same displacement with friction. It is smaller, because the rest state then depends on every slip on the path.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// Largest number of steps for one push to settle. The paper's finger needs 2000 with two segments per member.
+/// Settling fails after this number of steps for one position or pull. The paper's finger needs 2000 with two segments per member.
 const MOST_STEPS: usize = 50_000;
-/// Position checks between two tests whether the finger still holds the object.
+/// Number of position checks between two tests of whether the object still touches the finger.
 const LOOKS: usize = 8;
-/// Displacement of the finger's middle, as a share of the front plate's length, in the test that measures the slowest motion. It is small enough
+/// Displacement of the finger's middle in the test that measures the slowest motion, as a share of the front plate's length. It is small enough
 /// for the finger to respond linearly.
 const PROBE: f64 = 1e-3;
-/// A force, N, under which every finger responds linearly.
+/// A force under which every finger responds linearly, N.
 const TINY_N: f64 = 1e-9;
 
 impl<'l> EnginePressing<'l> {
-    /// Places the object at `start`, mm, finger frame, clear of the finger. It will be pressed along the unit vector `along`.
+    /// Places the object, clear of the finger, with its reference point at `start`, mm, finger frame. It will be pressed along the unit vector `along`.
     ///
     /// # Errors
     /// [`LatticeError::Overlap`] if the object overlaps the finger at the start, [`LatticeError::Tapered`] if the front plate tapers,
-    /// [`LatticeError::NotSettled`] if the finger does not settle even without the object.
+    /// [`LatticeError::NotSettled`] if the finger does not come to rest even without the object.
     pub fn new(
         lattice: &'l Lattice,
         rod_radius_mm: f64,
@@ -100,7 +100,7 @@ impl<'l> EnginePressing<'l> {
         let member_mm = finger.plate_length_mm(Plate::Front) / (finger.rib_count() + 1) as f64;
         let stiffness = finger.section(Part::Front).map_or(1.0, |section| section.axial_rigidity_n / member_mm);
         let hand = dynamics.world.bodies.insert(RigidBodyBuilder::fixed().translation(rapier(start)));
-        // The object does not rotate, so its moment of inertia has no effect.
+        // The object cannot rotate, so its moment of inertia has no effect.
         let body = dynamics.insert_moving(start, mass_for(stiffness), 1.0);
         dynamics.world.bodies[body].lock_rotations(true, true);
         let collider = ColliderBuilder::new(object.shape.clone())
@@ -147,10 +147,10 @@ impl<'l> EnginePressing<'l> {
         })
     }
 
-    /// Moves the hand slowly, without waiting for rest. Returns the number of steps.
+    /// Moves the hand slowly to a position or pull, without waiting for rest. Returns the number of steps.
     ///
     /// # Errors
-    /// [`LatticeError::LetGo`] if the finger stops holding the object against a force.
+    /// [`LatticeError::LetGo`] if a pulled object loses contact with the finger.
     pub fn pass(&mut self, push: Push) -> Result<usize, LatticeError> {
         let from = self.last;
         let steps = self.steps_on_the_way(from, push);
@@ -176,16 +176,16 @@ impl<'l> EnginePressing<'l> {
         Ok(steps)
     }
 
-    /// Moves the hand slowly and lets everything come to rest.
+    /// Moves the hand slowly to a position or pull, and simulates until all bodies rest.
     ///
     /// # Errors
-    /// [`LatticeError::LetGo`] if the finger does not hold the object against a force, [`LatticeError::NotSettled`] if the bodies do not come to rest.
+    /// [`LatticeError::LetGo`] if a pulled object loses contact with the finger, [`LatticeError::NotSettled`] if the bodies do not come to rest.
     pub fn push(&mut self, push: Push) -> Result<Pressed, LatticeError> {
         let steps = self.pass(push)?;
         self.rest(push, steps)
     }
 
-    /// Puts finger and object into an equilibrium found under `push`, and lets everything come to rest.
+    /// Sets finger and object to the equilibrium `found` under `push`, and simulates until all bodies rest.
     ///
     /// # Errors
     /// As for [`push`](Self::push).
@@ -196,7 +196,7 @@ impl<'l> EnginePressing<'l> {
         self.rest(push, 0)
     }
 
-    /// Lets everything come to rest; `steps` steps were already taken.
+    /// Simulates until all bodies rest; `steps` is the number of steps already taken.
     fn rest(&mut self, push: Push, steps: usize) -> Result<Pressed, LatticeError> {
         self.drive(push);
         self.settle(push, steps)?;
@@ -225,14 +225,14 @@ impl<'l> EnginePressing<'l> {
         LatticeError::LetGo { touched_n: self.touched_n }
     }
 
-    /// Lets everything come to rest. Returns the total number of steps, including `steps`.
+    /// Simulates until all bodies rest. Returns the total number of steps, including `steps`.
     fn settle(&mut self, push: Push, mut steps: usize) -> Result<usize, LatticeError> {
         let most_steps = steps + MOST_STEPS;
         loop {
             let until = (steps + LOOKS * self.watch).min(most_steps);
             match self.dynamics.watch(&[], self.watch, steps, until) {
                 Ok(rest) => return Ok(rest.steps),
-                // An object pulled by a force and held by nothing never comes to rest.
+                // A pulled object without contact never comes to rest.
                 Err(_) if matches!(push, Push::With(_)) && !self.touches_anything() => return Err(self.lets_go()),
                 Err(error) if until + self.watch > most_steps => return Err(error),
                 Err(_) => {
@@ -245,7 +245,7 @@ impl<'l> EnginePressing<'l> {
         }
     }
 
-    /// Number of steps in which the hand moves to a push.
+    /// Number of steps in which the hand moves from one position or pull to another.
     fn steps_on_the_way(&self, from: Push, to: Push) -> usize {
         let (way_mm, change_n) = self.pace;
         let way = match (from, to) {
@@ -257,7 +257,7 @@ impl<'l> EnginePressing<'l> {
         (way * self.watch as f64).ceil() as usize
     }
 
-    /// Puts the object at the hand's position, or applies the pull.
+    /// Moves the object to the hand's position, or applies the pull to the object.
     fn drive(&mut self, push: Push) {
         let object = &mut self.dynamics.world.bodies[self.object];
         object.reset_forces(true);
@@ -273,7 +273,7 @@ impl<'l> EnginePressing<'l> {
         }
     }
 
-    /// Whether the object pushes on the finger.
+    /// Whether the object presses on the finger.
     fn touches_anything(&self) -> bool {
         let pairs = self.dynamics.world.narrow_phase.contact_pairs_with(self.collider);
         pairs.flat_map(|pair| pair.manifolds()).any(|manifold| {
@@ -282,7 +282,7 @@ impl<'l> EnginePressing<'l> {
         })
     }
 
-    /// Contact forces computed by the engine.
+    /// Contacts with the forces that the engine computed.
     fn touches(&self, motions: &[BodyMotion]) -> Vec<Touch> {
         let world = &self.dynamics.world;
         let dt = world.integration_parameters.dt;
@@ -293,7 +293,7 @@ impl<'l> EnginePressing<'l> {
             let index = world.colliders[skin].user_data as usize;
             let (body, part) = self.parts[index];
             for manifold in pair.manifolds() {
-                // The engine's normal points from its first body to its second.
+                // The engine's normal points from the first body of the contact to the second.
                 let normal = own(manifold.data.normal) * if object_first { 1.0 } else { -1.0 };
                 for contact in &manifold.data.solver_contacts {
                     let data = &manifold.points[point_of(contact)];
@@ -332,12 +332,12 @@ impl<'l> EnginePressing<'l> {
     }
 }
 
-/// Index of a solver contact in its manifold's points.
+/// Index, in its manifold's points, of a contact of the engine's solver.
 fn point_of(contact: &SolverContact) -> usize {
     (contact.contact_id[0] & 0x7fff_ffff) as usize
 }
 
-/// Steps of the finger's slowest motion, as measured by [`Dynamics::settle`], and the stiffness of the finger's middle, N/mm.
+/// Number of steps of the finger's slowest motion, as measured by [`Dynamics::settle`], and the stiffness of the finger's middle, N/mm.
 fn slowest_motion(lattice: &Lattice) -> Result<(usize, f64), LatticeError> {
     let finger = lattice.finger();
     let middle = finger.contact_nodes().nth(finger.contact_nodes().len() / 2).unwrap_or(finger.tip());

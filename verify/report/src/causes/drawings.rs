@@ -1,4 +1,4 @@
-//! Drawings of causes: the largest cause by position and direction, and the cost of each along the finger.
+//! Drawings of causes: maps of the largest cause, and the error at the nodes as remedies are added.
 
 use super::{CSV, OWN, at_nodes, own_first, practice_in_words};
 use crate::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, error_bars, rank_of, ranked, small_maps};
@@ -7,16 +7,16 @@ use crate::prelude::*;
 use finray_figures::Paint;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
 
-/// Errors below this need no explanation: root mean square of sensed / true - 1.
+/// Cells with a smaller error than this show no cause: root mean square of sensed / true - 1.
 const SMALL_ERROR: f64 = 0.02;
 
-/// Class of the n-th cause in a map.
+/// Colour class of the n-th cause in a map.
 fn class(n: usize, label: &str, sign: &str, colour: [u8; 3]) -> Class {
     Class { up_to: n as f64, label: label.to_owned(), sign: sign.to_owned(), fill: Paint::Colour(colour) }
 }
 
 fn class_of(n: usize, cause: Cause) -> Class {
-    // Okabe and Ito's colours and two greys.
+    // Colours of the palette of Okabe and Ito, and two greys.
     let (sign, colour) = match cause {
         Cause::Noise => ("N", [0x56, 0xb4, 0xe9]),
         Cause::Linearisation => ("L", [0xe6, 0x9f, 0x00]),
@@ -31,13 +31,13 @@ fn class_of(n: usize, cause: Cause) -> Class {
     class(n, cause.name(), sign, colour)
 }
 
-/// Map of the largest cause by position and direction, under a force in N.
+/// Map of the largest cause by position and direction, for one force in N.
 pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportError> {
     let (angles, places) = (map.request.angles_deg.len(), map.request.positions_mm.len());
     let (small, hidden) = (map.causes.len(), map.causes.len() + 1);
     let mut classes: Vec<Class> = map.causes.iter().enumerate().map(|(n, cause)| class_of(n, *cause)).collect();
     classes.push(class(small, &format!("error below {}", percent(SMALL_ERROR)), "", [0xd9, 0xdd, 0xe2]));
-    classes.push(class(hidden, "each hides others", "-", [0xa9, 0xae, 0xb5]));
+    classes.push(class(hidden, "causes cancel each other", "-", [0xa9, 0xae, 0xb5]));
     let of_cell = |place: usize, angle: usize| {
         let mut at = map.cells.iter().filter(|cell| cell.force_n == force_n);
         let cell = at.nth(place * angles + angle)?;
@@ -54,10 +54,10 @@ pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportE
     let missing_label = "no equilibrium or no answer".to_owned();
     let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], classes, cells);
     let svg = Map { missing_label, ..drawn }.svg()?;
-    Ok(Figure::narrow(svg, "The cause whose absence lessens the error most.", CSV))
+    Ok(Figure::narrow(svg, "The cause without which the error is smallest.", CSV))
 }
 
-/// Small maps of the error as remedies are applied one after the other, one row per finger; `None` without such results.
+/// Small maps of the error as remedies are added one after the other, one row per true finger; `None` without such results.
 pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     let force_n = study.forces.drawn_n();
     let rows: Vec<_> =
@@ -65,7 +65,7 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     if rows.is_empty() {
         return Ok(None);
     }
-    let title = format!("Error of {force_n} N as remedies are taken, from left to right");
+    let title = format!("Error of {force_n} N as remedies are added, from left to right");
     let alt =
         format!("{title}: small maps by position and direction, a row for each finger, a column for each remedy.");
     let columns = std::iter::once("as it is").chain(REMEDIES.map(|(name, _)| name)).map(str::to_owned).collect();
@@ -80,7 +80,7 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     )))
 }
 
-/// Bars of the error at the nodes as remedies are applied one after the other. Each bar is a remaining error, so bars do not add up.
+/// Bars of the error at the nodes as remedies are added one after the other. Each bar shows a remaining error, so the bars do not add up.
 pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     let force_n = study.forces.drawn_n();
     let Some(map) = study.causes.iter().find(|map| map.truth == OWN && is_drawn(map, force_n)) else { return Ok(None) };
@@ -94,17 +94,17 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     });
     let all = std::iter::once(bars(0, "as it is".to_owned(), &|cell| cell.rms_error)).chain(taken).collect();
     let nodes = Axis::categories("contact node", cells.iter().map(|(node, _)| node.to_string()).collect());
-    let title = format!("Error left of {force_n} N along the normal, {}", OWN.label());
-    let alt = "Root mean square error by contact node: as it is, and as remedies are taken one after the other.";
+    let title = format!("Remaining error of {force_n} N along the normal, {}", OWN.label());
+    let alt = "Root mean square error by contact node: with all causes, and as remedies are added one after the other.";
     let axes = [nodes, Axis::linear("root mean square error, %")];
     Ok(Some(Figure::wide(
         Chart::of_bars(Frame::full(title, alt), axes, all).svg()?,
-        "What is left of the error, not parts of it: causes may have cancelled, so that a remedy can make it larger.",
+        "Each bar is the remaining error. Causes may cancel each other, so a remedy can also make the error larger.",
         CSV,
     )))
 }
 
-/// Whether the map has least squares, an assumed contact and this force.
+/// Whether a map belongs to least squares and an assumed contact, and has this force, N.
 fn is_drawn(map: &CauseMap, force_n: f64) -> bool {
     map.practice == Practice::LeastSquares
         && map.contact == ContactKnowledge::Assumed

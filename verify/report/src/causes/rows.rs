@@ -1,4 +1,4 @@
-//! Causes as rows: the CSV file of the section and its part of the summary.
+//! Datasets of the causes: the CSV file of the section, and its part of the summary.
 
 use super::CSV;
 use super::shares::{CauseShare, Region, Shares};

@@ -4,29 +4,29 @@ use crate::format::percent;
 use crate::prelude::*;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap};
 
-/// Share of the plate's length near base and near tip: two members of the paper's finger.
+/// Length of the regions near base and tip, as a share of the plate length: two members of the paper's finger.
 const NEAR_AN_END: f64 = 1.0 / 6.0;
 
-/// A region of cells. All estimators are evaluated along the normal.
+/// A region of cells (positions and directions). For every estimator, cells along the normal were computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Region {
-    /// Along the normal, within a sixth of the plate's length from the base.
+    /// Forces along the normal, within a sixth of the plate's length from the base.
     Base,
-    /// Along the normal, between the regions near base and tip.
+    /// Forces along the normal, between the regions near base and tip.
     Middle,
-    /// Along the normal, within a sixth of the plate's length from the tip.
+    /// Forces along the normal, within a sixth of the plate's length from the tip.
     Tip,
-    /// Every position and direction.
+    /// Forces at every position and in every direction.
     All,
 }
 
 impl Region {
-    /// The regions along the normal.
+    /// The regions that have only cells along the normal.
     pub(super) const ENDS_AND_MIDDLE: [Region; 3] = [Region::Base, Region::Middle, Region::Tip];
     /// All regions.
     pub(super) const ALL: [Region; 4] = [Region::Base, Region::Middle, Region::Tip, Region::All];
 
-    /// Name for tables and files.
+    /// Name of the region for tables and files.
     pub(super) fn name(self) -> &'static str {
         match self {
             Region::Base => "near the base",
@@ -54,7 +54,7 @@ impl Region {
     }
 }
 
-/// Error of a region, and its reduction without each cause.
+/// Error in a region, and how much of it disappears without each cause.
 pub(super) struct Shares {
     /// Root mean square of sensed / true - 1 with all causes, over the answered cells.
     pub rms_error: f64,
@@ -62,14 +62,14 @@ pub(super) struct Shares {
     pub answered: usize,
     /// Number of all cells.
     pub cells: usize,
-    /// Causes by descending share.
+    /// Causes, the one with the largest share first.
     pub by_cause: Vec<CauseShare>,
 }
 
-/// Effect of one cause over a region.
+/// Effect of one cause on the error in a region.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CauseShare {
-    /// The cause.
+    /// Cause of sensing error that the other fields describe.
     pub cause: Cause,
     /// Share of the mean square error that disappears without the cause. Cells that are not answered without it count as no reduction.
     pub share: f64,
@@ -109,7 +109,7 @@ impl Shares {
         self.by_cause.first().copied().filter(|of| of.share > 0.0)
     }
 
-    /// The error without a cause, with the number of answered positions if fewer remain.
+    /// Text with the error without a cause. It adds the number of answered positions if that number is smaller without the cause.
     pub(super) fn without(&self, of: &CauseShare) -> String {
         let left = format!("{} without it", percent(of.rms_without));
         if of.cells < self.answered {

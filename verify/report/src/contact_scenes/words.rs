@@ -1,4 +1,4 @@
-//! Conclusions about sensing of pressed objects: a sentence, and one table row per scene.
+//! A sentence on the sensing of pressed objects, and a table with one row per scene.
 
 use super::{CSV, name_of};
 use crate::format::percent;
@@ -6,14 +6,14 @@ use crate::prelude::*;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 
-/// Results of the scenes without and with friction, and the contact with the largest relative error.
+/// Sentence on the errors of the scenes without and with friction, and on the contact with the largest relative error.
 pub(super) fn verdict(scenes: &[SceneStudy]) -> Result<Option<String>, ReportError> {
     let of = |friction: bool| worst_total(scenes.iter().filter(|scene| (scene.friction > 0.0) == friction));
     let numbers = of(false).map(|smooth| context! { smooth, rough => of(true), least => least_known(scenes) });
     say("contact_scenes.verdict", numbers)
 }
 
-/// The contact with the largest relative error under noise in the last step of a scene, with the errors of that step's other contacts.
+/// Numbers on the contact with the largest relative error under noise in the last step of a scene, and on that step's other contacts.
 fn least_known(scenes: &[SceneStudy]) -> Option<Value> {
     let ends = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?)));
     let contacts = ends.flat_map(|(scene, last)| {
@@ -35,7 +35,7 @@ fn least_known(scenes: &[SceneStudy]) -> Option<Value> {
     })
 }
 
-/// Errors of the total, balance of forces and coverage under noise, scene by scene.
+/// Table with one row per scene: error of the total, balance of forces, and coverage of the intervals under noise.
 pub(super) fn by_scene(scenes: &[SceneStudy]) -> Table {
     type Which = fn(&NoiseSamples) -> std::ops::Range<usize>;
     let covered = move |scene: &&SceneStudy, which: Which| {

@@ -6,7 +6,7 @@ use finray_model::estimators::EstimatorId;
 use finray_studies::truths::TruthId;
 use serde::Serialize;
 
-/// A value of a file. CSV has numbers in their shortest exact form, nothing as an empty field, and lists separated by spaces.
+/// A value in a file. CSV has numbers in their shortest exact form, an empty field for a missing value, and lists separated by spaces.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value {
@@ -84,9 +84,9 @@ impl Value {
 pub enum Format {
     /// Left-aligned text.
     Words,
-    /// Right-aligned, unchanged.
+    /// A right-aligned number in its shortest form.
     Plain,
-    /// With this number of decimals.
+    /// A number with this many decimals.
     Fixed(usize),
     /// A share in percent.
     Percent,

@@ -1,16 +1,16 @@
-// Fills the section "Ask the page" from the numbers in #explore-data. The page is complete without it: where anything is
-// missing, the section or a panel stays hidden.
+// Fills the section "Ask the page" with the numbers in #explore-data. The page is complete without this section. If data are
+// missing, the section or one of its panels stays hidden.
 (() => {
   'use strict';
 
-  const TRUSTED = 0.1; // an error up to this is trusted
+  const TRUSTED = 0.1; // a cell is trusted if its error is at most this share
   const TWO_SIDED_95 = 1.96;
   const WORST = 'worst';
   const TEXT_PX = 12, BUTTON_PX = 24; // as in explore.css
-  const LARGEST_SCALE = 4.4; // px a mm: a larger drawing shows no more
-  const EPSILON = 1e-6; // positions and directions are rounded
+  const LARGEST_SCALE = 4.4; // px per mm; a drawing at a larger scale shows no more details
+  const EPSILON = 1e-6; // positions and directions are equal within this difference, because the data are rounded
 
-  // What a cell can be, from the best to none. The first three are trusted.
+  // Kinds of cells: classes of errors in ascending order, then cells without an error. The first three kinds are trusted.
   const LIMITS = [[0.02, 'within-2'], [0.05, 'within-5'], [TRUSTED, 'within-10'], [0.25, 'within-25'], [Infinity, 'above-25']];
   const TRUSTED_KINDS = ['within-2', 'within-5', 'within-10'];
   const KINDS = {
@@ -29,7 +29,7 @@
   const newton = (x) => (!some(x) ? '-' : x > 0 && x < 0.001 ? '< 0.001' : x.toFixed(3));
   const list = (words) => (words.length < 2 ? words.join('') : `${words.slice(0, -1).join(', ')} and ${words.at(-1)}`);
 
-  /** Two significant digits. An end of an interval (signed) is 0.0 % below 0.1 %. */
+  /** A share in percent with two significant digits. The end of an interval (signed) is written as 0.0 % if it is below 0.1 %. */
   function percent(x, signed = false) {
     if (!some(x)) return '-';
     const rounded = Number((100 * x).toPrecision(2)), size = Math.abs(rounded);
@@ -37,7 +37,7 @@
     return `${rounded.toFixed(size < 1 ? 2 : size < 10 ? 1 : 0)}${NBSP}%`;
   }
 
-  /** A share of a count: only all of them are 100 %. */
+  /** A share of a count in percent. It is written as 100 % only if the share is the whole count. */
   function share(part, whole) {
     const words = percent(whole ? part / whole : 0);
     return part < whole && parseFloat(words) === 100 ? `>${NBSP}99${NBSP}%` : words;
@@ -45,14 +45,14 @@
 
   // ---- the document ----
 
-  /** An element; attributes that are null are left out. Data becomes attributes and text, never markup. */
+  /** Creates an element without the attributes that are null. Data becomes attributes and text, never markup. */
   const make = (space) => (tag, attributes = {}, ...children) => {
     const made = document.createElementNS(space, tag);
     for (const [name, value] of Object.entries(attributes)) if (value !== null) made.setAttribute(name, value);
     made.append(...children);
     return made;
   };
-  /** What is meant by the names of fingers and estimators. */
+  /** Explanations of the names of fingers and estimators. */
   const about = {};
 
   const html = make('http://www.w3.org/1999/xhtml'), svg = make('http://www.w3.org/2000/svg');
@@ -60,7 +60,7 @@
   const line = ([x1, y1], [x2, y2], kind) => svg('line', { x1, y1, x2, y2, class: kind });
   const canvas = (width, height, ...children) => svg('svg', { width, height, 'aria-hidden': 'true' }, ...children);
 
-  /** A table whose rows begin with their heading. */
+  /** A table in which the first cell of each row is its heading. */
   function table(columns, rows) {
     const head = html('tr', {}, ...columns.map((name) => html('th', { scope: 'col' }, name)));
     const cells = ([first, ...rest]) => [html('th', { scope: 'row' }, first), ...rest.map((cell) => html('td', {}, cell))];
@@ -68,7 +68,7 @@
     return html('div', { class: 'explore-scroll' }, html('table', {}, html('thead', {}, head), body));
   }
 
-  /** A labelled select. Offered [value, words, whether it exists], it keeps its value, or else takes the first that exists. */
+  /** A labelled select. `offer` gets entries [value, words, whether it exists]; the select keeps its value if it exists, else takes the first that does. */
   function choice(host, label, changed) {
     const select = html('select');
     host.append(html('label', {}, html('span', {}, label), select));
@@ -82,7 +82,7 @@
     return select;
   }
 
-  /** Colours are in the style sheet; patterns belong to this document, so that they are named here. */
+  /** Fills a cell by its kind. Colours are in the style sheet; patterns are defined in this document. */
   function paint(shape, kind) {
     shape.classList.add(kind);
     if (PATTERNS[kind]) shape.setAttribute('fill', `url(#explore-${kind})`);
@@ -107,13 +107,13 @@
     return away.indexOf(Math.min(...away));
   }
 
-  /** Index of the nearest grid value, or -1 if that is further than half a step. */
+  /** Index of the nearest grid value, or -1 if the nearest value is further away than half a step. */
   function within(values, value) {
     const i = nearest(values, value), gaps = [values[i] - values[i - 1], values[i + 1] - values[i]].filter(some);
     return Math.abs(values[i] - value) <= Math.max(0, ...gaps) / 2 + EPSILON ? i : -1;
   }
 
-  /** Where cells begin and end: halfway to their neighbours. The last ones take up to `rest` steps more if these reach the end. */
+  /** Start and end of each cell: halfway to its neighbours. The first and last cell extend to the limit if it is at most `rest` steps away. */
   function edges(values, low, high, alone, rest) {
     const between = values.slice(1).map((value, i) => (value + values[i]) / 2);
     const first = between.length ? between[0] - values[0] : alone, last = between.length ? values.at(-1) - between.at(-1) : alone;
@@ -122,7 +122,7 @@
     return values.map((_, i) => [all[i], all[i + 1]]);
   }
 
-  /** Cells to point at, tap, or walk through by arrow keys. A click holds a cell against the mouse, Escape lets it go. */
+  /** Cells that are chosen with mouse, tap or arrow keys. After a click the chosen cell no longer follows the mouse; Escape ends this. */
   function cellGrid(host, name, label, picked) {
     const box = html('div', { class: 'explore-grid', role: 'grid', tabindex: 0, 'aria-label': label });
     const cursor = svg('g', { class: 'explore-cursor' }, svg('rect'), svg('rect'));
@@ -143,7 +143,7 @@
       return true;
     }
 
-    /** To the next cell, over gaps; false at the edge. */
+    /** Moves to the next cell in a direction, across gaps; returns false at the edge. */
     function walk(columns, rows) {
       const [column, row] = at.split(',').map(Number);
       for (let n = 1; n < cells.size; n += 1) if (select(column + n * columns, row + n * rows)) return true;
@@ -169,7 +169,7 @@
       select(...pointed(event).split(',').map(Number));
     });
 
-    /** Draws cells { column, row, x, y, width, height, kind, label } between what is `under` and `over` them. */
+    /** Draws cells { column, row, x, y, width, height, kind, label } above the elements `under` and below the elements `over`. */
     return function show(width, height, all, under, over, selected) {
       const rows = new Map(all.map(({ row }) => [row, svg('g', { role: 'row' })]));
       cells = new Map(all.map(({ column, row, kind, label: words, ...place }) => {
@@ -203,7 +203,7 @@
     return error === null ? 'refused' : LIMITS.find(([limit]) => error <= limit)[1];
   }
 
-  /** What readings come to: the largest error, or why there is none. */
+  /** The largest error of the given results of a cell, or the kind of cell if a result has no error. */
   function judge(readings) {
     const kinds = readings.map(kindOf), none = ['no-equilibrium', 'refused', 'not-computed'].find((kind) => kinds.includes(kind));
     const error = none ? null : Math.max(...readings.map((each) => each.error));
@@ -233,7 +233,7 @@
     const show = cellGrid(panel.drawing, 'map', 'Error by position and direction: arrow keys move the cell', pick);
     let map = null, at = { s: front / 2, angle: 0 };
 
-    // Each choice is offered what exists with those before it, so that none locks another.
+    // Each select offers only the values that exist with the choices before it, so that no choice blocks another.
     function update() {
       let left = data.maps;
       for (const [select, name] of [[truth, 'truth'], [estimator, 'estimator'], [contact, 'contact']]) {
@@ -271,8 +271,8 @@
         `${percent(TRUSTED)} (${chosenForces().length > 1 ? 'largest error of ' : ''}${forces} N); ` +
         `${count('refused')} refused, ${count('no-equilibrium')} without equilibrium.`;
       const samples = Math.max(0, ...map.samples.filter(some));
-      panel.note.textContent = `Camera noise ${number(noise)} mm a coordinate; noise samples a cell: ${samples}. Error: mean of ` +
-        '|sensed / true - 1|. No equilibrium: the finger cannot carry the force. A click holds a cell, Escape lets it go. ';
+      panel.note.textContent = `Camera noise ${number(noise)} mm per coordinate; noise samples per cell: ${samples}. Error: mean of ` +
+        '|sensed / true - 1|. No equilibrium: the finger cannot carry the force. A click keeps a cell chosen, Escape releases it. ';
       if (/^[\w.-]+\.csv$/.test(map.csv)) panel.note.append(html('a', { href: map.csv }, `data: ${map.csv}`));
     }
 
@@ -293,7 +293,7 @@
       const steps = (from, to, step) => Array.from({ length: Math.floor((to - from) / step) + 1 }, (_, i) => from + i * step);
       const angles = steps(-80, 80, 40).flatMap((angle) => [text(x(0) - 6, y(angle) + 4, angle, 'end'), line([x(0) - 4, y(angle)], [x(0), y(angle)], 'explore-tick')]);
       const places = steps(0, front, 25).flatMap((s) => [text(x(s), base + 17, s), line([x(s), base], [x(s), base + 4], 'explore-tick')]);
-      // Node numbers are thinned so that they do not run into each other.
+      // Some node numbers are left out, so that they do not overlap.
       const apart = 1.8 * TEXT_PX, free = [];
       for (const each of contacts) if (x(each.s_mm) - (free.length ? x(free.at(-1).s_mm) : 0) >= apart) free.push(each);
       return [...angles, ...places, ...free.map((each) => text(x(each.s_mm), base + 34, each.node)), text(2, 14, 'direction, deg (positive: towards the tip)', 'start'),
@@ -306,7 +306,7 @@
     return draw;
   }
 
-  /** The line between trusted cells and others, so that colour is not the only sign. */
+  /** The line between trusted and other cells, so that they differ not only by colour. */
   function border(judged, columns, rows) {
     const trusted = (i, j) => TRUSTED_KINDS.includes(judged[i][j].kind);
     const parts = (i, j) => [
@@ -319,7 +319,7 @@
 
   const widthOf = (host) => Math.max(200, Math.floor(host.clientWidth || 600));
 
-  /** A drawing in mm that holds all the points, with margins in px: top, right, bottom, left. */
+  /** A drawing in mm that contains all points, with margins in px: top, right, bottom, left. */
   function stage(host, points, [above, right, below, left]) {
     const xs = points.map(([x]) => x), ys = points.map(([, y]) => y), first = Math.min(...xs), top = Math.max(...ys);
     const wide = Math.max(...xs) - first, scale = Math.min(LARGEST_SCALE, (widthOf(host) - left - right) / wide);
@@ -331,7 +331,7 @@
     view.append(svg('path', { d: members.map(([a, b]) => `M${at(nodes[a - 1])}L${at(nodes[b - 1])}`).join(''), class: kind }));
   }
 
-  /** An arrow to a point in mm, of a length in px, shifted sideways by px. */
+  /** An arrow whose head is at a point in mm. Its length and its sideways shift are in px. */
   function drawArrow({ view, at }, head, [fx, fy], length, kind, aside = 0) {
     const size = Math.hypot(fx, fy), [ux, uy] = [fx / size, -fy / size], [hx, hy] = at(head), tip = Math.min(9, length);
     const point = (back, side) => [hx - ux * back - uy * (aside + side), hy - uy * back + ux * (aside + side)];
@@ -339,7 +339,7 @@
       svg('path', { d: `M${point(0, 0)}L${point(tip, 4)}L${point(tip, -4)}Z`, class: `${kind} explore-head` }));
   }
 
-  /** Unit vector of a direction: from the front plate's inward normal, positive towards the tip. */
+  /** Unit vector of a direction, an angle in degrees from the front plate's inward normal, positive towards the tip. */
   function directionOf({ nodes, contacts }, angle) {
     const [a, b] = [nodes[contacts[0].node - 1], nodes[contacts.at(-1).node - 1]];
     const turned = Math.atan2(b[1] - a[1], b[0] - a[0]) - Math.PI / 2 + (angle * Math.PI) / 180;
@@ -365,14 +365,14 @@
 
     function draw() {
       const shape = nearestShape(shapes, chosen.node, Number(angle.value));
-      // The scale is that of all shapes, so that it stays while choices change.
+      // All shapes together determine the scale, so that it does not change with the choices.
       const drawn = stage(panel.drawing, [...finger.nodes, ...shapes.flatMap((each) => each.xy)], [70, 40, 8, 16]);
       drawFinger(drawn, finger, finger.nodes, 'explore-rest');
       drawFinger(drawn, finger, shape.xy, 'explore-bent');
       drawArrow(drawn, shape.xy[chosen.node - 1], directionOf(finger, shape.angle_deg), 44, 'explore-true');
       const places = contacts.map((contact) => drawn.at(finger.nodes[contact.node - 1]));
       const narrow = places.some(([x], i) => i > 0 && x - places[i - 1][0] < BUTTON_PX + 2);
-      // On a narrow page every other button stands further out.
+      // On a narrow page every second button is drawn further outside.
       drawing.replaceChildren(drawn.view, ...contacts.map((contact, i) => button(contact, places[i], BUTTON_PX * (narrow && i % 2 ? 2.2 : 1.1))));
       tell(shape);
     }
@@ -465,7 +465,7 @@
     const lines = shapes.slice(0, 1).flatMap(({ force_n }) => [stroke('explore-first', `shape under ${number(force_n)} N on the first node alone`),
       stroke('explore-second', 'on the second alone')]);
     legend(panel.legend, [...Object.keys(KINDS).slice(0, 6).map(patch), ...lines]);
-    panel.note.textContent = 'Error: mean of |sensed / true - 1|. The more alike two shapes are, the less accurately their forces are sensed.';
+    panel.note.textContent = 'Error: mean of |sensed / true - 1|. The more similar two shapes are, the less accurately their forces are sensed.';
     draw();
     return draw;
   }
@@ -499,7 +499,7 @@
     }
 
     function picture(steps, step) {
-      // One scale for all steps, of lengths and of forces.
+      // All steps have the same scales of lengths and of forces.
       const drawn = stage(panel.drawing, [finger.nodes, ...steps.flatMap((each) => [each.xy ?? [], each.outline ?? []])].flat(), [40, 16, 20, 8]);
       const most = Math.max(...steps.flatMap((each) => each.contacts.flatMap((one) => [sizeOf(one.true), sizeOf(one.sensed)])));
       if (step.outline) drawn.view.append(svg('path', { d: `M${step.outline.map(drawn.at).join('L')}Z`, class: 'explore-outline' }));
@@ -527,11 +527,11 @@
     return [data.maps, nodes, members, contacts].every((each) => each.length > 0) && front > 0 ? data : null;
   }
 
-  /** Builds a panel and returns how to draw it again. One that cannot be built stays hidden and takes no other with it. */
+  /** Builds a panel and returns a function that draws it again. A panel that cannot be built stays hidden; the others still work. */
   function build(root, name, panel, data, shared) {
     const host = root.querySelector(`[data-panel=${name}]`), parts = ['choices', 'says', 'drawing', 'legend', 'note', 'text'];
     let draw = null;
-    host.hidden = false; // a hidden one has no width
+    host.hidden = false; // a hidden panel has no width
     try {
       draw = panel(data, Object.fromEntries(parts.map((part) => [part, host.querySelector(`.explore-${part}`)])), shared);
     } catch { /* hidden below */ }
@@ -546,7 +546,7 @@
     Object.assign(about, data.about);
     hide(false);
     root.prepend(patterns());
-    let width = root.clientWidth; // before a scroll bar takes some
+    let width = root.clientWidth; // width before a scroll bar reduces it
     const panels = { map: mapPanel, finger: fingerPanel, pairs: pairsPanel, scenes: scenesPanel };
     const draws = Object.entries(panels).map(([name, panel]) => build(root, name, panel, data, shared)).filter(Boolean);
     if (!shared.map) return hide(true);
@@ -556,7 +556,7 @@
       draws.forEach((draw) => draw());
     };
     fit();
-    new ResizeObserver(() => requestAnimationFrame(fit)).observe(root); // in a frame of its own: fitting changes the height
+    new ResizeObserver(() => requestAnimationFrame(fit)).observe(root); // in a separate animation frame, because fitting changes the height
   }
 
   try { start(); } catch { /* No data, or none that can be read: the section stays hidden. */ }

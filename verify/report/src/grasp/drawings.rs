@@ -10,7 +10,7 @@ use nalgebra::Rotation2;
 
 /// Length of the arrow of the largest force, as a share of the front plate's length.
 const LONGEST_ARROW: f64 = 0.2;
-/// Largest number of drawn moments.
+/// Largest number of steps that are drawn.
 const MOMENTS: usize = 4;
 
 /// A drawing of a grasp with its caption.
@@ -21,17 +21,17 @@ pub(super) struct Drawing {
     pub(super) caption: String,
 }
 
-/// Moments, then forces over the steps and over the motor angle.
+/// Drawings of selected steps, then of the forces over the steps and over the motor angle.
 ///
 /// # Errors
-/// [`FigureError`] if there is nothing to draw; so do the functions below.
+/// [`FigureError`] if there is nothing to draw. The other functions of this file have the same error.
 pub(super) fn drawings(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<Vec<Drawing>, FigureError> {
     let mut drawings = Vec::new();
     for step in moments(steps) {
         let caption = format!("Step {}, {}. True forces, and those sensed along the normals.", step.step, step.phase);
         drawings.push(Drawing { svg: moment(scene, step)?, caption });
     }
-    let sensed = "Lines are true (both fingers press alike), signs sensed, with 95 % intervals.";
+    let sensed = "Lines: true forces (equal for both fingers); symbols: sensed forces with 95 % intervals.";
     let over_steps = over(steps, |step| step.step as f64);
     drawings.push(Drawing {
         svg: forces(format!("{name}: force of each finger, step by step"), "step", over_steps)?,
@@ -48,7 +48,8 @@ pub(super) fn drawings(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> R
         if !opening.is_empty() {
             let points = opening.iter().map(|step| [step.motor_deg, step.fingers[0].total_n]).collect();
             series.push(Series::guide("left, opening again", points));
-            caption += " Dotted: the true force while it opens again; friction makes the two differ.";
+            caption +=
+                " Dotted: the true force while the gripper opens; friction makes it differ from that while closing.";
         }
         let svg = forces(format!("{name}: force over the motor's angle"), "motor angle, deg", series)?;
         drawings.push(Drawing { svg, caption });
@@ -65,7 +66,7 @@ pub fn grasp_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<
     Ok(side_by_side(&drawings, 2))
 }
 
-/// The drawn steps: first contact, end of closing or holding, middle of lifting, carrying and placing, and the last step.
+/// The steps that are drawn: first contact, end of closing or holding, middle of lifting, carrying and placing, and the last step.
 fn moments(steps: &[GraspStep]) -> Vec<&GraspStep> {
     let touches = |step: &&GraspStep| step.fingers.iter().any(|finger| !finger.contacts.is_empty());
     let on_way: Vec<&GraspStep> =
@@ -82,12 +83,12 @@ fn moments(steps: &[GraspStep]) -> Vec<&GraspStep> {
     chosen
 }
 
-/// A point in drawing coordinates, mm; the fingertips point downwards, as above a table.
+/// A point in the coordinates of the drawing, mm. The fingertips point downwards, as in a grasp from above.
 fn drawn(at: Vector) -> Point {
     [at.x, -at.y]
 }
 
-/// Fingers, object, support and forces at a step.
+/// Drawing of fingers, object, support and forces at one step.
 fn moment(scene: &GraspScene, step: &GraspStep) -> Result<String, FigureError> {
     let title = format!("step {}, {}: motor at {:.1} deg", step.step, step.phase, step.motor_deg);
     let at_rest = outlines(scene, step, |_, named| scene.finger().point(named));
@@ -104,7 +105,7 @@ fn moment(scene: &GraspScene, step: &GraspStep) -> Result<String, FigureError> {
     Chart::to_scale(Frame::half(title, alt), ["across the gripper, mm", "up, mm"], series).svg()
 }
 
-/// Lines of both fingers; `at` gives their points in each finger's frame, mm.
+/// Lines of both fingers; `at` gives the position of a finger's point in the finger's frame, mm.
 fn outlines(scene: &GraspScene, step: &GraspStep, at: impl Fn(usize, FingerPoint) -> Vector) -> Lines {
     let each = |finger: usize| {
         let placement = step.fingers[finger].placement;
@@ -117,20 +118,20 @@ fn outlines(scene: &GraspScene, step: &GraspStep, at: impl Fn(usize, FingerPoint
     (0..step.fingers.len()).flat_map(each).collect()
 }
 
-/// Both deformed fingers.
+/// Series of both deformed fingers.
 pub(super) fn bent(scene: &GraspScene, step: &GraspStep) -> Vec<Series> {
     let lines = outlines(scene, step, |finger, named| step.fingers[finger].shape.point(named));
     Series::lines("fingers", lines, Hue::Blue, 2.0)
 }
 
-/// The object.
+/// Series of the object's outline.
 pub(super) fn object(scene: &GraspScene, step: &GraspStep) -> Vec<Series> {
     let (turn, at) = (Rotation2::new(step.object[2]), Vector::new(step.object[0], step.object[1]));
     let outline = scene.outline().iter().map(|corner| drawn(at + turn * corner)).collect();
     Series::lines("object", vec![outline], Hue::Green, 2.4)
 }
 
-/// The support, if any, as wide as all positions in the given steps.
+/// Series of the support, if any, as wide as the positions in all given steps.
 pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
     let Some((on_it, upward)) = scene.support() else { return Vec::new() };
     let along = Vector::new(upward.y, -upward.x);
@@ -146,7 +147,7 @@ pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
     lines.map(|line| Series { dash, ..line }).collect()
 }
 
-/// True and sensed force of every contact, as arrows that end at it; `largest_n` has the longest arrow.
+/// Arrows of the true and sensed force of every contact, which end at the contact. A force of `largest_n`, N, has the longest arrow.
 pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Vec<Series> {
     let finger = scene.finger();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
@@ -154,7 +155,7 @@ pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Ve
     for of in &step.fingers {
         for (seen, sensed) in of.contacts_sensed() {
             let foot = of.placement.outwards(seen.point);
-            // Arrows of small forces keep a visible length.
+            // Arrow lengths have a lower limit, so that arrows of small forces stay visible.
             let arrow = |force: Vector| {
                 let length_mm = longest_mm * (0.25 + 0.75 * force.norm() / largest_n);
                 let away = (of.placement.axes() * force).normalize() * length_mm;
@@ -173,20 +174,20 @@ pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Ve
     series
 }
 
-/// A legend entry for arrows.
+/// Series without visible points that adds an entry for arrows to the legend.
 pub(super) fn key(label: &str, hue: Hue, dash: Dash, at: Point) -> Option<Series> {
     let line = Series::lines(label, vec![vec![at; 2]], hue, 2.4).pop();
     line.map(|line| Series { dash, ..line })
 }
 
-/// True and sensed total of each finger over the quantity `at`.
+/// Series of the true and sensed total of each finger, over the quantity that `at` gives.
 fn over(steps: &[GraspStep], at: impl Fn(&GraspStep) -> f64) -> Vec<Series> {
     let mut series = Vec::new();
     for finger in 0..2 {
         let truth = steps.iter().map(|step| [at(step), step.fingers[finger].total_n]).collect();
         let truth = Series::nth(finger, finger_name(finger), truth);
         let marker = truth.marker;
-        // Different widths keep both lines visible where they coincide.
+        // The lines have different widths, so that both are visible if they coincide.
         let width = if finger == 0 { 4.5 } else { 2.0 };
         series.push(Series { marker: None, width, ..truth });
         let sensed = steps.iter().filter_map(|step| {
@@ -204,6 +205,6 @@ fn over(steps: &[GraspStep], at: impl Fn(&GraspStep) -> f64) -> Vec<Series> {
 }
 
 fn forces(title: String, along: &str, series: Vec<Series>) -> Result<String, FigureError> {
-    let alt = format!("{title}: lines are true forces, signs are sensed ones with 95 % intervals.");
+    let alt = format!("{title}: lines are true forces, symbols are sensed forces with 95 % intervals.");
     Chart::new(Frame::half(title, alt), [Axis::linear(along), Axis::linear("force across, N")], series).svg()
 }

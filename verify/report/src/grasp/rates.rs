@@ -1,4 +1,4 @@
-//! The closed loop against the camera's frame rate: a chart, a table and a file.
+//! A closed loop that holds a sensed force, at several frame rates of the camera: a chart, a table and a file.
 
 use crate::prelude::*;
 use finray_studies::experiments::grasp::rates::{DELAYS, LoopRun, LoopSetting, LoopStudy, Spread};
@@ -9,7 +9,7 @@ fn columns<'c>() -> Columns<'c, LoopRun> {
     Columns::<LoopRun>::new()
         .both("noise_mm", "noise, mm", Format::Plain, |run| run.setting.noise_mm)
         .both("delay_frames", "frames late", Format::Plain, |run| run.setting.delay_frames)
-        .both("frames_per_s", "frames a second", Format::Plain, |run| run.setting.frames_per_s)
+        .both("frames_per_s", "frames per second", Format::Plain, |run| run.setting.frames_per_s)
         .file("realisations", |run| run.figures.len())
         .both("overshoot", "mean overshoot", Format::Percent, |run| overshoot(run).map(|overshoot| overshoot.mean))
         .both("overshoot_least", "least", Format::Percent, |run| overshoot(run).map(|overshoot| overshoot.least))
@@ -27,7 +27,7 @@ fn overshoot(run: &LoopRun) -> Option<Spread> {
     run.over(|of| of.overshoot)
 }
 
-/// Mean rise time, s.
+/// Mean rise time over the realisations of the noise, s.
 fn rise_s(run: &LoopRun) -> Option<f64> {
     run.over(|of| of.rise_s.unwrap_or(f64::NAN)).map(|rise_s| rise_s.mean).filter(|rise_s| rise_s.is_finite())
 }
@@ -45,7 +45,7 @@ pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError>
         realisations => runs.last().map(|run| run.figures.len()),
         steady => steady.fold(0.0, f64::max),
     };
-    let caption = "True force of both fingers, their mean, above the target at most: mean, least and largest over the realisations of the noise. Where the frames fall decides how much of the dotted lines it is.";
+    let caption = "Largest true force above the target, mean of both fingers: mean, least and largest value over the realisations of the noise. The overshoot also depends on when the frames are taken, up to the dotted lines.";
     let figure = Figure::wide(chart(closed_loop)?, caption, CSV);
     let table = columns().table("Every loop", CSV, runs.clone());
     Ok(vec![
@@ -55,7 +55,7 @@ pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError>
     ])
 }
 
-/// Overshoot over frame rate, one line per noise level and delay.
+/// Chart of the overshoot over the frame rate, one line per noise level and delay.
 fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureError> {
     let mut series = Vec::new();
     let line = |run: &LoopRun| (run.setting.noise_mm, run.setting.delay_frames);
@@ -77,17 +77,17 @@ fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureE
         runs.iter().take_while(|run| delay(run) == delay(&runs[0])).map(|run| run.setting.frames_per_s).collect();
     for run in runs.chunk_by(|a, b| delay(a) == delay(b)).take(DELAYS.len()).filter_map(<[_]>::first) {
         let Some(rise_s) = rise_s(run) else { continue };
-        // The rise time covers 10 % to 90 %, so the force rises by 0.8 of the target in it.
+        // The rise time covers 10 % to 90 % of the target, so the force rises by 0.8 of the target in this time.
         let frames = 1.0 + delay(run) as f64;
         let share = |rate: f64| 0.8 * frames / (rise_s * rate);
         let points = rates.iter().map(|rate| [*rate, 100.0 * share(*rate)]).collect();
         series.push(Series::guide(
-            format!("what the motor adds in {frames} frame{}", if frames > 1.0 { "s" } else { "" }),
+            format!("force added by the motor in {frames} frame{}", if frames > 1.0 { "s" } else { "" }),
             points,
         ));
     }
     let [least, most] = [f64::min, f64::max].map(|of| rates.iter().copied().reduce(of).unwrap_or(1.0));
-    let x = Axis::log("frames a second").within(0.8 * least, 1.25 * most).with_ticks(rates);
+    let x = Axis::log("frames per second").within(0.8 * least, 1.25 * most).with_ticks(rates);
     let title = format!("Overshoot of a closed loop of {target_n} N against the camera's rate");
     let alt = format!("{title}, by noise and delay.");
     Chart::new(Frame::full(title, alt), [x, Axis::linear("overshoot, %")], series).svg()

@@ -1,13 +1,13 @@
-//! Conclusions from the lattice's numbers: agreements and differences.
+//! Sentences on the lattice: its agreement with beams, and its differences.
 
 use crate::prelude::*;
 use finray_studies::experiments::lattice::LatticeStudy;
 use finray_studies::lattice::accuracy::FinenessRow;
 
-/// Order in the segment length above which the difference counts as converging to zero.
+/// The difference counts as converging to zero if its order in the segment length is above this.
 const COARSENESS_ORDER: f64 = 2.0;
 
-/// Difference of the lattice from beams, and of sensing on it from sensing on the uniform finger.
+/// Sentence on the lattice's difference from beams, and on sensing on the lattice compared with the uniform finger.
 pub fn verdict(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
     let numbers = || {
         let finest = lattice.rows.last()?;
@@ -18,7 +18,7 @@ pub fn verdict(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
     say("lattice.verdict", numbers())
 }
 
-/// Order, size and effect of the difference from beams, as a list.
+/// Sentences on the order and size of the difference from beams, and on its effect on sensing.
 pub fn findings(lattice: &LatticeStudy) -> Result<Vec<String>, ReportError> {
     let said = [
         say("lattice.agreement", agreement(&lattice.rows))?,
@@ -38,20 +38,20 @@ fn agreement(rows: &[FinenessRow]) -> Option<Value> {
     Some(context! { coarsest => of(coarsest), finest => of(finest), low, high, order => COARSENESS_ORDER })
 }
 
-/// Error of linear theory under the smallest and the largest force.
+/// Errors of linear theory under the smallest and the largest force.
 fn linear(lattice: &LatticeStudy) -> Option<Value> {
     let (&(small_n, small), &(large_n, large)) = (lattice.linear.first()?, lattice.linear.last()?);
     Some(context! { small_n, small, large_n, large })
 }
 
-/// Whether the checks of sensing pass, and the nonlinear estimator's error.
+/// Results for the sentence on sensing: whether its checks pass, and the nonlinear estimator's error.
 fn sensing(lattice: &LatticeStudy) -> Value {
     let sensing = &lattice.sensing;
     let agrees = sensing.checks().iter().all(Check::passes);
     context! { agrees, cells => sensing.difference.cells, nonlinear => sensing.nonlinear_error() }
 }
 
-/// Effect of single precision.
+/// Sentence on the effect of single precision.
 pub fn precision(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
     say("lattice.precision", Some(context! { out_of_balance => lattice.out_of_balance }))
 }

@@ -1,4 +1,4 @@
-//! Drawings of the overview and of the explaining maps.
+//! Drawings of the overview, and of maps that explain where sensing fails.
 
 use super::{EXPLANATIONS_CSV, ExplainedQuantity, small};
 use crate::drawings::{error_cells, percent_classes, plate_map, small_maps};
@@ -42,7 +42,7 @@ pub fn note(counts: TrustCounts) -> String {
     format!("{:.0} % trusted{refused}", 100.0 * share)
 }
 
-/// An explaining map: its titles, quantity and caption.
+/// An explaining map: its title, quantity and caption.
 struct Kind {
     title: &'static str,
     value_label: &'static str,
@@ -51,9 +51,9 @@ struct Kind {
     caption: &'static str,
 }
 
-/// Maps of the error bound, and of the sensitivity to wrong direction and position. Without noise there is no bound.
+/// Maps of the error bound and of the sensitivity to wrong direction and position. Without noise the bound is not drawn.
 pub(super) fn explanations(study: &Study) -> Result<Vec<Figure>, ReportError> {
-    let noise = format!("{} mm noise a coordinate", study.explanations.noise_mm);
+    let noise = format!("{} mm noise per coordinate", study.explanations.noise_mm);
     let kinds = kinds().into_iter().filter(|kind| study.noise_mm > 0.0 || !kind.title.contains("bound"));
     let figure = |kind: Kind| -> Result<Figure, ReportError> {
         Ok(Figure::narrow(explanation(study, &kind)?, kind.caption.replace("NOISE", &noise), EXPLANATIONS_CSV))
@@ -75,21 +75,21 @@ fn kinds() -> [Kind; 4] {
             value_label: "least standard deviation / force, %",
             of: |cell| cell.bound_unknown_direction.map(|share| 100.0 * share),
             missing_label: "no equilibrium, or not identifiable",
-            caption: "The same when both components of the force are sought, to first order, with NOISE.",
+            caption: "The same bound if both components of the force are unknown, to first order, with NOISE.",
         },
         Kind {
             title: "wrong direction",
             value_label: "error of the force, % per degree",
             of: |cell| cell.error_per_deg.map(|share| 100.0 * share),
             missing_label: "no equilibrium",
-            caption: "How much a direction that is wrong by a degree changes the sensed force.",
+            caption: "Change of the sensed force if the direction is wrong by one degree.",
         },
         Kind {
             title: "wrong position",
             value_label: "error of the force, % per mm",
             of: |cell| cell.error_per_mm.map(|share| 100.0 * share),
             missing_label: "no equilibrium",
-            caption: "How much a position that is wrong by a millimetre changes the sensed force.",
+            caption: "Change of the sensed force if the position is wrong by one millimetre.",
         },
     ]
 }

@@ -1,4 +1,4 @@
-//! Files and tables of the maps: cells and key figures of each map, cells of the overview, and explanations.
+//! Files and tables of the maps: cells and key figures of each map, cells of the overview, and explaining quantities.
 
 use super::{ExplainedQuantity, small};
 use crate::page::{Cell as TableCell, Column, Table};
@@ -11,10 +11,10 @@ use serde::Serialize;
 const MAPS: &str = "maps";
 /// File of the overview's cells.
 pub(super) const OVERVIEW_CSV: &str = "map_overview.csv";
-/// File of the explaining quantities.
+/// File of the quantities that explain where sensing fails.
 pub(super) const EXPLANATIONS_CSV: &str = "explanations.csv";
 
-/// File name of a map's cells.
+/// Name of the CSV file with a map's cells.
 pub(crate) fn map_csv_name(map: &AccuracyMap) -> String {
     let noise = if map.noise_mm > 0.0 { "with_noise" } else { "without_noise" };
     match map.estimator {
@@ -34,7 +34,7 @@ pub(super) fn datasets(study: &Study) -> Vec<Dataset<'_>> {
     all
 }
 
-/// Key figures of a map, and the file of its cells.
+/// Key figures of a map, and the name of the file with its cells.
 #[derive(Serialize)]
 struct Entry {
     #[serde(flatten)]
@@ -42,10 +42,10 @@ struct Entry {
     csv: String,
 }
 
-/// Every map at the drawn force, then over all its forces.
+/// Key figures of every map: at the drawn force, then averaged over all its forces.
 fn entries(study: &Study) -> impl Iterator<Item = Entry> {
     let of = |force_n: Option<f64>| {
-        // A map with a single force has no separate mean over forces.
+        // For a map with a single force, the mean over forces is left out.
         let has = move |map: &&AccuracyMap| match force_n {
             Some(force_n) => map.request.forces_n.contains(&force_n),
             None => map.request.forces_n.len() > 1,
@@ -109,7 +109,7 @@ fn overview(study: &Study) -> Dataset<'static> {
     Dataset::new(OVERVIEW_CSV, &columns, cells).csv_alone()
 }
 
-/// Summary of each explaining quantity over all cells. A missing value means no equilibrium, or an unidentifiable direction.
+/// Summary of each explaining quantity over all cells. A value is missing if the cell has no equilibrium or its direction is not identifiable.
 fn explained(study: &Study) -> Dataset<'_> {
     const QUANTITIES: [(&str, ExplainedQuantity); 6] = [
         ("bound", |cell| cell.bound),

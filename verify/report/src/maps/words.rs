@@ -1,26 +1,26 @@
-//! Conclusions from the maps.
+//! Sentences on the maps.
 
 use super::ExplainedQuantity;
 use crate::prelude::*;
 use finray_studies::experiments::explain::Explanation;
 use finray_studies::statistics::median;
 
-/// Directions within this angle of the normal, degrees, count as pressing; those beyond the second angle as tangential.
+/// A direction counts as pressing within the first angle of the normal, and as tangential beyond the second angle, degrees.
 const PRESSING_DEG: f64 = 20.0;
 const TANGENTIAL_DEG: f64 = 60.0;
 /// Share of the plate's length at either end that counts as base and tip.
 const END: f64 = 1.0 / 6.0;
-/// Standard deviation of a direction, degrees, above which the nonlinear estimator refuses it as unknown.
+/// The nonlinear estimator refuses an answer whose direction has a larger standard deviation than this, degrees.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 
-/// Limits of every estimator: noise, and unknown contact.
+/// Sentences on the limits of every estimator: noise, and unknown contact.
 pub(super) fn says(study: &Study) -> Result<Vec<String>, ReportError> {
     let unknown = unknown_direction(study).filter(|_| study.noise_mm > 0.0);
     let said = [say("maps.carried", carried(study))?, say("maps.unknown_direction", unknown)?];
     Ok(said.into_iter().flatten().collect())
 }
 
-/// Whether bias or spread dominates where a map fails.
+/// Sentence that says whether bias or spread dominates in the cells that fail.
 pub(super) fn kind_of_error(map: &AccuracyMap) -> Result<String, ReportError> {
     let failed: Vec<&MapCell> = map.cells.iter().filter(|cell| cell.is_above(TRUSTED_ERROR) == Some(true)).collect();
     // A refused cell has neither bias nor spread.
@@ -29,7 +29,7 @@ pub(super) fn kind_of_error(map: &AccuracyMap) -> Result<String, ReportError> {
     Ok(say("maps.kind_of_error", Some(numbers))?.unwrap_or_default())
 }
 
-/// Medians of a quantity over pressing and tangential directions, and over base, middle and tip.
+/// Medians of an explaining quantity over pressing and tangential directions, and over base, middle and tip.
 fn medians(study: &Study, of: ExplainedQuantity) -> Option<Value> {
     let length_mm = study.finger.plate_length_mm(Plate::Front);
     let over = |among: &dyn Fn(&Explanation) -> bool| {
@@ -59,7 +59,7 @@ fn unknown_direction(study: &Study) -> Option<Value> {
     })
 }
 
-/// Sensitivity of the force to wrong direction and position.
+/// Numbers for the sentence on errors of the force from a wrong direction or position.
 fn carried(study: &Study) -> Option<Value> {
     let (direction, place) = (medians(study, |cell| cell.error_per_deg)?, medians(study, |cell| cell.error_per_mm)?);
     Some(context! { direction, place, pressing_deg => PRESSING_DEG, tangential_deg => TANGENTIAL_DEG })

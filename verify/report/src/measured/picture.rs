@@ -1,30 +1,30 @@
-//! Marker residuals drawn over their image.
+//! Marker residuals drawn over the photograph in which the markers were located.
 
 use data_encoding::BASE64;
 use finray_studies::experiments::measured::picture::{Arrow, Picture};
 
-/// Length of the longest residual in the pictures, px.
+/// Length of the longest residual in the drawings, px.
 const LONGEST_PX: f64 = 48.0;
 /// Largest length of the scale bar, px.
 const LONGEST_BAR_PX: f64 = 120.0;
-/// Colours that contrast with grey and white, independent of the page's colours.
+/// Colours that contrast with grey and white. They do not depend on the page's colours.
 const RESIDUAL: &str = "#d6004b";
 const HALO: &str = "#ffffff";
 
-/// Magnification of the residuals: a round number, equal in all pictures.
+/// Magnification of the residuals: a round number, the same for all pictures.
 pub fn magnified(pictures: &[Picture]) -> f64 {
     let length = |arrow: &Arrow| arrow.residual_px[0].hypot(arrow.residual_px[1]);
     let longest_px = pictures.iter().flat_map(|picture| &picture.arrows).map(length).fold(0.0, f64::max);
     if longest_px > 0.0 { round_below(LONGEST_PX / longest_px) } else { 1.0 }
 }
 
-/// The largest of 1, 2 and 5 times a power of ten, not above the number.
+/// The largest number of the form 1, 2 or 5 times a power of ten that does not exceed `number`.
 fn round_below(number: f64) -> f64 {
     let decade = 10.0_f64.powf(number.log10().floor());
     [5.0, 2.0, 1.0].into_iter().map(|step| step * decade).find(|round| *round <= number).unwrap_or(decade)
 }
 
-/// The picture with its residuals as SVG, independent of the page's colours.
+/// The picture with its residuals as SVG. Its colours do not depend on the page.
 pub fn svg(picture: &Picture, magnified: f64) -> String {
     let [width, height] = picture.size_px;
     let strokes = [(HALO, 6.0), (RESIDUAL, 2.5)].map(|(colour, stroke)| {
@@ -50,13 +50,13 @@ pub fn svg(picture: &Picture, magnified: f64) -> String {
     )
 }
 
-/// A circle at the located marker, and its residual.
+/// SVG path of a circle at the located marker and of its residual.
 fn path(Arrow { seen: [x, y], residual_px }: &Arrow, magnified: f64) -> String {
     let [to_x, to_y] = [x + magnified * residual_px[0], y + magnified * residual_px[1]];
     format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/><path d=\"M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}\"/>")
 }
 
-/// Scale bar in the lower left corner: the residual that it represents, mm, and its path.
+/// Scale bar in the lower left corner: the residual that its length represents, mm, and its SVG path.
 fn bar(picture: &Picture, magnified: f64) -> Option<(f64, String)> {
     let px_a_mm = picture.px_a_mm * magnified;
     let bar_mm = (px_a_mm > 0.0).then(|| round_below(LONGEST_BAR_PX / px_a_mm))?;

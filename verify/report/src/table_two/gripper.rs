@@ -7,12 +7,12 @@ use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Marker, Series};
 use finray_studies::experiments::grasp::modules::{ModuleStudy, ModuleTest};
 
 const CSV: &str = "gripper_tests.csv";
-/// Estimators of the file and the table.
+/// Estimators in the file and in the table.
 const ESTIMATORS: [EstimatorId; 3] = [EstimatorId::LeastSquares, EstimatorId::Nonlinear, EstimatorId::Network];
-/// Contact nodes of the drawn tests, one for each of the paper's figures.
+/// Contact nodes of the drawn tests, one set for each of the paper's Figs. 9 to 11.
 const DRAWN: [&[usize]; 3] = [&[19], &[19, 20], &[18, 20]];
 
-/// A row of the file: one node in one noise sample of a step.
+/// A row of the file: one node in one noise sample of one step.
 struct Line {
     nodes: &'static [usize],
     turned_deg: f64,
@@ -60,14 +60,14 @@ fn lines(test: &ModuleTest) -> Vec<Line> {
 pub(super) fn blocks(modules: &ModuleStudy) -> Result<Vec<Block>, ReportError> {
     let mut figures = Vec::new();
     for test in DRAWN.iter().filter_map(|nodes| modules.test(nodes)) {
-        let caption = "Lines are true forces, signs those sensed by the nonlinear estimator.";
+        let caption = "Lines: true forces; symbols: forces sensed by the nonlinear estimator.";
         figures.push(Figure::narrow(drawing(test)?, caption, CSV));
     }
     let numbers = context! { noise_mm => modules.noise_mm };
     Ok(vec![paragraph("table_two.gripper", numbers)?, Block::Table(table(modules)), Block::Figures { figures }])
 }
 
-/// True and sensed forces over the motor's angle.
+/// Chart of the true and sensed forces over the motor angle.
 fn drawing(test: &ModuleTest) -> Result<String, FigureError> {
     let mut series = Vec::new();
     for (i, node) in test.nodes.iter().enumerate() {
@@ -90,7 +90,7 @@ fn drawing(test: &ModuleTest) -> Result<String, FigureError> {
     Chart::new(Frame::third(title, alt), axes, series).svg()
 }
 
-/// Mean errors as the paper lists them.
+/// Table of the mean errors, in the rows and columns of the paper's Table II.
 fn table(modules: &ModuleStudy) -> Table {
     let mut lines: Vec<TableLine> = vec![(
         "the paper, measured".to_owned(),

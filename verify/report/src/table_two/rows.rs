@@ -1,4 +1,4 @@
-//! Table II as a file: every set of contacts, the paper's means over groups, and records of the paper's network.
+//! Table II as a file: every set of contacts, the means over the paper's groups, and records of the paper's network.
 
 use super::{CSV, paper_network, recorded_settings, settings};
 use crate::format::list;
@@ -6,18 +6,18 @@ use crate::prelude::*;
 use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded, recorded_sets};
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, TableTwo};
 
-/// One quantity of one set of contacts, or its mean over the sets of a group.
+/// Errors of one quantity: of one set of contacts, or the mean over the sets of a group.
 struct Line {
     truth: TruthId,
     noise_mm: f64,
     /// Name of the estimator; `network of the paper` is a recorded mean over seeds.
     estimator: String,
     group: ContactGroup,
-    /// Contact nodes separated by spaces, or `mean` for the mean over the group's sets; for a record its sets.
+    /// Contact nodes separated by spaces, or `mean` for the mean over the group's sets. For a record, the sets of nodes.
     nodes: String,
     /// `each force` or `sum`.
     quantity: &'static str,
-    /// The paper's relative error, over all tests of the group.
+    /// The paper's mean relative error over all tests of the group, dimensionless.
     paper: Option<f64>,
     answered: usize,
     refused: usize,
@@ -25,7 +25,7 @@ struct Line {
     errors: [Option<f64>; 3],
 }
 
-/// Rows of all sets, then of the groups, then of the records. Each has a row for the mean of the forces, and one for their sum if there are several.
+/// Rows of all sets, then of the groups, then of the records. Each has one row for the mean of its forces, and one for their sum if it has several.
 pub(super) fn dataset(study: &Study) -> Dataset<'static> {
     let columns = Columns::<Line>::new()
         .file("truth", |line| line.truth)
@@ -98,7 +98,7 @@ fn of_groups(two: &TableTwo) -> impl Iterator<Item = Line> {
     settings(two).into_iter().flat_map(of_setting)
 }
 
-/// The paper's recipes, averaged over seeds and sets.
+/// Rows of the paper's training recipes, averaged over seeds and sets of contacts.
 fn of_records(study: &Study, truth: TruthId, noise_mm: f64) -> Vec<Line> {
     let records = &study.records.recipes;
     let line = |recipe: &str, group: ContactGroup, quantity: &'static str, paper: f64| {

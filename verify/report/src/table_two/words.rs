@@ -1,4 +1,4 @@
-//! Conclusions from Table II about linear sensing and the paper's own network.
+//! Sentences on Table II: least squares, the nonlinear estimator, and the paper's network.
 
 use super::scaling as recipe_scaling;
 use crate::prelude::*;
@@ -6,10 +6,10 @@ use finray_studies::experiments::networks::paper::{Figure, PAPER_RECIPES, SAME_F
 use finray_studies::experiments::networks::records::RecipeRow;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, TableTwo};
 
-/// Noise is a minor cause if the linear finger, with the same noise, has less than this share of the error.
+/// Noise counts as a minor cause if errors on the linear finger, under the same noise, are below this share of the error.
 const MINOR: f64 = 0.5;
 
-/// Errors of least squares and of the nonlinear estimator on the co-rotational finger.
+/// Sentence on the errors of least squares and of the nonlinear estimator on the co-rotational finger.
 pub(super) fn ours(two: &TableTwo, noise_mm: f64) -> Result<Option<String>, ReportError> {
     let numbers = || {
         let of = |group, estimator| two.group(group, TruthId::Corotational, noise_mm, estimator);
@@ -24,7 +24,7 @@ pub(super) fn ours(two: &TableTwo, noise_mm: f64) -> Result<Option<String>, Repo
     say("table_two.ours", numbers())
 }
 
-/// Cause of the error of least squares, if noise is the minor part.
+/// Sentence on the cause of the error of least squares, if noise is the minor part; otherwise `None`.
 pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Result<Option<String>, ReportError> {
     let numbers = || {
         let [_, neighbours, apart] = &CONTACT_GROUPS;
@@ -36,7 +36,7 @@ pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Result<Option<Stri
     say("table_two.linearisation", numbers())
 }
 
-/// Number of the paper's five figures that its own method reproduces on the simulated finger, by kind of scaling.
+/// Sentence on how many of the paper's five figures its network reproduces on the simulated finger, by scaling of displacements.
 pub fn papers(records: &[RecipeRow], noise_mm: f64) -> Result<Option<String>, ReportError> {
     let numbers = || {
         let found = PAPER_RECIPES.iter().map(|recipe| Some((*recipe, figures(records, recipe, noise_mm)?)));

@@ -1,4 +1,4 @@
-//! Conclusions from the fit of the twin.
+//! Sentences on the fit of the finger with softer ends.
 
 use crate::prelude::*;
 use finray_studies::claims::criteria::TPU_MPA;
@@ -6,10 +6,10 @@ use finray_studies::experiments::twin::fit::TwinFit;
 use finray_studies::experiments::twin::moduli_mpa;
 use finray_studies::experiments::twin::study::{LOADED, TwinStudy};
 
-/// Misfit below which a set of zones reproduces Table I within the accuracy of its figures.
+/// A set of zones reproduces Table I within the accuracy of its figures if its misfit is below this.
 const FITS: f64 = 1.0;
 
-/// The fit, its number of parameters, and its moduli compared with the material's.
+/// Sentence on the errors of the fitted finger, its number of parameters, and its moduli compared with the material's.
 pub(super) fn verdict(study: &TwinStudy) -> Result<Option<String>, ReportError> {
     let large = study.after.rows.iter().filter(|row| row.paper_mean_error > TRUSTED_ERROR);
     let large = large.map(|row| context! { error => row.mean_error, node => row.node, paper => row.paper_mean_error });
@@ -21,12 +21,12 @@ pub(super) fn verdict(study: &TwinStudy) -> Result<Option<String>, ReportError> 
     say("twin.verdict", Some(numbers))
 }
 
-/// Number of fitted parameters, and number of other sets of zones that fit as well or better.
+/// Sentence on the number of fitted parameters, and on the number of other sets of zones that fit as well or better.
 pub fn freedom_in_words(fits: &[TwinFit]) -> Result<Option<String>, ReportError> {
     let numbers = fits.split_first().map(|(own, others)| {
         let count = |of: &dyn Fn(&TwinFit) -> bool| others.iter().filter(|fit| of(fit)).count();
         context! {
-            // The modulus outside the zones is fitted too.
+            // The modulus outside the zones is also fitted, hence one parameter more.
             parameters => own.factors.len() + 1,
             tried => others.len(),
             fit => count(&|fit| fit.misfit < FITS),
@@ -36,7 +36,7 @@ pub fn freedom_in_words(fits: &[TwinFit]) -> Result<Option<String>, ReportError>
     say("twin.freedom", numbers)
 }
 
-/// Moduli of the zones compared with the paper's range for its material.
+/// Sentence that compares the moduli of the zones, MPa, with the paper's range for its material.
 pub fn moduli_in_words(moduli: &[f64]) -> Result<Option<String>, ReportError> {
     let [least, most] = TPU_MPA;
     let outside = moduli.iter().filter(|modulus| !(least..=most).contains(*modulus));
@@ -45,7 +45,7 @@ pub fn moduli_in_words(moduli: &[f64]) -> Result<Option<String>, ReportError> {
     say("twin.moduli", Some(context! { outside, least, most }))
 }
 
-/// Accuracy of a calibration of the zones with weights, according to simulation.
+/// Sentence on the accuracy of a calibration of the zones with weights, in simulation.
 pub(super) fn calibration(study: &TwinStudy) -> Result<Option<String>, ReportError> {
     let numbers = study.calibrations.first().map(|first| {
         context! {

@@ -21,7 +21,7 @@ enum Named {
     ForceError,
 }
 
-/// Each name of `--fit`, its default prior standard deviation (in the unit of the parameter), and its parameters.
+/// Each name of `--fit`, the default standard deviation of its prior in the unit of the parameter (`None`: no prior), and its parameters.
 const NAMES: [(&str, Option<f64>, Named); 16] = [
     ("modulus", None, Named::Quantities(|_| vec![Quantity::Modulus])),
     ("front-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Front)])),
@@ -99,7 +99,7 @@ impl Fit {
         Ok(fit)
     }
 
-    /// Checks that the scene has the tables and keys which the sought parameters need.
+    /// Checks that the scene has the tables and keys of the parameters to be estimated.
     fn check(&self, scene: &Scene) -> Result<(), String> {
         let ribs = &scene.finger.description().ribs;
         if self.seeks(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..)))
@@ -208,7 +208,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<Done, Fai
     Ok(Done::new(done).to_each(files.iter().map(|(path, _)| path.as_path())))
 }
 
-/// One row per estimated parameter. Standard deviations have no standard deviation of their own; neither has the force of the friction's build-up.
+/// One row per estimated parameter. Rows of standard deviations, and of the force over which friction builds up, have no standard deviation.
 fn rows(found: &RigEstimate) -> Vec<Row> {
     let &RigEstimate { views: ref estimate, ref friction, compliance, force_error, .. } = found;
     let row = |parameter: &str, value, sigma| Row { parameter: parameter.to_owned(), value, sigma };

@@ -34,7 +34,7 @@ Guide: finray guide calibrate";
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Shapes under known loads: case,load_node,fx_n,fy_n,node,ux_mm,uy_mm
+    /// Displacements under known loads: case,load_node,fx_n,fy_n,node,ux_mm,uy_mm
     #[arg(long, help_heading = "From weights", value_name = "FILE", conflicts_with_all = ["fit", "forces", "calibrated", "images"])]
     measurements: Option<PathBuf>,
     /// Markers in images of the pressed finger (file of `finray locate`)
@@ -58,7 +58,7 @@ pub struct Arguments {
     /// Kinematics of the finger
     #[arg(long, help_heading = "From weights", value_enum, requires = "measurements", default_value_t = KinematicsArgument::Corotational)]
     kinematics: KinematicsArgument,
-    /// Standard deviation of one coordinate, mm [default: the scene's, or from the residual]
+    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, or from the residual]
     #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Write the correlations of the results (CSV) to FILE
@@ -69,14 +69,14 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Value of `--zones` if it is given without groups: each zone has its own factor.
+/// Value of `--zones` if the option has no groups: each zone then has a factor.
 const EACH: &str = "each";
 
 #[derive(Clone, Copy, ValueEnum)]
 enum KinematicsArgument {
-    // Small displacements
+    // Linear kinematics, for small displacements.
     Linear,
-    // Co-rotational, on four elements a member, or eight where one factor is sought
+    // Co-rotational kinematics. The mesh has four elements per member, or eight if only one factor is estimated.
     Corotational,
 }
 
@@ -149,10 +149,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done::new(done).to_each(files.iter().map(|(path, _)| path.as_path())))
 }
 
-/// Largest plausible modulus factor; the smallest is its reciprocal. Factors outside this range suggest a wrong unit.
+/// Largest plausible modulus factor; the smallest is its reciprocal. A factor outside this range suggests a wrong unit.
 const LARGEST_FACTOR: f64 = 10.0;
 
-/// Warns of a modulus factor that a wrong unit or node numbering explains better than the material.
+/// Warns of a modulus factor so far from 1 that a wrong unit or node numbering is more likely than such a material.
 fn warn_of_modulus(factor: f64) {
     if !(1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
         print_message(format_args!(
@@ -169,7 +169,7 @@ fn failure(error: CalibrationError) -> Failure {
     }
 }
 
-/// The unknowns of `--zones`, such as `1+2,3`: the factor on all moduli and one per group of zones, numbered from 1.
+/// The unknown factors for a value of `--zones` such as `1+2,3`: one on all moduli, then one per group of zones. Zones are numbered from 1.
 fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
     let bad = |reason: String| bad_input(format!("--zones: {reason}"));
     if zone_count == 0 {
@@ -194,7 +194,7 @@ fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
     Ok(std::iter::once(Unknown::Modulus).chain(zones.into_iter().map(Unknown::Zones)).collect())
 }
 
-/// Rows of the moduli and of the factor on all of them, then of the factor of each estimated zone.
+/// Rows of a result: the moduli, the factor on all moduli, then the factor of each estimated zone.
 fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
     let relative = |k: usize| estimate.relative_sigmas[k];
     let mut rows = Vec::new();
@@ -213,7 +213,7 @@ fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
     rows
 }
 
-/// One row per pair of parameters, with their correlation.
+/// One row per pair of parameters, with the correlation of their errors.
 fn correlations(names: &[String], correlation: &DMatrix<f64>) -> Vec<Correlation> {
     let pairs = (0..names.len()).flat_map(|i| (i + 1..names.len()).map(move |j| (i, j)));
     let of_pair = |(i, j): (usize, usize)| Correlation {

@@ -5,13 +5,14 @@ use crate::commands::prelude::*;
 use finray_model::calibration::{self, CalibrationCase, CorotationalModulus};
 use finray_model::sensing::Warning;
 
-/// Elements per member. With four, weights that bend the paper's finger by 15 mm shift the factor by 3e-4, a fifth of its scatter by noise.
+/// Mesh elements per member. With only four, the factor errs by 3e-4 for weights that bend the paper's finger by 15 mm. That is a fifth of the factor's
+/// standard deviation by noise.
 const ELEMENTS: usize = 8;
-/// Number of outlying markers that warnings name.
+/// Largest number of outlying markers that warnings name.
 const MOST_NAMED: usize = 3;
 
-/// Estimates one factor on all moduli, for the co-rotational finger or by the paper's eq. (11).
-/// A warning is printed if the finger of the other kinematics fits the shapes better.
+/// Estimates one factor on all moduli: by fitting the co-rotational finger, or by the paper's eq. (11) for the linear finger.
+/// Prints a warning if the other kinematics fit the measured displacements better.
 pub fn run(
     arguments: &Arguments,
     finger: &Finger,
@@ -67,7 +68,7 @@ pub fn run(
     Ok(Done::new(format!("modulus estimated from {}", count(cases.len(), "case"))).to(&arguments.out))
 }
 
-/// Warns of the markers with the largest residuals, and of stated noise that does not explain the residual.
+/// Warns of the markers with the largest residuals, and if the stated noise is too small for the residual.
 fn warn_of_contradictions(found: &CorotationalModulus) {
     let mut outliers = found.outliers.clone();
     outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));

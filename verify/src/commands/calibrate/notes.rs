@@ -1,9 +1,9 @@
-//! Notes on standard error about the basis of a calibration: priors, base and friction.
+//! Notes on standard error that state the assumptions of a calibration: priors, base and friction.
 
 use crate::commands::prelude::*;
 use finray_model::calibration::{self, FoundView, FrictionEstimate, LeftOutObject, RigEstimate, ViewEstimate};
 
-/// A posterior standard deviation above this share of the prior's means that the images add little.
+/// A note is printed if the posterior standard deviation exceeds this share of the prior's: the images then add little.
 const HARDLY_BETTER: f64 = 0.8;
 
 /// Prints the notes about priors, base and friction.
@@ -15,7 +15,7 @@ pub fn print(found: &RigEstimate) {
     }
 }
 
-/// Names the parameters that rest on a prior, and those that the images hardly improve.
+/// Names the parameters with a prior, and those whose prior the images hardly improve.
 fn print_priors(estimate: &ViewEstimate) {
     for found in &estimate.quantities {
         let Some(prior_sd) = found.sought.prior_sd else { continue };
@@ -29,7 +29,7 @@ fn print_priors(estimate: &ViewEstimate) {
     }
 }
 
-/// States the assumed uncertainty of the base if the scene has none.
+/// States the assumed standard deviations of the base if the scene has none.
 fn print_base(found: &RigEstimate) {
     if !found.is_base_unstated {
         return;
@@ -45,7 +45,7 @@ fn print_base(found: &RigEstimate) {
     ));
 }
 
-/// Reports the variation of friction between objects, and warns of a negative coefficient.
+/// Reports how much friction differs between objects, and warns of a negative coefficient.
 fn print_friction(FrictionEstimate { lean, between_objects, left_out }: &FrictionEstimate) {
     let [coefficient, _] = lean.coefficient();
     if coefficient < 0.0 {

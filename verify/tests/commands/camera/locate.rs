@@ -68,7 +68,7 @@ fn the_pose_may_come_from_an_image_at_rest() {
     // A little of a load may be markers that are off their nodes.
     let (bent, _) = image_of(&folder, "bent.png", "80:0.05", &[]);
     let (_, warnings) = finray(&["locate", &scene, "--image", &image, "--rest", &bent]).warned();
-    assert_says(&warnings.join(" "), &["bent.png", "px rms from those of the scene's unloaded finger"]);
+    assert_says(&warnings.join(" "), &["bent.png", "px (rms) away from those of the scene's unloaded finger"]);
 }
 
 /// What is off by chance is so by at most this many standard errors.

@@ -59,8 +59,8 @@ fn a_page_that_nothing_opens_is_still_a_report() {
     assert!(page.is_file());
     assert_says(&SPRING_STEELS.said, &[&format!("The report is in {}", page.display())]);
     let note = &SPRING_STEELS.noted;
-    assert!(note.starts_with("note: no program opens the page (") && note.lines().count() == 1, "{note}");
-    assert_says(note, &[&format!("it is {}", page.display())]);
+    assert!(note.starts_with("note: the page could not be opened (") && note.lines().count() == 1, "{note}");
+    assert_says(note, &[&format!("open {} in a browser", page.display())]);
 }
 
 #[test]

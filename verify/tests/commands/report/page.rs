@@ -309,8 +309,8 @@ const SAMPLES: [Sample; 10] = [
         row: &["nonlinear"],
         records: &[("estimator", "nonlinear")],
         numbers: &[
-            ("time a frame", "seconds", 1e6),
-            ("of these, 95 % interval holds in", "covered_without_warning", 100.0),
+            ("time per frame", "seconds", 1e6),
+            ("of these: 95 % interval contains the force in", "covered_without_warning", 100.0),
         ],
     },
     Sample {

@@ -248,7 +248,10 @@ fn a_measured_force_has_its_direction_in_the_frame_of_the_base() {
     assert_says(&alone("c.png").refused(), &["measured", "--forces"]);
     // A direction without its force, a force without its direction, and one force for two contacts.
     assert_says(&sense("19@measured", &["--all-images"]).refused(), &["measured", "--forces"]);
-    assert_says(&sense("19@12", &with_forces).refused(), &["--forces is for the direction `measured`"]);
+    assert_says(
+        &sense("19@12", &with_forces).refused(),
+        &["--forces: expected a contact with the direction `measured`"],
+    );
     let two = sense("19@measured", &[&with_forces[..], &["--contact", "16@5"]].concat());
     assert_says(&two.refused(), &["expected one contact"]);
     let nameless = folder.put("nameless.csv", "image,fx_n,fy_n,object\na.png,0,-1,\n");

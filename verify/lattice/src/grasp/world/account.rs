@@ -1,4 +1,4 @@
-//! Energy balance of a grasp: work of the moving bases against elastic energy, weight, friction and numerical resistance.
+//! Energy balance of a grasp: work of the moving bases, compared with elastic energy, weight, friction and numerical resistance.
 
 use super::{Drive, World};
 use crate::energy::BodyMotion;
@@ -8,13 +8,13 @@ use finray_model::Vector;
 use nalgebra::Rotation2;
 use serde::Serialize;
 
-/// Work and energy since the start, N mm.
+/// Work and energy since the start of a grasp, N mm.
 ///
-/// Each work follows from forces of contacts, bases and resistance by the trapezoidal rule over the increments of the bases. The elastic energy is
-/// that of the springs. No value is computed from another, so a missing balance is the error of the rule or of the forces.
+/// Each work is integrated from forces of contacts, bases and resistance by the trapezoidal rule over the increments of the bases. The elastic energy is
+/// that of the springs. No value is computed from the others, so an imbalance is the error of the rule or of the forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Account {
-    /// Work of the drive of the bases, and of the medium that moves an object along with the gripper, N mm.
+    /// Work done by the bases, and by the numerical medium that moves an object along with the gripper, N mm.
     pub driven_nmm: f64,
     /// Elastic energy of the fingers, N mm.
     pub elastic_nmm: f64,
@@ -22,28 +22,28 @@ pub struct Account {
     pub lifted_nmm: f64,
     /// Work dissipated by friction, N mm.
     pub friction_nmm: f64,
-    /// Work against the resistance during snaps and while the object comes to rest, N mm.
+    /// Work against the numerical resistance during snaps and while the object comes to rest, N mm.
     pub resistance_nmm: f64,
-    /// Largest drop of driven work minus stored energy since the start: energy created by errors, N mm.
+    /// Largest decrease of driven work minus stored energy since the start, N mm: energy that errors have created.
     pub created_nmm: f64,
-    /// Sum of the absolute imbalances of all increments: the error of the works, N mm.
+    /// Sum of the absolute imbalances of all increments, N mm: an estimate of the error of the works.
     pub error_nmm: f64,
     #[serde(skip)]
     most_lost_nmm: f64,
 }
 
 impl Account {
-    /// Driven work minus the energy stored in springs and lift, N mm.
+    /// Driven work minus elastic energy and work against the weight, N mm.
     pub fn lost_nmm(&self) -> f64 {
         self.driven_nmm - self.elastic_nmm - self.lifted_nmm
     }
 
-    /// Lost work that neither friction nor resistance accounts for, N mm.
+    /// Driven work that no other entry accounts for, N mm.
     pub fn missing_nmm(&self) -> f64 {
         self.lost_nmm() - self.friction_nmm - self.resistance_nmm
     }
 
-    /// Adds one increment.
+    /// Adds the work and energy of one increment.
     pub(super) fn book(&mut self, part: &Account) {
         self.driven_nmm += part.driven_nmm;
         self.elastic_nmm += part.elastic_nmm;
@@ -56,20 +56,20 @@ impl Account {
     }
 }
 
-/// Forces at a state apart from the contacts, and the elastic energy.
+/// Forces at a state, except those of the contacts, and the elastic energy.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Acting {
     elastic_nmm: f64,
     /// Force (N) and moment about the origin of its frame (N mm) on the base of each finger, world frame.
     on_bases: Vec<(Vector, f64)>,
     weight: Vector,
-    /// Resistance to the motion of the object, N and N mm, and of each body in its finger's frame, N.
+    /// Numerical resistance to the motion of the object (N, N and N mm), and of each body in its finger's frame (N).
     on_object: [f64; 3],
     on_bodies: Vec<Vec<Vector>>,
 }
 
 impl World<'_> {
-    /// Forces at the current state, with the resistance of the step that led to it.
+    /// Forces at the current state, including the numerical resistance of the step that led to it.
     pub(super) fn acting(&self, around: &Surroundings) -> Acting {
         let [from, drags] = [around.carried_from(self.before.object), self.scene.drags(around)];
         let resisting =
@@ -84,7 +84,7 @@ impl World<'_> {
         }
     }
 
-    /// Energy balance of the last solved increment. `drive` and `start` are the drive and the forces at its beginning.
+    /// Energy balance of the last solved increment. `drive` and `start` are the placements and the forces at the beginning of the increment.
     pub(super) fn booked(&self, drive: &Drive, start: &Acting) -> Account {
         let (end, [from, to]) = (&self.acting, [&self.before, &self.state]);
         let mean = |of: &dyn Fn(&Acting) -> f64| 0.5 * (of(start) + of(end));

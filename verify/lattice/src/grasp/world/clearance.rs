@@ -1,4 +1,4 @@
-//! Clearances: between the fingers, between a finger and a table, and between the object and clamped parts.
+//! Clearances between the fingers, between a finger and a table, and between the object and clamped parts.
 
 use super::World;
 use crate::energy::BodyMotion;
@@ -8,10 +8,10 @@ use finray_model::Vector;
 use finray_model::finger::{FingerPoint, Plate};
 use finray_model::gripper::Placement;
 
-/// Overlap caused by rounding alone, mm.
+/// Bodies count as overlapping only above this depth, mm; rounding causes less.
 const ROUNDING_MM: f64 = 1e-9;
 
-/// A deformed part of a front surface: all points within a radius of a straight line, world frame, mm.
+/// A deformed part of a front surface: all points within a radius of a line segment, world frame, mm.
 struct Round {
     ends: [Vector; 2],
     radius_mm: f64,
@@ -28,7 +28,7 @@ impl World<'_> {
         left.iter().flat_map(|a| right.iter().map(move |b| of_pair(a, b))).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the object would overlap a clamped part of a finger at the given placement.
+    /// Whether the object would overlap a clamped part of the finger at the given placement of the finger.
     pub fn meets_clamp(&self, finger: usize, placement: &Placement) -> bool {
         let standing = &self.scene.fingers[finger];
         let bodies = &standing.lattice.assembly().bodies;
@@ -40,12 +40,12 @@ impl World<'_> {
         })
     }
 
-    /// Height of a finger's lowest part above a plane (a point, mm, and its upward unit normal), mm; 0 or less if it touches.
+    /// Smallest height of a finger above a plane, mm; 0 or less if the finger touches the plane. The plane is a point (mm) and its upward unit normal.
     pub fn height_mm(&self, finger: usize, (point, upward): (Vector, Vector)) -> f64 {
         let above = |at: Vector| (at - point).dot(&upward);
         let front = self.front(finger);
         let of_front = front.iter().flat_map(|part| part.ends.map(|end| above(end) - part.radius_mm));
-        // The parts behind the front have the thickness of the back plate.
+        // The back plate and the ribs are assumed to have the thickness of the back plate.
         let (shape, of) = (self.finger_shape(finger), self.scene.fingers[finger].lattice.finger());
         let placement = &self.state.placements[finger];
         let back = of.plate_nodes(Plate::Back).into_iter().zip(of.plate_positions_mm(Plate::Back));
@@ -76,7 +76,7 @@ fn distance_mm(a: [Vector; 2], b: [Vector; 2]) -> f64 {
     let to_line = |[from, to]: [Vector; 2], point: Vector| {
         let along = to - from;
         let share = (point - from).dot(&along) / along.norm_squared();
-        // A segment without length is a point.
+        // A segment of zero length is treated as a point.
         let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
         (point - from - along * share).norm()
     };

@@ -4,32 +4,32 @@ use crate::LatticeError;
 use crate::skin::Touch;
 use finray_model::Vector;
 
-/// Why a grasp cannot begin.
+/// Reason why a grasp cannot begin.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum WorldError {
     /// The object overlaps a finger or the support.
     #[error("the object overlaps {what} by {overlap_mm:.3} mm at the start")]
     Overlap {
-        /// Body that it overlaps.
+        /// Finger or support that the object overlaps.
         what: TouchedBody,
         /// Depth of the overlap, mm.
         overlap_mm: f64,
     },
-    /// A finger cannot be used, see [`LatticeError`].
+    /// A finger cannot be used for contact; the [`LatticeError`] says why.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
 }
 
-/// Why a grasp ends early.
+/// Reason why a grasp ends early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum GraspFailure {
-    /// The object falls or slides away and does not come to rest.
-    #[error("drop: the object gets away, because the fingers do not hold it")]
+    /// The object falls or slides out of the fingers and does not come to rest.
+    #[error("drop: the fingers do not hold the object")]
     Dropped,
-    /// Fingers hold the object, but no equilibrium is found. Plates may snap too far; coarse lattices jam earlier.
+    /// The fingers hold the object, but no equilibrium is found. A cause may be a large snap of a plate; coarse lattices fail earlier.
     #[error("jam: no equilibrium of object and fingers is found")]
     Jammed,
-    /// A finger folds.
+    /// A finger folds: one of its bodies has rotated too far.
     #[error("fold: a finger folds")]
     Folded,
 }
@@ -39,7 +39,7 @@ pub enum GraspFailure {
 pub enum TouchedBody {
     /// A finger, by its index; 0 is the left one.
     Finger(usize),
-    /// The support.
+    /// The support on which the object lies.
     Support,
 }
 
@@ -56,14 +56,14 @@ impl std::fmt::Display for TouchedBody {
 /// A contact that carries a force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectContact {
-    /// Body that the object touches.
+    /// Finger or support that the object touches.
     pub partner: TouchedBody,
-    /// Contact point, world frame, mm.
+    /// Contact point on the object, world frame, mm.
     pub point: Vector,
     /// Force on the object, world frame, N.
     pub force: Vector,
-    /// Slip in the last increment, mm.
+    /// Slip of the finger over the object in the last increment, mm.
     pub slip_mm: f64,
-    /// The contact in the finger's frame; `None` for the support.
+    /// The same contact in the finger's frame; `None` for the support.
     pub touch: Option<Touch>,
 }

@@ -1,4 +1,4 @@
-//! Fingers on moving bases, an object and its support: moves them from one equilibrium to the next.
+//! Fingers on moving bases with an object and its support. The bases move, and each equilibrium is followed to the next.
 
 mod account;
 mod clearance;
@@ -21,22 +21,22 @@ use finray_model::gripper::Placement;
 use finray_model::mesh::Load;
 use motion::{AT_REST, BOLDER, FIRST_DRAG};
 
-/// Rotation of a body, rad, above which the finger counts as folded. Wrapping an object takes half as much, a buckling plate more.
+/// A finger counts as folded if one of its bodies rotates by more than this, rad. A finger that wraps an object rotates by half as much.
 const FOLDED_RAD: f64 = 1.0;
 
-/// Placements of the fingers and loads on the object.
+/// Placements of the fingers, and weight of the object, at one instant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// Placements of the fingers' frames in the world.
     pub placements: Vec<Placement>,
     /// Weight of the object, world frame, N.
     pub weight: Vector,
-    /// Position of the gripper, mm; an object that it holds moves along.
+    /// Position of the gripper, world frame, mm; an object held by the fingers is assumed to move along.
     pub gripper: Vector,
 }
 
 impl Drive {
-    /// The drive at a share, 0 to 1, of the way to another drive with the same fingers.
+    /// Interpolates towards another `Drive` with the same fingers; `share` is from 0 to 1.
     fn towards(&self, to: &Drive, share: f64) -> Drive {
         let between = |(from, to): (&Placement, &Placement)| Placement {
             origin: from.origin.lerp(&to.origin, share),
@@ -56,7 +56,7 @@ impl Drive {
 pub struct World<'l> {
     scene: Scene<'l>,
     state: State,
-    /// State before the last solved step, from which slips are counted.
+    /// State before the last solved increment; slips are counted from it.
     before: State,
     drive: Drive,
     support: Option<(Vector, Vector)>,
@@ -65,7 +65,7 @@ pub struct World<'l> {
 }
 
 impl<'l> World<'l> {
-    /// Places an object, `[x, y, angle]` in mm and rad, between undeformed fingers. The support is a point (mm) and its upward unit normal.
+    /// Places an object at `[x, y, angle]`, mm and rad, between undeformed fingers. The support is a point (mm) and its upward unit normal.
     ///
     /// # Errors
     /// [`WorldError::Overlap`] if the object overlaps a finger or the support; [`WorldError::Lattice`] if a front plate tapers, or if a finger has no
@@ -109,8 +109,8 @@ impl<'l> World<'l> {
         }
     }
 
-    /// Turns the object into one that a hand holds. `size_mm` replaces the object's size as length scale, because displacements of a held object and
-    /// its finger do not scale with the object's size.
+    /// Makes the object one that a hand holds. `size_mm` then replaces the object's size as the length scale, because the displacements
+    /// of finger and object do not depend on the size of a held object.
     pub fn holding(mut self, size_mm: f64) -> World<'l> {
         self.scene.size_mm = size_mm;
         for finger in &mut self.scene.fingers {
@@ -120,20 +120,20 @@ impl<'l> World<'l> {
         self
     }
 
-    /// Sets whether the hand holds the object in x, in y and against rotation.
+    /// Sets whether the hand holds the object against motion in x, motion in y, and rotation.
     pub fn hold(&mut self, held: [bool; 3]) {
         self.scene.held = held;
     }
 
-    /// Moves the fingers' bases and the weight, and brings everything to rest.
+    /// Moves the fingers' bases, applies the weight, and brings everything to rest.
     ///
     /// # Errors
-    /// [`GraspFailure`]; fingers and object then return to their previous equilibrium.
+    /// [`GraspFailure`] if no equilibrium is reached; fingers and object then return to their previous equilibrium.
     pub fn advance(&mut self, to: &Drive) -> Result<(), GraspFailure> {
         self.attempt(|world| world.move_to(to).and_then(|()| world.come_to_rest(FIRST_DRAG, BOLDER)))
     }
 
-    /// Moves the fingers' bases and the weight without waiting for rest. Only numerical resistance then holds an object that no contact holds.
+    /// Moves the fingers' bases and applies the weight, without waiting for rest. An object without contact is then held only by numerical resistance.
     ///
     /// # Errors
     /// As for [`advance`](Self::advance).
@@ -150,7 +150,7 @@ impl<'l> World<'l> {
         outcome
     }
 
-    /// The reason why the last step has no solution.
+    /// Reason why the last increment has no solution.
     fn failure(&self) -> GraspFailure {
         if self.is_folded() {
             GraspFailure::Folded
@@ -161,7 +161,7 @@ impl<'l> World<'l> {
         }
     }
 
-    /// Whether a finger has folded.
+    /// Whether a body of any finger has rotated so far that the finger counts as folded.
     pub fn is_folded(&self) -> bool {
         self.state.motions.iter().flatten().any(|motion| motion.rotation.abs() > FOLDED_RAD)
     }
@@ -170,7 +170,7 @@ impl<'l> World<'l> {
         self.scene.near_pairs(&self.state, &self.before, &self.surroundings())
     }
 
-    /// Loads on the object at rest, without resistance.
+    /// Loads on the object at rest, without numerical resistance.
     fn surroundings(&self) -> Surroundings {
         Surroundings {
             weight: self.drive.weight,

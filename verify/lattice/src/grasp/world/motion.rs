@@ -1,38 +1,38 @@
-//! Moves the world from one drive to the next: increments that Newton's method solves, snaps, and coming to rest.
+//! Moves fingers and object from one placement of the bases to the next: increments solved by Newton's method, snaps, and coming to rest.
 
 use super::{Drive, GraspFailure, World};
 use crate::grasp::scene::{PlacedFinger, Surroundings};
 use finray_model::gripper::Placement;
 
-/// Smallest increment, as a share of a step, before a snap is assumed.
+/// A snap (a jump to another equilibrium) is assumed if no increment of at least this share of a step is solved.
 const LEAST_PART: f64 = 1.0 / 16.0;
-/// The same if the energy balance is violated.
+/// The same limit for increments that are solved but violate the energy balance.
 const LEAST_LEAP: f64 = 1.0 / 256.0;
-/// Largest energy imbalance of an increment, relative to the energy that bends a finger by the object's size.
+/// An increment is rejected above this energy imbalance, relative to the energy that bends a finger by the object's size.
 const MISSING: f64 = 1e-4;
-/// Smallest resistance to the object's motion, relative to the fingers' stiffness. It keeps a loose object in position; at a stiffness of 1 N/mm, a
-/// displacement of 1 mm costs a millionth of a newton.
+/// Smallest numerical resistance to the object's motion, relative to the fingers' stiffness. It keeps a loose object in position. With a stiffness of
+/// 1 N/mm, a displacement of 1 mm then meets a force of a millionth of a newton.
 const DRAG: f64 = 1e-6;
-/// The same while the bases move.
+/// Smallest numerical resistance while the bases move.
 const MOVING_DRAG: f64 = 1e-3;
-/// Initial resistance when the object comes to rest.
+/// Numerical resistance with which the object begins to come to rest, relative to the fingers' stiffness.
 pub(super) const FIRST_DRAG: f64 = 1e-4;
-/// Largest resistance.
+/// Coming to rest fails if an increment needs more numerical resistance than this, relative to the fingers' stiffness.
 const MOST_DRAG: f64 = 1e3;
-/// Growth factor of the resistance after an unsolved increment.
+/// Factor by which the numerical resistance grows after an increment without solution.
 const DRAG_FACTOR: f64 = 10.0;
-/// Reduction factor of the resistance after solved increments.
+/// Factor by which the numerical resistance is divided after solved increments.
 const LESS: f64 = 3.0;
-/// Consecutive solved increments before a larger increment, or less resistance, is tried.
+/// Number of solved increments in a row before a larger increment, or less resistance, is tried.
 pub(super) const BOLDER: usize = 2;
-/// Largest displacement of the object in one increment, as a share of its size.
+/// Largest displacement of the object in one increment, as a share of the object's size.
 const FARTHEST: f64 = 0.1;
-/// Resistance, relative to the contact forces, at which everything counts as at rest.
+/// Everything counts as at rest if the numerical resistance is at most this share of the contact forces.
 pub(super) const AT_REST: f64 = 1e-5;
-/// Largest number of increments in which the object must come to rest.
+/// Coming to rest fails after this number of increments.
 const MOST_STEPS: usize = 400;
 
-/// Outcome of an increment.
+/// Outcome of one increment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum StepOutcome {
     Solved,
@@ -43,8 +43,8 @@ enum StepOutcome {
 }
 
 impl World<'_> {
-    /// Moves the bases in increments that Newton's method solves and whose energy balances. If even the smallest fails, a snap is assumed: a small
-    /// increment against resistance follows. Everything then comes to rest before the bases move on.
+    /// Moves the bases in increments that Newton's method solves and whose energy balances. If even the smallest increment fails, a snap is assumed: a
+    /// small increment with numerical resistance follows. Everything then comes to rest before the bases move on.
     pub(super) fn move_to(&mut self, to: &Drive) -> Result<(), GraspFailure> {
         let from = self.drive.clone();
         let (mut at, mut part, mut solved) = (0.0, 1.0, 0);
@@ -99,12 +99,12 @@ impl World<'_> {
         StepOutcome::Solved
     }
 
-    /// Largest accepted energy imbalance of an increment, N mm.
+    /// Largest energy imbalance at which an increment is accepted, N mm.
     fn most_missing_nmm(&self) -> f64 {
         MISSING * self.scene.stiffness * self.scene.size_mm * self.scene.size_mm
     }
 
-    /// Largest displacement of a fingertip by the bases on the way to another drive, mm.
+    /// Largest displacement of a fingertip as its base moves to another placement, mm.
     fn base_way_mm(&self, to: &Drive) -> f64 {
         let tip = |standing: &PlacedFinger, placement: &Placement| {
             let finger = standing.lattice.finger();
@@ -114,11 +114,11 @@ impl World<'_> {
         ways.map(|(finger, (a, b))| (tip(finger, b) - tip(finger, a)).norm()).fold(0.0, f64::max)
     }
 
-    /// Lets the object move until the resistance is negligible beside the contact forces. It starts with the resistance `drag`, under which `solved`
-    /// increments were solved.
+    /// Lets the object move until the numerical resistance is negligible compared with the contact forces. It begins with the resistance `drag`, under
+    /// which the last `solved` increments were solved.
     pub(super) fn come_to_rest(&mut self, mut drag: f64, mut solved: usize) -> Result<(), GraspFailure> {
         let drive = self.drive.clone();
-        // Solved increments before less resistance is tried; doubled after each attempt that fails.
+        // Number of solved increments before less resistance is tried; doubled each time that less resistance fails.
         let (mut patience, mut has_held) = (BOLDER, false);
         for _ in 0..MOST_STEPS {
             let held = self.state.clone();
@@ -138,7 +138,7 @@ impl World<'_> {
             let moved_mm = self.scene.way_mm(&held, &self.state);
             let resistance_n = drag * self.scene.stiffness * moved_mm;
             let forces = self.near_pairs().into_iter().filter_map(|pair| self.state.forces.get(&pair.key).copied());
-            // A finger that has snapped off an object held by a hand rests without contact force.
+            // Below this force nothing counts as a contact: a finger may snap off an object held by a hand, and then rests without contact force.
             let least_n = drive.weight.norm().max(self.scene.nothing_n());
             let largest_n = forces.map(|[normal, _]| normal).fold(least_n, f64::max);
             if resistance_n <= AT_REST * largest_n && (drag <= DRAG || moved_mm <= AT_REST * self.scene.size_mm) {
