@@ -14,7 +14,8 @@ use placement::{check_room, check_sizes, check_zones, place_ribs, place_tip};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Number of a key node, from 1 at the back base over the tip to the front base, as in Xu et al. (2021).
+/// Number of a key node, as in Xu et al. (2021): counted from 1 at the back base over the tip to the front base. Key nodes are the ends of the plates and of
+/// the ribs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct NodeId(pub usize);
 
@@ -29,7 +30,7 @@ impl fmt::Display for NodeId {
 pub enum FingerPoint {
     /// A key node.
     Node(NodeId),
-    /// The joint of the rib at a key node, at the end of its bracket.
+    /// The joint between a rib and its bracket. The node is the key node that carries the bracket.
     Hinge(NodeId),
 }
 
@@ -43,7 +44,7 @@ pub struct Finger {
 }
 
 impl Finger {
-    /// Checks a description and computes the key nodes.
+    /// Checks a description and computes the positions of the key nodes.
     ///
     /// # Errors
     /// [`ImpossibleFinger`] with the offending key. Causes are sizes that are not positive and finite, plates that form no triangle, brackets without
@@ -84,13 +85,13 @@ impl Finger {
         [NodeId(1), NodeId(self.key_node_count())]
     }
 
-    /// Whether a node is clamped: a base node, or the end of a rib in a corner of the base.
+    /// Whether a node is clamped. The clamped nodes are the base nodes and the ends of ribs in a corner of the base.
     pub fn is_clamped(&self, node: NodeId) -> bool {
         self.clamped_nodes().contains(&self.junction(node))
     }
 
-    /// The key node that represents all key nodes at one point of a plate, which move and rotate together. It is the base node, or the node of the rib
-    /// nearest to the base. Returns `node` itself if it shares its point with no other.
+    /// Key nodes at the same point of a plate move and rotate together. Returns the node that represents them: the base node if it is among them, else the
+    /// node of the rib nearest to the base. Returns `node` if it shares its point with no other node.
     pub fn junction(&self, node: NodeId) -> NodeId {
         let last = self.key_node_count();
         if !(1..=last).contains(&node.0) {
@@ -104,7 +105,7 @@ impl Finger {
         NodeId(if plate == Plate::Back { level + 1 } else { last - level })
     }
 
-    /// Whether ribs share a junction or end in a corner of the base.
+    /// Whether two ribs share a junction with a plate, or a rib ends in a corner of the base.
     pub fn has_shared_junctions(&self) -> bool {
         (1..=self.key_node_count()).map(NodeId).any(|node| self.junction(node) != node)
     }
@@ -115,13 +116,13 @@ impl Finger {
         nodes.filter(|node| self.junction(*node) == *node).collect::<Vec<_>>().into_iter()
     }
 
-    /// The nodes that are not clamped, in order.
+    /// The nodes that are not clamped, in ascending order.
     pub fn free_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
         let nodes = (2..self.key_node_count()).map(NodeId);
         nodes.filter(|node| !self.is_clamped(*node)).collect::<Vec<_>>().into_iter()
     }
 
-    /// The free nodes with a marker, in order; a camera measures these.
+    /// The free nodes with a marker, in ascending order; a camera measures these nodes.
     pub fn marked_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
         self.free_nodes().filter(|node| self.has_marker(*node)).collect::<Vec<_>>().into_iter()
     }
@@ -161,8 +162,9 @@ impl Finger {
         }
     }
 
-    /// Lengths of the rigid arms at both ends of a plate's member, mm: rods, clips and rigid ends. Zero for a member without length, between ribs that
-    /// share a junction. Members are numbered from 0 at the base.
+    /// Lengths of the rigid arms at both ends of a plate member, mm. A plate member is the segment between two neighbouring key nodes of a plate; its arms
+    /// model rods, clips and rigid ends. Both lengths are zero for a member of zero length, between ribs that share a junction. Members are numbered from 0
+    /// at the base.
     pub fn member_arms_mm(&self, part: Plate, member: usize) -> [f64; 2] {
         let [from_mm, to_mm] = [member, member + 1].map(|level| self.level_mm(part, level));
         if from_mm == to_mm {
@@ -218,7 +220,7 @@ impl Finger {
         }
     }
 
-    /// Undeformed bracket of a rib, mm: vector from the key node to the joint; zero for nodes without rib.
+    /// Vector of the undeformed bracket at a key node, mm, from the node to the joint with the rib. Zero for a node without rib.
     pub fn bracket(&self, node: NodeId) -> Vector {
         let last = self.key_node_count();
         let bracket_mm = |rib: usize| self.description.ribs.bracket_mm.of(rib);
@@ -229,12 +231,12 @@ impl Finger {
         }
     }
 
-    /// Undeformed position of the joint between a rib and its bracket, mm, finger frame; that of the node without bracket or rib.
+    /// Undeformed position of the joint between a rib and its bracket, mm, finger frame. Equals the node's position if the node has no bracket or no rib.
     pub fn hinge(&self, node: NodeId) -> Vector {
         self.position(node) + self.bracket(node)
     }
 
-    /// Whether brackets hold any rib off the plates.
+    /// Whether any rib is joined to a plate by a bracket.
     pub fn has_brackets(&self) -> bool {
         self.rib_count() > 0
             && self.description.ribs.bracket_mm.all().iter().flatten().any(|length_mm| *length_mm != 0.0)
@@ -266,7 +268,7 @@ impl Finger {
         self.junction(node) == node && (self.description.markers_on == MarkerPoints::Junctions || is_end_of_rib())
     }
 
-    /// Undeformed position of a point, mm, finger frame.
+    /// Undeformed position of a named point, mm, finger frame.
     pub fn point(&self, point: FingerPoint) -> Vector {
         match point {
             FingerPoint::Node(node) => self.position(node),
@@ -312,7 +314,7 @@ impl Finger {
         direction.dot(&self.front_tangent()).atan2(direction.dot(&self.inward(Plate::Front))).to_degrees()
     }
 
-    /// Returns the finger with all moduli multiplied by a factor.
+    /// Returns the finger with all moduli multiplied by a dimensionless factor.
     ///
     /// # Errors
     /// [`ImpossibleFinger`] if a modulus is no longer positive and finite.
@@ -337,7 +339,7 @@ pub enum Plate {
 }
 
 impl Plate {
-    /// Index of the plate in pairs of front and back.
+    /// Index of the plate in arrays ordered `[front, back]`: 0 or 1.
     pub(crate) fn index(self) -> usize {
         usize::from(self == Plate::Back)
     }

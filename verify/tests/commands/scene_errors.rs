@@ -119,7 +119,7 @@ fn values_of_another_type_are_refused() {
             "joints = \"rigid\"\nthickness_mm = 1.5",
             "joints = \"rigid\"\nthickness_mm = [2.0, 2.0]",
             "thickness_mm = [",
-            "finger.ribs.thickness_mm: expected a thickness for each of 11 ribs, found 2",
+            "finger.ribs.thickness_mm: expected one thickness for each of 11 ribs, found 2 values",
         ),
         (
             "joints = \"rigid\"\nthickness_mm = 1.5",

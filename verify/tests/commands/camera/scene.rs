@@ -135,7 +135,7 @@ fn shades_and_references_of_a_scene_are_checked() {
         (
             "bracket_mm = 3.0",
             "bracket_mm = [[3.0, 2.0]]",
-            "finger.ribs.bracket_mm: expected a pair for each of 4 ribs, found 1",
+            "finger.ribs.bracket_mm: expected one pair for each of 4 ribs, found 1 pairs",
         ),
     ] {
         let text = finray_fixtures::BRACKETED_SCENE.replacen(from, to, 1);
