@@ -5,16 +5,10 @@
 //! centre of the first pixel at (0, 0). One image does not determine the distance of a point. A point on a known plane z = height and its
 //! pixel determine each other.
 
-mod leave_one_out;
 mod lens;
-mod lens_fit;
-mod plane_pose;
 mod pose;
-mod usual_lens;
 
 pub use lens::{Distortion, ImpossibleLens, Lens};
-pub use lens_fit::{LENS_PARAMETERS, LensFit, LensFitError, fit_lens};
-pub use plane_pose::{PlanePoseError, PoseFit, plane_pose};
 pub use pose::Pose;
 
 use crate::Vector;

@@ -1,22 +1,15 @@
-//! The camera model: projection and its inverse, derivatives, invariance under rigid motion, poses from points, and refused input.
+//! The camera model: projection and its inverse, derivatives, invariance under rigid motion, and refused input.
 
-use finray_model::Vector;
-use finray_model::camera::{
-    Camera, Distortion, ImpossibleLens, Lens, Pixel, PlanePoseError, Pose, ViewError, plane_pose,
-};
+use finray_model::camera::{Camera, Distortion, ImpossibleLens, Lens, Pixel, Pose, ViewError};
 use finray_tests::cases;
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
 /// Largest error of a pixel that was projected to the plane and back, px, as the camera was asked to have it.
 const IDENTITY_PX: f64 = 1e-10;
 /// Central differences with steps of 1e-5 mm of pixels of size 1e3: rounding 1e3 * 2e-16 / 1e-5 px/mm, of derivatives of 5 px/mm.
 const DIFFERENCE_STEP_MM: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-6;
-const NOISE_PX: f64 = 0.05;
 
 fn lens() -> impl Strategy<Value = Lens> {
     let distortion = (-0.25..0.25, -0.1..0.1, -0.005..0.005, -0.005..0.005, -0.05..0.05);
@@ -76,38 +69,6 @@ proptest! {
             let at = |pixel: Pixel| camera.on_plane(&pixel, height_mm).expect("seen");
             let difference = (at(pixel + step) - at(pixel - step)) / 2e-3;
             prop_assert!((difference - by_pixel.column(axis)).norm() <= DIFFERENCE * by_pixel.norm());
-        }
-    }
-
-    /// Pixels of a known pose give it back, with and without noise as large as they state.
-    #[test]
-    fn points_give_the_pose_back(camera in camera(), height_mm in -5.0..20.0, seed in 0..u64::MAX) {
-        let positions: Vec<Vector> = (0..25).map(|i| Vector::new(30.0 * f64::from(i % 5), 15.0 * f64::from(i / 5) - 30.0)).collect();
-        let noise: Vec<f64> = StandardNormal.sample_iter(ChaCha8Rng::seed_from_u64(seed)).take(50).collect();
-        let seen = |noise_px: f64| -> Vec<(Vector, Pixel)> {
-            let at = |(i, position): (usize, &Vector)| {
-                let error = Pixel::new(noise[2 * i], noise[2 * i + 1]) * noise_px;
-                camera.project(&position.push(height_mm)).ok().map(|pixel| (*position, pixel + error))
-            };
-            positions.iter().enumerate().filter_map(at).collect()
-        };
-        let points = seen(0.0);
-        prop_assume!(points.len() == positions.len() && points.iter().all(|(_, pixel)| camera.lens.contains(pixel)));
-        let found = plane_pose(&camera.lens, height_mm, &points).expect("25 points of a plane");
-        prop_assert!(found.residual_sd_px < 1e-7, "{}", found.residual_sd_px);
-        prop_assert!((found.pose.translation_mm - camera.pose.translation_mm).norm() < 1e-5);
-        prop_assert!((found.pose.rotation.matrix() - camera.pose.rotation.matrix()).norm() < 1e-7);
-        // 44 degrees of freedom scatter by 11 %: five of these.
-        let noisy = seen(NOISE_PX);
-        prop_assume!(noisy.iter().all(|(_, pixel)| camera.lens.contains(pixel)));
-        let found = plane_pose(&camera.lens, height_mm, &noisy).expect("25 points of a plane");
-        prop_assert!((found.residual_sd_px / NOISE_PX - 1.0).abs() < 0.55, "{}", found.residual_sd_px);
-        let sd = found.unit_covariance.diagonal().map(f64::sqrt) * NOISE_PX;
-        let turn = (camera.pose.rotation * found.pose.rotation.inverse()).scaled_axis();
-        let shift = camera.pose.translation_mm - found.pose.translation_mm;
-        for axis in 0..3 {
-            // Six standard deviations: curvature of a tilt that is known to a degree is far below one.
-            prop_assert!(turn[axis].abs() < 6.0 * sd[axis] && shift[axis].abs() < 6.0 * sd[axis + 3], "{turn} {shift} {sd}");
         }
     }
 }
@@ -188,21 +149,4 @@ fn a_lens_that_folds_the_image_is_refused() {
     {
         assert!(Lens::new(size, focal, centre, Distortion::default()).is_err());
     }
-}
-
-#[test]
-fn points_of_a_line_have_no_pose() {
-    let camera = paper_camera([0.0; 5]);
-    let seen = |positions: &[[f64; 2]]| -> Vec<(Vector, Pixel)> {
-        let at = |&[x, y]: &[f64; 2]| (Vector::new(x, y), camera.project(&Vector3::new(x, y, 0.0)).expect("seen"));
-        positions.iter().map(at).collect()
-    };
-    let three = seen(&[[0.0, 0.0], [100.0, 0.0], [0.0, 30.0]]);
-    assert_eq!(plane_pose(&camera.lens, 0.0, &three), Err(PlanePoseError::TooFew { found: 3 }));
-    let line = seen(&[[0.0, 0.0], [50.0, 10.0], [100.0, 20.0], [125.0, 25.0], [150.0, 30.0]]);
-    assert_eq!(plane_pose(&camera.lens, 0.0, &line), Err(PlanePoseError::OnALine));
-    // Three on the line and one beside: four points without a pose of their own.
-    let nearly = seen(&[[0.0, 0.0], [50.0, 10.0], [100.0, 20.0], [125.0, 45.0]]);
-    let found = plane_pose(&camera.lens, 0.0, &nearly);
-    assert_eq!(found, Err(PlanePoseError::OnALine), "{found:?}");
 }

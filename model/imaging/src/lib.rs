@@ -5,5 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod grid;
+pub mod lens_fit;
 pub mod locate;
+pub mod plane_pose;
 pub mod render;

@@ -2,8 +2,9 @@
 
 use crate::kit::rms;
 use finray_imaging::grid::{Grid, GridKind, find_grid, lens_of_grids};
+use finray_imaging::lens_fit::{LENS_PARAMETERS, LensFit};
 use finray_model::Vector;
-use finray_model::camera::{Camera, Distortion, LENS_PARAMETERS, Lens, LensFit, Pixel, Pose};
+use finray_model::camera::{Camera, Distortion, Lens, Pixel, Pose};
 use finray_tests::{random_stream, repetitions};
 use image::{ImageBuffer, Luma, RgbImage};
 use nalgebra::{Rotation3, Vector3};

@@ -1,9 +1,10 @@
 //! The lens from images of a plane grid.
 
 use finray_imaging::grid::{Grid, LensOfGridsError, NoGrid, find_grid, lens_of_grids};
+use finray_imaging::lens_fit::LENS_PARAMETERS;
 use finray_imaging::render::{Disturbances, GridPlate, render_grid};
 use finray_model::Vector;
-use finray_model::camera::{Camera, Distortion, LENS_PARAMETERS, Lens, Pose};
+use finray_model::camera::{Camera, Distortion, Lens, Pose};
 use finray_tests::{random_stream, repetitions};
 use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};

@@ -6,3 +6,4 @@ mod chain;
 mod grid;
 mod kit;
 mod locate;
+mod plane_pose;

@@ -182,13 +182,19 @@ impl Lens {
     }
 
     /// Pixel of a point of the camera frame, mm.
-    pub(super) fn project(&self, point: &Vector3<f64>) -> Result<Pixel, ViewError> {
+    ///
+    /// # Errors
+    /// [`ViewError`] if the point is behind the camera or beyond a fold of the distortion; the same below.
+    pub fn project(&self, point: &Vector3<f64>) -> Result<Pixel, ViewError> {
         let bent = self.distortion.bend(&self.seen(point)?);
         self.on_sensor(bent)
     }
 
-    /// Pixel of a point of the camera frame, mm, with the 2 x 3 derivatives by that point, px/mm.
-    pub(super) fn project_with_derivatives(&self, point: &Vector3<f64>) -> Result<(Pixel, Matrix2x3<f64>), ViewError> {
+    /// Pixel of a point of the camera frame, mm.
+    ///
+    /// # Errors
+    /// [`ViewError`] if the point is behind the camera or beyond a fold of the distortion; the same below. with the 2 x 3 derivatives by that point, px/mm.
+    pub fn project_with_derivatives(&self, point: &Vector3<f64>) -> Result<(Pixel, Matrix2x3<f64>), ViewError> {
         let at = self.seen(point)?;
         let (bent, by_at) = self.distortion.bend(&at);
         let pixel = self.on_sensor((bent, by_at))?;

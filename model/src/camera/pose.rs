@@ -47,7 +47,7 @@ impl Pose {
     }
 
     /// The pose after a small motion of the camera frame: rotation vector (rad), then translation (mm).
-    pub(super) fn moved(&self, motion: &Vector6<f64>) -> Pose {
+    pub fn moved(&self, motion: &Vector6<f64>) -> Pose {
         let turn = Rotation3::from_scaled_axis(motion.fixed_rows::<3>(0).into_owned());
         Pose { rotation: turn * self.rotation, translation_mm: self.translation_mm + motion.fixed_rows::<3>(3) }
     }

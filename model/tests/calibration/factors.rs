@@ -217,7 +217,7 @@ fn what_is_not_identifiable_is_refused_by_name() {
     // A zone of ribs that holds no rib.
     let empty = paper_with(vec![zone(Part::Ribs, 20.0, 22.0, 1.0)]);
     let message = refusal(&empty, &each_zone(&empty), &loads);
-    assert!(message.ends_with("do not determine zone_1_modulus_factor"), "{message}");
+    assert!(message.contains("do not determine zone_1_modulus_factor;"), "{message}");
     // A tip that nothing bends, under noise that hides what little is left.
     let tip = paper_with(vec![zone(Part::Front, 150.0, 153.0, 1.0)]);
     let load = Load::at_node(NodeId(24), tip.direction(0.0) * 0.05);
@@ -248,5 +248,5 @@ fn entangled_factors_are_named() {
     let message = factors(&neighbours, &measured(&neighbours, &LINEAR), &each_zone(&neighbours), &LINEAR)
         .expect_err("the same twice")
         .to_string();
-    assert!(message.contains("do not separate zone_1_modulus_factor, zone_2_modulus_factor:"), "{message}");
+    assert!(message.contains("do not separate zone_1_modulus_factor, zone_2_modulus_factor;"), "{message}");
 }

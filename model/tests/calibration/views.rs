@@ -129,7 +129,8 @@ fn true_value(truth: &Truth, quantity: Quantity) -> f64 {
 
 /// Squared errors in stated standard deviations.
 fn squares(truth: &Truth, estimate: &ViewEstimate) -> Vec<f64> {
-    let quantities = estimate.quantities.iter();
+    // A shared lean has no true value where forces lean independently.
+    let quantities = estimate.quantities.iter().filter(|found| found.sought.quantity != Quantity::Lean);
     quantities.map(|found| ((found.value - true_value(truth, found.sought.quantity)) / found.sigma).powi(2)).collect()
 }
 

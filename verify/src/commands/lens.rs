@@ -3,7 +3,8 @@
 use crate::commands::prelude::*;
 use finray_files::load_turned_image;
 use finray_imaging::grid::{Grid, GridKind, find_grid, lens_of_grids};
-use finray_model::camera::{LENS_PARAMETERS, LensFit, Pose};
+use finray_imaging::lens_fit::{LENS_PARAMETERS, LensFit};
+use finray_model::camera::Pose;
 use finray_model::keys::{CAMERA, SceneTable};
 use nalgebra::Vector3;
 use rayon::prelude::*;

@@ -1,8 +1,9 @@
 //! Estimation of a lens from images of plane grids.
 
 use super::{Grid, GridDot};
+use crate::lens_fit::{LensFit, LensFitError, fit_lens};
 use finray_model::Vector;
-use finray_model::camera::{Camera, Lens, LensFit, LensFitError, Pixel, Pose, fit_lens};
+use finray_model::camera::{Camera, Lens, Pixel, Pose};
 
 /// Residuals beyond this multiple of their median size are outliers.
 const OUTLIER: f64 = 6.0;

@@ -5,8 +5,9 @@ use super::colour::Colours;
 use super::error::require_own_junctions;
 use super::pattern::at_rest;
 use super::{LocateError, Located, Locator, LocatorError, require_size};
+use crate::plane_pose::{PlanePoseError, plane_pose};
 use finray_model::Finger;
-use finray_model::camera::{Camera, Lens, PlanePoseError, Pose, plane_pose};
+use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::scene::{MarkerLook, Markers};
 use image::RgbImage;
 

@@ -1,6 +1,6 @@
 //! Priors of a lens and its sensor, for parameters that the images of a grid do not determine.
 
-use crate::optimise::Prior;
+use finray_numerics::optimise::Prior;
 
 /// Number of parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
 pub(super) const PARAMETERS: usize = 9;

@@ -1,12 +1,14 @@
 //! Estimation of a lens from images of a plane grid.
 
-use super::leave_one_out;
-use super::plane_pose::{by_motion, homography, plane_pose};
-use super::usual_lens::{PARAMETERS, UsualLens};
-use super::{Distortion, ImpossibleLens, Lens, Pixel, PlanePoseError, Pose};
-use crate::Vector;
-use crate::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Prior, Refusal};
+mod leave_one_out;
+mod usual_lens;
+
+use crate::plane_pose::{PlanePoseError, by_motion, homography, plane_pose};
+use finray_model::Vector;
+use finray_model::camera::{Distortion, ImpossibleLens, Lens, Pixel, Pose};
+use finray_numerics::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Prior, Refusal};
 use nalgebra::{DMatrix, DVector, Vector2};
+use usual_lens::{PARAMETERS, UsualLens};
 
 /// Names of the lens's parameters in order. Units: fx, fy, cx, cy in px; the others are dimensionless.
 pub const LENS_PARAMETERS: [&str; PARAMETERS] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];

@@ -1,8 +1,8 @@
 //! Pose of a plane from the pixels of known points on it.
 
-use super::{Lens, Pixel, Pose, ViewError};
-use crate::Vector;
-use crate::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Refusal};
+use finray_model::Vector;
+use finray_model::camera::{Lens, Pixel, Pose, ViewError};
+use finray_numerics::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Refusal};
 use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector2, Vector3};
 
 /// Smallest number of points that determine a pose: four that are not collinear.
