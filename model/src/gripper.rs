@@ -13,13 +13,13 @@ use crate::{Finger, Vector};
 use nalgebra::Rotation2;
 use std::f64::consts::PI;
 
-/// Sine of the angle between rocker and link below which a pose counts as singular, at the end of the nut's reach.
+/// Limit of the sine of the angle between rocker and link; below it, a pose counts as singular. Singular poses are the ends of the nut's reach.
 const SINGULAR_SINE: f64 = 1e-6;
 
 /// Dimensions of the linkage.
 ///
 /// # Frame
-/// The mechanism frame has its origin at the fixed joint of one rocker and y along the screw. The nut is at (l4, l3), the mirror axis at x = l4.
+/// The mechanism frame has its origin at the fixed joint of one rocker, and y along the screw. The nut is at (l4, l3), and the mirror axis is x = l4.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GripperDescription {
     /// Travel of the nut in one revolution of the motor, mm; p_s of eq. (6).

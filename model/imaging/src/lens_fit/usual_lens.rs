@@ -1,11 +1,11 @@
-//! Priors of a lens and its sensor, for parameters that the images of a grid do not determine.
+//! Priors of a typical lens and sensor, for parameters that the images of a grid do not determine.
 
 use finray_numerics::optimise::Prior;
 
 /// Number of parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
 pub(super) const PARAMETERS: usize = 9;
-/// Prior standard deviations: logarithm of the focal lengths' ratio, offset of the principal point from the middle as a share of the image's
-/// width, and distortion coefficients.
+/// Prior standard deviations: of the logarithm of the ratio of the focal lengths, of the offset of the principal point from the middle as a share of the
+/// image's width, and of the distortion coefficients.
 const ASPECT_SD: f64 = 0.005;
 const CENTRE_SD: f64 = 0.03;
 const RADIAL_SD: [f64; 3] = [0.5, 0.5, 0.2];
@@ -24,7 +24,7 @@ pub(super) struct UsualLens {
 }
 
 impl UsualLens {
-    /// Priors at the given parameters.
+    /// Priors on all parameters, evaluated at the parameters `p`.
     pub fn priors(&self, p: &[f64; PARAMETERS]) -> Vec<Prior> {
         let centre = CENTRE_SD * self.width;
         let focal =
@@ -43,7 +43,7 @@ impl UsualLens {
         [(4, k1), (5, k2), (6, TANGENTIAL_SD), (7, TANGENTIAL_SD), (8, k3)]
     }
 
-    /// Standard deviation of each parameter by the prior alone.
+    /// Standard deviation of each parameter by the prior alone, in the units of [`LENS_PARAMETERS`](super::LENS_PARAMETERS).
     pub fn sds(&self, p: &[f64; PARAMETERS]) -> [f64; PARAMETERS] {
         let mut sds = [0.0; PARAMETERS];
         (sds[0], sds[1]) = (self.focal_sd * p[0], self.focal_sd.hypot(ASPECT_SD) * p[1]);
