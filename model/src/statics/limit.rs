@@ -56,8 +56,8 @@ impl Approach {
         self.predicted = self.end();
     }
 
-    /// Target of the next step, a share of the path. It lies before the predicted end, unless the remaining distance is shorter than a hundredth of the last step.
-    /// `None` without a prediction.
+    /// Target of the next step, a share of the path. It lies before the predicted end, unless the remaining distance is shorter
+    /// than a hundredth of the last step. `None` without a prediction.
     pub(super) fn near(&self) -> Option<f64> {
         let End { share: end, power } = self.predicted?;
         let [_, Some([before, _]), Some([at, _])] = self.points else { return None };
