@@ -38,7 +38,7 @@ pub enum StaticsError {
     #[error(transparent)]
     Load(#[from] LoadError),
     /// A load is infinite or not a number.
-    #[error("a load is not a finite number")]
+    #[error("expected finite loads, found a load that is infinite or not a number")]
     LoadNotFinite,
     /// Rounding leaves too few correct digits of the solution.
     #[error(

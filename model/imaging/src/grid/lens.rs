@@ -22,7 +22,7 @@ pub enum LensOfGridsError {
     Fit(#[from] LensFitError),
     /// The dots of one image do not lie on a plane grid with any lens.
     #[error(
-        "image {image}: expected a plane grid, found dots that are off it by {residual_px:.1} px (root mean square) where neighbours are \
+        "image {image}: expected a plane grid, found dots that deviate from it by {residual_px:.1} px (root mean square) with neighbours \
          {pitch_px:.0} px apart"
     )]
     Uneven {
