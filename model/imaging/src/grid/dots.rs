@@ -15,8 +15,9 @@ const ABOUT: [[(f64, f64); 2]; 3] = [[(0.15, 2.5), (0.35, 4.5)], [(0.0, 2.0), (0
 const LEAST_GROUND: usize = 24;
 /// Radius of the inner part of a dot, in which the light is even, in radii of the dot.
 const INNER: f64 = 0.6;
-/// Largest distance between the centre of a dot's light and that of its patch, in radii; and range of the ratio of the two areas. Other dots are rejected.
+/// A dot is rejected if the centre of its light is farther than this from the centre of its patch, in radii.
 const LARGEST_SHIFT: f64 = 0.5;
+/// A dot is rejected if the ratio of the two areas is outside this range.
 const AREAS: std::ops::Range<f64> = 0.5..2.0;
 
 /// Centre of a dot's light (px), and radius of a disc of equal area (px). `None` if the dot's surroundings are outside the image or hidden by other dots.

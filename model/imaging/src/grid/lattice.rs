@@ -10,9 +10,9 @@ const SEEDS: usize = 40;
 const ENOUGH: f64 = 0.8;
 /// Largest distance of a dot from its predicted position, as a share of the step between neighbours.
 const OFF: f64 = 0.2;
-/// Largest ratio of the two steps of a square grid, and smallest sine of the angle between them, in coordinates in which the dots are round. The limit of the
-/// ratio excludes diagonal steps, which are sqrt(2) times as long.
+/// Largest ratio of the two steps of a square grid, in coordinates in which the dots are round. It excludes diagonal steps, which are sqrt(2) times as long.
 const STEPS: f64 = 1.25;
+/// Smallest sine of the angle between the two steps of a square grid, in the same coordinates.
 const LEAST_SINE: f64 = 0.9;
 /// Largest ratio of the radii of two neighbours.
 const ALIKE: f64 = 1.6;

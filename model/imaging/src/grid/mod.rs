@@ -22,9 +22,10 @@ const LEAST_DOTS: usize = 12;
 /// Half the side of the blocks over which brightness is averaged for the threshold, px. The sizes suit small to large dots.
 const BLOCKS_PX: [u32; 4] = [10, 25, 60, 120];
 
-/// Conditions for an asymmetric grid: smallest number of dots on outlines along the diagonals, and smallest ratio of that number to the number along rows and
-/// columns. A rectangular grid already has four diagonal dots, at its corners.
+/// A grid is asymmetric only if its outlines have at least this number of dots along the diagonals.
 const LEAST_DIAGONAL: usize = 3;
+/// A grid is asymmetric only if the number of dots on outlines along the diagonals exceeds this multiple of the number along rows and columns.
+/// A rectangular grid already has four diagonal dots, at its corners.
 const DIAGONAL: usize = 2;
 
 /// Type of a grid.

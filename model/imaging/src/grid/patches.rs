@@ -8,8 +8,9 @@ use nalgebra::Matrix2;
 
 /// A patch differs from its surroundings by at least this contrast, grey levels.
 const CONTRAST: i32 = 10;
-/// Smallest area of a patch, px^2; and largest area, as a share of the image. Other patches are ignored.
+/// A patch with a smaller area than this, px^2, is ignored.
 const LEAST_AREA: f64 = 12.0;
+/// A patch with a larger area than this, as a share of the image, is ignored.
 const LARGEST_SHARE: f64 = 0.02;
 /// Range of the area of an elliptic patch, divided by the area of the ellipse with the same second moments. The ratio deviates from 1 because of the pixels.
 const FULLNESS: [f64; 2] = [0.85, 1.15];

@@ -23,9 +23,9 @@ const RING: [(i32, i32); 16] = [
     (5, -2),
 ];
 const REACH: u32 = 5;
-/// Smallest contrast of the light on a ring, grey levels; and smallest response of the detector relative to that contrast. A sharp corner has a response of
-/// about 7.
+/// A pixel is a corner only if the light on the ring about it has at least this contrast, grey levels.
 pub(super) const LEAST_CONTRAST: f32 = 20.0;
+/// Smallest response of the corner detector, relative to the contrast. A sharp corner has a response of about 7.
 const LEAST_RESPONSE: f32 = 3.0;
 /// Corners are at least this far apart, px.
 const APART: u32 = 4;

@@ -4,11 +4,13 @@ use finray_numerics::optimise::Prior;
 
 /// Number of parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
 pub(super) const PARAMETERS: usize = 9;
-/// Prior standard deviations: of the logarithm of the ratio of the focal lengths, of the offset of the principal point from the middle as a share of the
-/// image's width, and of the distortion coefficients.
+/// Prior standard deviation of the logarithm of the ratio of the two focal lengths.
 const ASPECT_SD: f64 = 0.005;
+/// Prior standard deviation of the principal point's offset from the middle of the image, as a share of the image's width.
 const CENTRE_SD: f64 = 0.03;
+/// Prior standard deviations of the radial distortion coefficients k1, k2, k3.
 const RADIAL_SD: [f64; 3] = [0.5, 0.5, 0.2];
+/// Prior standard deviation of the tangential distortion coefficients p1 and p2.
 const TANGENTIAL_SD: f64 = 0.003;
 
 /// Prior distributions of the parameters of a typical lens, in the order of [`LENS_PARAMETERS`](super::LENS_PARAMETERS).

@@ -5,9 +5,11 @@ use nalgebra::{Complex, Rotation2};
 
 /// Range of scales of the finger relative to the scene's pose that are considered. At other scales, markers are not detected.
 const SCALES: std::ops::Range<f64> = 0.4..2.5;
-/// Rotation (degrees), deviation of the scale from 1, and displacement (mm), below which a placement counts as equal to the scene's pose.
+/// A rotation by less than this, degrees, counts as none.
 const TURN_DEG: f64 = 1.0;
+/// A scale that deviates from 1 by less than this counts as 1.
 const SCALE: f64 = 0.01;
+/// A displacement of less than this, mm, counts as none.
 const SHIFT_MM: f64 = 1.0;
 
 /// Placement of the finger in an image, relative to the pose of the scene's camera.

@@ -13,8 +13,9 @@ const ROUND: f64 = 0.75;
 const LEAST_PX: f64 = 1.2;
 /// Radius of the window about a disc in which gradients are summed, in radii of the disc.
 const ROOM: f64 = 1.4;
-/// Number of directions over which the gradients of an edge are summed, and number of bisection steps for the ratio of the blurs.
+/// Number of directions over which the gradients of an edge are summed.
 const DIRECTIONS: usize = 32;
+/// Number of bisection steps for the ratio of the blurs.
 const STEPS: usize = 50;
 /// Largest motion blur that can be measured, as a share of a disc's radius; an image with more is rejected. Up to half of a larger blur stays hidden, and its
 /// effect would exceed any stated standard deviation.

@@ -14,8 +14,9 @@ use nalgebra::{Matrix3, SMatrix, SVector};
 
 /// Largest number of patches that are considered, the largest first.
 const MOST_BLOBS: usize = 150;
-/// Largest distance of a marker from the line of its plate, and largest distance from its node, in marker radii.
+/// Largest distance of a marker from the line of its plate, in marker radii.
 const ON_LINE: f64 = 0.7;
+/// Largest distance of a marker from its node, in marker radii.
 const ON_NODE: f64 = 1.2;
 /// Largest number of false markers at each end of a line, and largest number of hidden nodes at each end of a plate.
 const DOUBTFUL: usize = 3;

@@ -15,14 +15,15 @@ use finray_model::{Finger, NodeId, Vector};
 use image::RgbImage;
 use nalgebra::{Isometry2, UnitComplex};
 
-/// Tolerance of the distance between two references: in mm, and as a share of that distance. The two combine as a root sum of squares.
+/// Tolerance of the distance between two references, mm. It combines with [`REFERENCE_SHARE`] as a root sum of squares.
 const REFERENCE_MM: f64 = 1.5;
+/// Tolerance of the distance between two references, as a share of that distance.
 const REFERENCE_SHARE: f64 = 0.03;
 /// Tolerance of a rib's length in a proposal, as a share of that length. It is this large because the scene's geometry is nominal.
 const RIB_SHARE: f64 = 0.08;
-/// Number of ribs from the base that propose the base's position. Because the plate bends, this position has a standard deviation: the second value times the
-/// plate's length up to the rib.
+/// Number of ribs from the base that propose the base's position.
 const PROPOSING: usize = 2;
+/// Standard deviation of a position proposed by a rib, as a share of the plate's length up to the rib. Its cause is the bending of the plate.
 const BEND_SHARE: f64 = 0.2;
 /// Standard deviation of a rim's centre as found by rays that has cost 1, as a share of the radius. Markers are round, so a larger deviation costs more.
 const ROUND: f64 = 0.02;
@@ -33,9 +34,9 @@ const LEAST_ROUND: f64 = 4.0;
 const ALIKE: f64 = 4.0;
 /// The position of the base from ribs contradicts the one from references if its cost is lower by at least this: more than the cost of two hidden markers.
 const CONTRADICTS: f64 = 13.0;
-/// Standard deviations of a base without references, relative to the estimate from the ribs: position in mm, rotation in rad. They cover the range of a bent
-/// finger.
+/// Standard deviation of the position of a base without references, relative to the estimate from the ribs, mm. It covers the range of a bent finger.
 const UNKNOWN_MM: f64 = 10.0;
+/// Standard deviation of the rotation of a base without references, relative to the estimate from the ribs, rad.
 const UNKNOWN_RAD: f64 = 0.2;
 /// Largest number of nodes that equally good positions of the base may name differently. With more, naming fails as ambiguous.
 const MOST_DOUBTFUL: usize = 1;

@@ -7,14 +7,14 @@ use finray_model::scene::Markers;
 use finray_model::{NodeId, Vector};
 use nalgebra::{Matrix2, Vector2};
 
-/// Variance due to rounding to grey levels, in squared grey levels; and ratio of the variances of brightness and colour above which both get different
-/// weights.
+/// Variance due to rounding to grey levels, in squared grey levels.
 const ROUNDING: f64 = 0.1;
+/// Brightness and colour get different weights if the ratio of their variances exceeds this.
 const UNEVEN: f64 = 3.0;
 
-/// A displacement of colour relative to brightness is corrected if it exceeds this number of standard deviations; and largest number of corrections. Several
-/// may be needed, because each correction is of first order.
+/// A displacement of colour relative to brightness is corrected if it exceeds this number of standard deviations.
 const COLOUR_SIGMAS: f64 = 4.0;
+/// Largest number of such corrections. Several may be needed, because each correction is of first order.
 const COLOUR_ROUNDS: usize = 4;
 /// Standard deviation of a coordinate due to motion blur, as a share of that blur. The error arises because the edge model assumes isotropic blur.
 const MOTION_SD: f64 = 0.1;

@@ -17,6 +17,7 @@ const CLEAR: f64 = 3.0;
 const MOST_DRAWS: usize = 1000;
 /// Largest deviation of a colour channel from the nominal colour, grey levels.
 const OTHER_SHADE: f64 = 30.0;
+/// Nominal colours of clutter that has none of the markers' colours.
 const GREYS: [Rgb; 2] = [[120, 110, 100], [220, 220, 225]];
 
 /// Paints up to `count` pieces of clutter, none of which touches a marker.

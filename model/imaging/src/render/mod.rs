@@ -21,11 +21,13 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Colours of the background (dark) and of the finger (light).
+/// Colour of the background, which is dark.
 const BACKGROUND: Rgb = [64, 68, 74];
+/// Colour of the finger's body, which is light.
 const BODY: Rgb = [186, 188, 190];
-/// Colours of bright and of dark grey markers.
+/// Colour of bright grey markers.
 const BRIGHT: Rgb = [250, 250, 248];
+/// Colour of dark grey markers.
 const DARK: Rgb = [22, 24, 26];
 
 /// Contents of an image to render, and its disturbances.

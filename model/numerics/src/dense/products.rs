@@ -6,9 +6,9 @@ use pulp::Simd;
 /// Number of SIMD vectors of outputs that stay in registers while the inputs of one frame are read. With four independent sums per vector, the latency of an
 /// addition is hidden.
 const WIDEST_PANEL: usize = 3;
-/// Number of outputs, and number of SIMD vectors of frames, that stay in registers while the weights are read. Their 12 sums, 2 inputs and a weight fit
-/// into AVX2's 16 registers.
+/// Number of outputs that stay in registers while the weights are read. With [`TILE_VECTORS`], 12 sums, 2 inputs and a weight fit into AVX2's 16 registers.
 const TILE_OUTPUTS: usize = 6;
+/// Number of SIMD vectors of frames that stay in registers while the weights are read.
 const TILE_VECTORS: usize = 2;
 
 /// Function applied to a complete sum. It is a trait, because closures are not reliably inlined; without inlining it is ten times slower.

@@ -1,10 +1,12 @@
 //! Damping of the steps of a search.
 
-/// Factors on the damping after an accepted and after a rejected step.
+/// Factor on the damping after an accepted step.
 const LOWERED: f64 = 0.1;
+/// Factor on the damping after a rejected step.
 const RAISED: f64 = 10.0;
-/// Damping below which a step changes by rounding only, and damping above which no significant step remains.
+/// Smallest damping; a smaller one would change a step only by rounding.
 const LEAST: f64 = 1e-14;
+/// Largest damping; with a larger one, no significant step remains, and the search ends.
 const MOST: f64 = 1e10;
 
 /// Damping of the next step, as a share of the diagonal of the normal equations.

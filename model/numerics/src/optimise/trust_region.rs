@@ -1,21 +1,26 @@
 //! Trust region: the largest length of the steps of a search.
 
-/// Ratios of actual to predicted decrease of the sum of squares. From the first on, the region may grow; below the second, it shrinks.
+/// The region may grow if the ratio of actual to predicted decrease of the sum of squares is at least this.
 const GOOD: f64 = 0.75;
+/// The region shrinks if the ratio of actual to predicted decrease of the sum of squares is below this.
 const POOR: f64 = 0.25;
-/// Size of the region relative to the last step's reach, after a good and after a poor step.
+/// Size to which the region grows after a good step, as a multiple of the step's reach.
 const FURTHER: f64 = 3.0;
+/// Size to which the region shrinks after a poor step, as a multiple of the step's reach.
 const LESS_FAR: f64 = 0.5;
 /// After a failed step, the region shrinks to the share of the step that succeeded, limited to this range.
 const AFTER_FAILURE: [f64; 2] = [0.1, 0.5];
 /// Share of the step's reach to which the region shrinks if the full step succeeded but increased the sum of squares.
 const AFTER_WORSE: f64 = 0.25;
-/// First size of the region, and size below which no step helps, as shares of the problem's scale.
+/// First size of the region, as a share of the problem's scale.
 const FIRST_REACH: f64 = 0.5;
+/// Size of the region below which no step helps, as a share of the problem's scale.
 const SHORTEST: f64 = 1e-12;
-/// Damping tried for the first step, range of the damping, and factor between two successive trials.
+/// Damping that is tried for the first step.
 const FIRST_DAMPING: f64 = 1e-3;
+/// Range of the damping.
 const DAMPINGS: [f64; 2] = [1e-10, 1e12];
+/// Factor between two successive trials of the damping.
 const DAMPING_FACTOR: f64 = 4.0;
 
 /// Effects of a step on the linearised problem.

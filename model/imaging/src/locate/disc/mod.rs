@@ -26,32 +26,37 @@ use sums::{SectorSums, Sums};
 const UNKNOWNS: usize = 5;
 /// Number of parts of the light: brightness and colour.
 const PARTS: usize = 2;
-/// Prior standard deviation of the difference between both blurs, px, for a noise of two grey levels. It constrains the blur of colour or brightness if a
-/// marker hardly shows it.
+/// Prior standard deviation of the difference between the blurs of brightness and colour, px, for a noise of [`USUAL_NOISE`]. It constrains a blur that a
+/// marker hardly shows.
 const BLURS_APART_PX: f64 = 0.15;
+/// Noise for which [`BLURS_APART_PX`] holds, grey levels.
 const USUAL_NOISE: f64 = 2.0;
 /// Half width of the band of pixels about the edge, in units of b.
 const BAND: f64 = 2.5;
-/// Initial and smallest b, px. The width of a pixel alone causes a blur of 0.29 px.
+/// Initial value of b, px.
 const FIRST_BLUR_PX: f64 = 0.9;
+/// Smallest b, px. The width of a pixel alone causes a blur of 0.29 px.
 const LEAST_BLUR_PX: f64 = 0.25;
 /// Largest blur of markers, as a share of their radius. With a larger blur, no pixel of a disc shows the disc's undisturbed light, and the image is rejected.
 pub(super) const LARGEST_BLUR: f64 = 0.33;
 /// Largest relative deviation of a disc's radius from the expected radius. Other discs are rejected.
 const RADIUS_TOLERANCE: f64 = 0.25;
-/// Largest residual standard deviation, as a share of the contrast. The second limit, for grey discs, is smaller, because rays can measure such discs instead
-/// (`rim`). Photographed screws with shiny heads, and rims sharpened by the camera, exceed this limit.
+/// Largest residual standard deviation of a coloured disc, as a share of the contrast. A disc with more is rejected.
 const LARGEST_RESIDUAL: f64 = 0.2;
+/// Largest residual standard deviation of a grey disc, as a share of the contrast. It is smaller, because rays can measure such discs instead (`rim`).
+/// Photographed screws with shiny heads, and rims sharpened by the camera, exceed it.
 const LARGEST_GREY_RESIDUAL: f64 = 0.07;
 /// Largest expected distance of the centre from the starting point of the search, px.
 const ROOM_PX: f64 = 1.0;
-/// Largest number of rounds, each of which gathers the pixels about the current edge; largest number of steps per round; and step of the centre at which a
-/// round ends, px.
+/// Largest number of rounds, each of which gathers the pixels about the current edge.
 const ROUNDS: usize = 9;
+/// Largest number of Gauss-Newton steps per round.
 const STEPS: usize = 5;
+/// A round ends when the step of the centre is below this, px.
 const STILL_PX: f64 = 0.002;
-/// Motion of the edge in a round, px. Below the first limit the edge counts as near, and unlikely sectors are omitted; below the second it counts as found.
+/// If the edge moves by less than this in a round, px, it counts as near, and unlikely sectors are omitted.
 const NEAR_PX: f64 = 1.0;
+/// If the edge moves by less than this in a round, px, it counts as found.
 const THERE_PX: f64 = 0.25;
 /// Largest change of the centre in the last step, px; larger changes reject the disc. The change is included in the standard deviation.
 const SETTLED_PX: f64 = 0.05;

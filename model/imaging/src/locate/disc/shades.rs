@@ -7,8 +7,9 @@ use nalgebra::Vector3;
 
 /// Width of the ring outside the band in which the background is sampled, px.
 pub(super) const BACKGROUND_PX: f64 = 3.0;
-/// Length of a sector along the edge, px; and limits of the number of sectors.
+/// Length of a sector along the edge, px.
 const SECTOR_PX: f64 = 1.3;
+/// Smallest and largest number of sectors around the edge.
 const SECTORS: [usize; 2] = [12, 96];
 /// Share of the sectors that are assumed to have an even background. The scatter of the light in these sectors measures the noise.
 const EVEN_SECTORS: f64 = 0.3;
@@ -16,14 +17,16 @@ const EVEN_SECTORS: f64 = 0.3;
 const SHADING: f32 = 2.0;
 /// Largest difference between a pixel inside the disc and the median, in any component of light, grey levels. Pixels beyond it belong to an occluder.
 const ALIKE: f32 = 40.0;
-/// Largest step of a grey disc's background between neighbouring sectors, and largest scatter within a sector: as a share of the contrast, and in standard
-/// deviations of the noise. Beyond them the background counts as uneven.
+/// Largest step of a grey disc's background between neighbouring sectors, and largest scatter within a sector, as a share of the contrast. It combines with
+/// [`UNEVEN_NOISE`] as a root sum of squares. Beyond the sum, the background counts as uneven.
 const UNEVEN_SHARE: f32 = 0.1;
+/// Part of the limit of an uneven background that comes from noise, in standard deviations of the noise.
 const UNEVEN_NOISE: f32 = 3.0;
 /// Largest margin from both edges of a ring within which the ring's light is not sampled, as a share of the ring's width.
 const RING_MARGIN: f64 = 0.4;
-/// Approximate number of inner pixels that are used, and number of inner pixels used for the median. More pixels add no information.
+/// Approximate number of inner pixels that are used; more add no information.
 const INSIDE_PIXELS: usize = 400;
+/// Number of inner pixels from which the median is computed; more add no information.
 const MEDIAN_PIXELS: usize = 48;
 /// The slope of the light is estimated only from at least this number of pixels.
 const SLOPE_PIXELS: usize = 12;

@@ -10,13 +10,15 @@ pub(super) const MOST_SKIPPED: usize = 4;
 /// Range of the distance between two nodes, relative to the plate length between them. A chord is shorter than its arc, and
 /// measured distances scatter.
 const CHORDS: [f64; 2] = [0.75, 1.05];
-/// Deviations that each have cost 1: relative excess of a chord's length, relative shortening of a chord per segment, and bend between two steps, degrees.
-/// The bend holds for steps a whole plate apart and scales with the share of the plate between them.
+/// Relative excess of a chord's length over the plate length that has cost 1.
 const LONGER: f64 = 0.015;
+/// Relative shortening of a chord per segment that has cost 1.
 const SHORTER: f64 = 0.06;
+/// Bend between two steps that has cost 1, degrees, for steps a whole plate apart. It scales with the share of the plate between the steps.
 const TURN_DEG: f64 = 168.0;
-/// Largest bend between two steps: in multiples of the bend of cost 1, and in degrees. Chains with a larger bend are excluded.
+/// Largest bend between two steps, as a multiple of the bend of cost 1. A chain with a larger bend is excluded.
 const LARGEST_TURN: f64 = 4.3;
+/// Largest bend between two steps, degrees. A chain with a larger bend is excluded.
 const LARGEST_TURN_DEG: f64 = 120.0;
 /// Relative deviation of a rib's length that has cost 1.
 const RIB: f64 = 0.05;

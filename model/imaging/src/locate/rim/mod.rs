@@ -17,8 +17,9 @@ use image::{GrayImage, RgbImage};
 use nalgebra::{Complex, Matrix2, Matrix3, Vector3};
 use votes::Slopes;
 
-/// Number of rays from a centre, and distance between samples along a ray, px.
+/// Number of rays that are cast from a centre.
 const RAYS: usize = 64;
+/// Distance between samples along a ray, px.
 const STEP_PX: f64 = 0.25;
 /// Range in which the edge is searched for along a ray, relative to the expected radius.
 const REACH: [f64; 2] = [0.75, 1.3];
@@ -28,8 +29,9 @@ const SIDE_PX: f64 = 1.0;
 const LEAST_CONTRAST: f64 = 8.0;
 /// Share of the rays that must find the rim; with fewer, there is no rim.
 const LEAST_SHARE: f64 = 0.6;
-/// A ray is an outlier if its edge deviates from the circle by more than this number of standard deviations; and lower bound of that standard deviation, px.
+/// A ray is an outlier if its edge deviates from the circle by more than this number of standard deviations.
 const OUTLIER: f64 = 3.0;
+/// Lower bound of the standard deviation in the test for outliers, px.
 const LEAST_SPREAD_PX: f64 = 0.15;
 /// Largest relative deviation of a marker's radius from the stated radius. It is this large because the sharpest edge may lie beside the rim.
 const RADIUS_TOLERANCE: f64 = 0.2;
@@ -37,9 +39,9 @@ const RADIUS_TOLERANCE: f64 = 0.2;
 const LARGEST_SPREAD: f64 = 0.1;
 /// Smallest distance between the centres of two rims, in radii, since markers do not overlap.
 const APART: f64 = 1.8;
-/// Number of rounds that cast rays from the current centre, and of rounds that fit a circle in each of them. In the first `TRIMMED_ROUNDS` of the latter,
-/// only the smallest required share of the rays is used.
+/// Number of rounds that cast rays from the current centre, and of rounds that fit a circle to the edges of each cast.
 const ROUNDS: usize = 4;
+/// Number of first rounds of each fit of a circle in which only the smallest required share of the rays is used.
 const TRIMMED_ROUNDS: usize = 2;
 /// Lower bound of the standard deviation of a centre found by rays, px. For a centre by the edge model, the bound is half of it.
 const LEAST_SD_PX: f64 = 0.01;

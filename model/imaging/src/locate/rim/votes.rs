@@ -9,8 +9,9 @@ use finray_model::camera::Pixel;
 use finray_model::scene::Shade;
 use image::{GrayImage, ImageBuffer, Luma};
 
-/// Smallest slope of the light at which a pixel votes, grey levels/px; and factor by which Sobel's filter exceeds the slope.
+/// Smallest slope of the light at which a pixel votes, grey levels/px.
 const LEAST_SLOPE: f32 = 5.0;
+/// Ratio of the result of Sobel's filter to the slope of the light.
 const SOBEL: f32 = 8.0;
 /// Range of radii for which edge pixels vote, relative to the expected radius. It allows for distance, slant, and rims whose sharpest edge lies beside them.
 const RADII: [f64; 2] = [0.85, 1.18];
