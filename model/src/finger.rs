@@ -25,7 +25,7 @@ impl fmt::Display for NodeId {
     }
 }
 
-/// A named point of a finger.
+/// A point of a finger that is identified by a key node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FingerPoint {
     /// A key node.
@@ -268,7 +268,7 @@ impl Finger {
         self.junction(node) == node && (self.description.markers_on == MarkerPoints::Junctions || is_end_of_rib())
     }
 
-    /// Undeformed position of a named point, mm, finger frame.
+    /// Undeformed position of a point, mm, finger frame.
     pub fn point(&self, point: FingerPoint) -> Vector {
         match point {
             FingerPoint::Node(node) => self.position(node),

@@ -87,7 +87,7 @@ impl FingerShape {
         &self.motions[node.0 - 1]
     }
 
-    /// Deformed position of a named point, mm, finger frame.
+    /// Deformed position of a point of the finger, mm, finger frame.
     pub fn point(&self, point: FingerPoint) -> Vector {
         match point {
             FingerPoint::Node(node) => self.motion(node).position + self.motion(node).displacement,

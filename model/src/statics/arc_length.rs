@@ -7,9 +7,9 @@ use finray_numerics::linear::{Bordered, Direction, IndefiniteFactor};
 
 /// Length of the first step in the norm of [`ArcLength`], dimensionless; it corresponds to about one degree of rotation.
 const FIRST_STEP: f64 = 0.02;
-/// Longest step in the same norm. The points of a path are then close enough to draw it.
+/// Longest step in the norm of [`ArcLength`], dimensionless. The points of a path are then close enough to draw it.
 const LONGEST_STEP: f64 = 0.1;
-/// Shortest step in the same norm. If a path needs a shorter step, the search ends with an error.
+/// Shortest step in the norm of [`ArcLength`], dimensionless. If a path needs a shorter step, the search ends with an error.
 const SHORTEST_STEP: f64 = 1e-10;
 /// Angle between the tangents at both ends of a step, rad, for which the step length is chosen.
 const INTENDED_TURN: f64 = 0.15;

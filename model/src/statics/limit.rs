@@ -21,7 +21,8 @@ const LEAST_REACH: f64 = 0.01;
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;
 /// A fold counts as reached when the remaining distance is below this share of the predicted end s*.
 const GAP_TO_FOLD: f64 = 1e-4;
-/// The corresponding share for other exponents, for which the branch may still turn and continue.
+/// The end of a branch that is not a fold counts as reached when the remaining distance is below this share of the predicted end. The branch may still turn
+/// there and continue.
 const GAP_TO_OTHERS: f64 = 1e-6;
 /// The last two predictions agree if they differ by at most this share of the remaining distance.
 const AGREEMENT: f64 = 0.5;

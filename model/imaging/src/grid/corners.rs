@@ -23,17 +23,17 @@ const OFF_EDGE_DEG: f64 = 15.0;
 const LEAST_IN_TURN: f64 = 0.9;
 /// Radius of the window in which gradients about a corner are used, as a share of the distance to the nearest other corner.
 const WINDOW: f64 = 0.4;
-/// Smallest and largest radius of that window, px.
+/// Smallest and largest radius of the window in which gradients about a corner are used, px.
 const WINDOW_PX: [f64; 2] = [3.0, 15.0];
 /// Largest number of iterations for a corner's centre.
 const STEPS: usize = 20;
-/// The iterations end when a step is below this, px.
+/// The iterations for a corner's centre end when a step is below this, px.
 const STILL_PX: f64 = 1e-4;
 /// Range of the light that a corner's centre may have; 0 is the light of the dark squares, 1 that of the light squares.
 const MIDDLE: std::ops::Range<f64> = 0.25..0.75;
 /// Distance from a corner at which the light of the adjacent squares is sampled, as a share of the distance to their centres.
 const BESIDE: f64 = 0.25;
-/// Smallest distance from a corner at which that light is sampled, px.
+/// Smallest distance from a corner at which the light of the adjacent squares is sampled, px.
 const BESIDE_PX: f64 = 2.0;
 /// Approximate number of dots for which it is tested whether they are squares.
 const MOST_LOOKED: usize = 60;

@@ -17,7 +17,7 @@ const LEAST_GROUND: usize = 24;
 const INNER: f64 = 0.6;
 /// A dot is rejected if the centre of its light is farther than this from the centre of its patch, in radii.
 const LARGEST_SHIFT: f64 = 0.5;
-/// A dot is rejected if the ratio of the two areas is outside this range.
+/// A dot is rejected if the area of its light, divided by the area of its patch, is outside this range.
 const AREAS: std::ops::Range<f64> = 0.5..2.0;
 
 /// Centre of a dot's light (px), and radius of a disc of equal area (px). `None` if the dot's surroundings are outside the image or hidden by other dots.

@@ -12,7 +12,7 @@ const ENOUGH: f64 = 0.8;
 const OFF: f64 = 0.2;
 /// Largest ratio of the two steps of a square grid, in coordinates in which the dots are round. It excludes diagonal steps, which are sqrt(2) times as long.
 const STEPS: f64 = 1.25;
-/// Smallest sine of the angle between the two steps of a square grid, in the same coordinates.
+/// Smallest sine of the angle between the two steps of a square grid, in coordinates in which the dots are round.
 const LEAST_SINE: f64 = 0.9;
 /// Largest ratio of the radii of two neighbours.
 const ALIKE: f64 = 1.6;

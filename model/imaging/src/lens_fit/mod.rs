@@ -14,7 +14,7 @@ use usual_lens::{PARAMETERS, UsualLens};
 pub const LENS_PARAMETERS: [&str; PARAMETERS] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];
 /// Prior standard deviation of the logarithm of the focal lengths.
 const FOCAL_SD: f64 = 0.7;
-/// The same while the distortion is first fitted, with the focal lengths held near their starting values.
+/// Prior standard deviation of the logarithm of the focal lengths in the first fit of the distortion, which holds them near their starting values.
 const HELD_FOCAL_SD: f64 = 0.01;
 /// Typical focal length in image widths, for a field of view of 45 degrees.
 const USUAL_FOCUS: f64 = 1.2;

@@ -12,16 +12,16 @@ use finray_model::{Finger, NodeId, Vector};
 
 /// Number of ribs from the base that propose a placement if the clamped markers are hidden.
 const PROPOSING: usize = 2;
-/// Standard deviation of the base's position in such a placement, as a share of the plate's length up to the rib. Its cause is the bending of the plate.
+/// Standard deviation of the base's position that a rib proposes, as a share of the plate's length up to the rib. Its cause is the bending of the plate.
 const BEND_SHARE: f64 = 0.2;
 /// Largest distance of the next markers along the plates from their predicted positions, as a share of their distance from the base.
 const BENT: f64 = 0.35;
 /// The cost of another placement must be below that of the scene's pose by at least this. It is more than the cost of two hidden markers.
 const GAIN: f64 = 13.0;
-/// Another placement must name at least this share of the markers.
+/// Another placement must assign at least this share of the finger's markers.
 const LEAST_NAMED: f64 = 0.65;
 
-/// Possible flips of an image: their names, and the signs of u and v about the image's middle.
+/// Possible flips of an image: description, and signs of u and v about the image's middle.
 const FLIPS: [(&str, [f64; 2]); 3] = [
     ("upside down", [-1.0, -1.0]),
     ("mirrored from left to right", [-1.0, 1.0]),

@@ -113,7 +113,7 @@ pub enum LocatorError {
     /// A locator for grey markers was created for coloured markers.
     #[error("markers: expected shade, found front_rgb and back_rgb")]
     NotGrey,
-    /// Ribs share a junction or end in a corner of the base, but markers are named by their ribs.
+    /// Ribs share a junction or end in a corner of the base, so that markers cannot be assigned to nodes by their ribs.
     #[error(
         "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, because markers are named by their \
          ribs"

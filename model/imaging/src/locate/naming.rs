@@ -20,15 +20,16 @@ pub(super) struct Candidate {
     pub at: Vector,
     /// The node that this candidate must be, if the previous image determines it; `None` if any node is possible.
     pub node: Option<NodeId>,
-    /// Additional cost of a name for this candidate, dimensionless; positive if it looks little like a marker.
+    /// Additional cost if this candidate is assigned to a node, dimensionless; positive if the candidate looks little like a marker.
     pub cost: f64,
 }
 
 /// Another chain counts as equally good if its cost is higher by at most this.
 const ALIKE: f64 = 4.0;
-/// Largest number of nodes that an equally good chain may name differently. Such nodes stay unnamed; if there are more, naming fails as ambiguous.
+/// Largest number of nodes to which an equally good chain may assign other candidates. These nodes get no marker. If there are more, the assignment is
+/// rejected as ambiguous.
 const MOST_DOUBTFUL: usize = 1;
-/// Number of rounds in which each plate is named with the names of the other plate.
+/// Number of rounds in which each plate is assigned with the result for the other plate.
 const ROUNDS: usize = 3;
 
 /// Reason why markers cannot be assigned to nodes.
@@ -47,13 +48,13 @@ pub enum NamingError {
     /// Two positions of the base fit the markers equally well.
     #[error("two positions of the base fit equally well, and the names of {nodes} nodes differ between them")]
     Places {
-        /// Number of nodes whose names differ between the two positions.
+        /// Number of nodes whose markers differ between the two positions.
         nodes: usize,
     },
     /// Two assignments of the markers fit equally well.
     #[error("two ways to name the markers fit equally well: they differ at {nodes} nodes of the {plate} plate")]
     Ambiguous {
-        /// Number of nodes whose names differ between the two assignments.
+        /// Number of nodes whose markers differ between the two assignments.
         nodes: usize,
         /// Name of the plate with these nodes.
         plate: &'static str,
@@ -82,19 +83,19 @@ impl<'f> Marked<'f> {
     }
 }
 
-/// Names the candidates with the least cost, without checking for equally good names.
+/// Assigns the candidates to nodes at the least cost, without checking for equally good assignments.
 pub(super) fn name_likely(marked: Marked, candidates: &[Candidate]) -> Names {
     likely(marked, candidates).0
 }
 
-/// Same as [`name_likely`]; also returns the cost. `None` if no marker can be named.
+/// Same as [`name_likely`]; also returns the cost. `None` if no candidate can be assigned.
 pub(super) fn name_at_cost(marked: Marked, candidates: &[Candidate]) -> Option<(Names, f64)> {
     let (names, chains) = likely(marked, candidates);
     let cost = chains.iter().map(|chain| chain.as_ref().map(|chain| chain.cost)).sum::<Option<f64>>()?;
     Some((names, cost))
 }
 
-/// Names both plates in turn, each with the names of the other plate's ribs. If candidates may be on either plate, the plate that is named first may take
+/// Assigns both plates in turn, each with the other plate's result for the ribs. If candidates may be on either plate, the plate that comes first may take
 /// markers of the other plate. Three starting points are then tried, and the cheapest result is used.
 fn likely(marked: Marked, candidates: &[Candidate]) -> (Names, [Option<Named>; 2]) {
     const FRONT_FIRST: [Plate; 2] = [Plate::Front, Plate::Back];
@@ -131,13 +132,13 @@ fn in_turn(
     (names, chains)
 }
 
-/// Names the candidates with the least cost, and rejects ambiguous names.
+/// Assigns the candidates to nodes at the least cost, and rejects ambiguous assignments.
 pub(super) fn name(marked: Marked, candidates: &[Candidate]) -> Result<Names, NamingError> {
     let (mut names, chains) = likely(marked, candidates);
     for plate in [Plate::Front, Plate::Back] {
         let Some(best) = &chains[usize::from(plate == Plate::Back)] else { continue };
         let question = Chain::new(marked, plate, candidates, &names);
-        // The least cost with the final names of the other plate.
+        // The least cost with the final assignment of the other plate.
         let best_cost = question.cheapest().map_or(best.cost, |found| found.cost);
         for (position, &candidate) in best.named.iter().enumerate().filter_map(|(k, c)| Some((k, c.as_ref()?))) {
             let Some(other) = question.cheapest_within(best_cost + ALIKE, Some((position, candidate))) else {
@@ -192,8 +193,8 @@ mod tests {
         Some(shape.motions().iter().map(marker).collect())
     }
 
-    /// Checks that every named marker gets its correct name, for three fingers with large deflections, hidden markers, and false markers of the same colours.
-    /// A false marker may replace a hidden one: in up to 0.2 % of the names for nodes 20 to 40 mm apart.
+    /// Checks that every assigned marker gets its correct node, for three fingers with large deflections, hidden markers, and false markers of the same
+    /// colours. A false marker may replace a hidden one: in up to 0.2 % of the assignments for nodes 20 to 40 mm apart.
     #[test]
     fn no_marker_gets_another_nodes_name() {
         const SHAPES: u64 = 400;
@@ -225,7 +226,7 @@ mod tests {
                 }
             }
             assert!(f64::from(wrong) <= most_wrong * f64::from(named), "{wrong} of {named}");
-            // Rejected shapes and omitted markers count as not named.
+            // Rejected shapes and omitted markers count as not assigned.
             assert!(f64::from(named) > 0.97 * all as f64, "{named} of {all}");
         }
     }
@@ -244,7 +245,7 @@ mod tests {
         assert!(matches!(name(Marked::at_base(&finger), &[]), Err(NamingError::TooFew { found: 0, .. })));
     }
 
-    /// Adds a copy beside every marker of a plate. The true marker is then ambiguous, so neither is named.
+    /// Adds a copy beside every marker of a plate. The true marker is then ambiguous, so neither it nor the copy is assigned.
     #[test]
     fn two_ways_to_name_are_refused() {
         let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;

@@ -148,7 +148,7 @@ fn is_from_above(homography: &Matrix3<f64>, at: &Vector) -> bool {
     homography.determinant() / depth.powi(3) < 0.0
 }
 
-/// Nodes with a marker near the position that the homography predicts. If two nodes claim the same marker, nothing is named.
+/// Nodes with a marker near the position that the homography predicts. If two nodes claim the same marker, the result is empty.
 fn named(finger: &Finger, marks: &[Mark], homography: &Matrix3<f64>, radius: f64) -> Named {
     let mut named = Named::default();
     let mut taken = vec![false; marks.len()];

@@ -27,7 +27,7 @@ const PROPOSING: usize = 2;
 const BEND_SHARE: f64 = 0.2;
 /// Standard deviation of a rim's centre as found by rays that has cost 1, as a share of the radius. Markers are round, so a larger deviation costs more.
 const ROUND: f64 = 0.02;
-/// A rim is no marker if its standard deviation as found by rays exceeds the median of all named rims by more than this factor, because all markers are
+/// A rim is no marker if its standard deviation as found by rays exceeds the median of all assigned rims by more than this factor, because all markers are
 /// equal.
 const LEAST_ROUND: f64 = 4.0;
 /// Another position of the base counts as equally good if its cost is higher by at most this.
@@ -38,7 +38,7 @@ const CONTRADICTS: f64 = 13.0;
 const UNKNOWN_MM: f64 = 10.0;
 /// Standard deviation of the rotation of a base without references, relative to the estimate from the ribs, rad.
 const UNKNOWN_RAD: f64 = 0.2;
-/// Largest number of nodes that equally good positions of the base may name differently. With more, naming fails as ambiguous.
+/// Largest number of nodes to which equally good positions of the base may assign different rims. If there are more, the image is rejected as ambiguous.
 const MOST_DOUBTFUL: usize = 1;
 
 /// A finger that was located in an image.
@@ -204,7 +204,7 @@ impl<'f> RimLocator<'f> {
         proposals
     }
 
-    /// The proposal with the least cost of naming the markers, and that cost.
+    /// The proposal with the least cost of assigning rims to nodes, and that cost.
     fn best<'p>(&self, rims: &[Rim], proposals: &'p [Proposal]) -> Result<(f64, &'p Proposal), NamingError> {
         let mut best: Option<(f64, &Proposal, Names)> = None;
         let mut others: Vec<(f64, Names)> = Vec::new();
@@ -252,7 +252,7 @@ impl<'f> RimLocator<'f> {
     }
 }
 
-/// The named rims, without those that are far less round than the others.
+/// The rims that are assigned to nodes, without those that are far less round than the others.
 fn named(rims: &[Rim], names: &Names) -> Vec<(NodeId, Rim)> {
     let mut named: Vec<(NodeId, Rim)> =
         names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();

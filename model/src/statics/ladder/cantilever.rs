@@ -99,7 +99,7 @@ impl<R: Number> Joint<R> {
         self.block.positive()
     }
 
-    /// Work of the residual on the correction of the element's deflection, N mm, given y of the residual.
+    /// Work of the residual g on the correction of the element's deflection, N mm, given y = L^-1 g.
     #[inline(always)]
     pub(super) fn work(&self, y: &[R; 3]) -> R {
         self.block.work(y)
@@ -110,7 +110,7 @@ impl<R: Number> Joint<R> {
         self.block.log_determinant()
     }
 
-    /// Deflection of the cantilever without this element, given the deflection with it and y of the residual.
+    /// Deflection of the cantilever without this element, given its deflection with this element and y = L^-1 g of the residual g.
     #[inline(always)]
     pub(super) fn shortened(&self, y: &[R; 3], longer: &Deflection<R>) -> Deflection<R> {
         let [x, y, rotation] = self.block.motion(y, longer);

@@ -188,7 +188,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Work of the residual on the correction of the rung, N mm, given y.
+    /// Work of the residual g on the correction of the rung, N mm, given y = L^-1 g.
     #[inline(always)]
     pub(super) fn work(&self, y: &Ends<R>) -> R {
         let mut y = *y;
@@ -199,7 +199,7 @@ impl<R: Number> Rung<R> {
         self.block.work(&y)
     }
 
-    /// Subtracts the contribution of the eliminated rung, given its y, from the gradient of the rung below.
+    /// Subtracts the contribution of the eliminated rung from the gradient of the rung below, given y = L^-1 g of the rung's gradient g.
     #[inline(always)]
     pub(super) fn reduce_gradient(&self, y: &Ends<R>, below: &mut Ends<R>) {
         self.block.reduce_gradient(y, below);
@@ -210,7 +210,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Motion of both nodes, given y and the motion of the rung below; then the rotation of an undeformable rib with hinges, rad.
+    /// Motion of both nodes, given y = L^-1 g and the motion of the rung below; then the rotation of an undeformable rib with hinges, rad.
     #[inline(always)]
     pub(super) fn motion(&self, y: &Ends<R>, below: &Ends<R>) -> (Ends<R>, Option<R>) {
         let mut q = self.block.motion(y, below);

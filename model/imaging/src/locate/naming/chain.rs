@@ -22,7 +22,7 @@ const LARGEST_TURN: f64 = 4.3;
 const LARGEST_TURN_DEG: f64 = 120.0;
 /// Relative deviation of a rib's length that has cost 1.
 const RIB: f64 = 0.05;
-/// The same deviation for undeformable ribs, whose lengths deviate only by noise and errors of the pose.
+/// Relative deviation of an undeformable rib's length that has cost 1. Only noise and errors of the pose cause such a deviation.
 const RIGID_RIB: f64 = 0.01;
 /// Upper limit of the cost of a rib, so that one rib that buckles or ends at a false marker does not break a chain.
 const RIB_MOST: f64 = 12.0;
@@ -33,7 +33,7 @@ const CLAMPED: f64 = 0.01;
 /// Standard deviation of a bracket's stated length, mm.
 const BRACKET_MM: f64 = 0.5;
 
-/// The naming problem of one plate.
+/// The assignment of candidates to the nodes of one plate.
 pub(super) struct Chain<'a> {
     pub(super) marked: Marked<'a>,
     plate: Plate,
@@ -41,14 +41,14 @@ pub(super) struct Chain<'a> {
     /// Nodes of the plate from the base to the tip, and their positions along the plate, mm.
     pub(super) nodes: Vec<NodeId>,
     pub(super) lengths_mm: Vec<f64>,
-    /// For each node: position of the other end of its rib, mm, if that end is named; and undeformed length of the rib, mm.
+    /// For each node: position of the other end of its rib, mm, if that end has a marker; and undeformed length of the rib, mm.
     ribs: Vec<Option<Vector>>,
     ribs_mm: Vec<f64>,
     /// Indices of the candidates that may be each node.
     pub(super) choices: Vec<Vec<usize>>,
 }
 
-/// A named plate: the cost of its chain, and the candidate of each node along the plate.
+/// An assignment for one plate: the cost of its chain, and the candidate of each node along the plate.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Named {
     pub(super) cost: f64,
@@ -87,13 +87,13 @@ impl<'a> Chain<'a> {
             ribs_mm[nodes.len() - 1] = (marked.position(before) - finger.position(finger.tip())).norm();
             ribs[nodes.len() - 1] = at(before);
         }
-        // Candidates that are named on the other plate are excluded, except the tip.
+        // Candidates that are assigned to the other plate are excluded, except the tip.
         let other = finger.plate_nodes(if plate == Plate::Front { Plate::Back } else { Plate::Front });
         let taken: Vec<usize> =
             other.iter().filter(|node| **node != finger.tip()).filter_map(|node| names[node.0 - 1]).collect();
         let last = nodes.len() - 1;
         let choices = (0..nodes.len()).map(|position| {
-            // The tip has the front plate's colour, and is named with the front plate.
+            // The tip has the front plate's colour, and is assigned with the front plate.
             let side = if position == last || plate == Plate::Front { Side::Front } else { Side::Back };
             if position == last && plate == Plate::Back {
                 return names[finger.tip().0 - 1].into_iter().collect();
@@ -111,7 +111,7 @@ impl<'a> Chain<'a> {
 
     pub(super) fn write(&self, found: &Named, names: &mut Names) {
         for (position, (node, candidate)) in self.nodes.iter().zip(&found.named).enumerate() {
-            // The tip is named only with the front plate.
+            // The tip is assigned only with the front plate.
             if self.plate == Plate::Front || position + 1 < self.nodes.len() {
                 names[node.0 - 1] = *candidate;
             }

@@ -25,7 +25,7 @@ struct Link {
     cost: f64,
 }
 
-/// Names of the ends of the ribs; all `None` if no rib can be named.
+/// Candidates for the ends of the ribs, by key node; all `None` if no rib is found.
 pub(super) fn names_of_ribs(marked: Marked, candidates: &[Candidate]) -> Names {
     let finger = marked.finger;
     let none: Names = vec![None; finger.key_node_count()];
