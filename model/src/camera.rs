@@ -20,7 +20,7 @@ pub type Pixel = Vector2<f64>;
 /// has the effect of about 0.5 px.
 const LEAST_SLOPE: f64 = 0.0175;
 
-/// A camera with known lens and pose.
+/// A camera with its lens and its pose, both known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Lens and image sensor.
@@ -38,7 +38,7 @@ pub enum ViewError {
     /// The distortion model folds the image closer to the optical axis than the point, so that two points share a pixel.
     #[error("lies where the distortion of the lens folds the image")]
     Folded,
-    /// The angle between ray and plane is below one degree, or the ray does not meet the plane.
+    /// The ray of the pixel does not meet the plane, or meets it at an angle below one degree.
     #[error("is on a line of sight parallel to the finger's plane")]
     Grazing,
 }

@@ -20,10 +20,10 @@ pub struct Compliance {
 }
 
 impl Compliance {
-    /// Solves the linear finger (eq. (5) of Xu et al. 2021) for each load, with one factorisation.
+    /// Solves the linear finger (eq. (5) of Xu et al. 2021) for each load; all loads share one factorisation.
     ///
     /// # Errors
-    /// [`StaticsError`] for a load at an invalid point, or a finger whose stiffness cannot be factorised.
+    /// [`StaticsError`] for a load at an invalid point, or for a finger whose stiffness cannot be factorised.
     pub fn new(finger: &Finger, loads: &[Load]) -> Result<Compliance, StaticsError> {
         let mesh = Mesh::key_nodes(finger);
         let frame_loads = loads.iter().map(|load| mesh.frame_load(load)).collect::<Result<Vec<_>, _>>()?;
@@ -71,7 +71,7 @@ impl NodalCompliance {
         NodalCompliance { at_rest: FrameMotion::at_rest(mesh.frame()), mesh, nodes }
     }
 
-    /// The finger.
+    /// The finger whose compliance this is.
     pub fn finger(&self) -> &Finger {
         self.mesh.finger()
     }

@@ -34,12 +34,12 @@ pub enum FingerPoint {
     Hinge(NodeId),
 }
 
-/// A finger with valid geometry and known positions of its key nodes.
+/// A finger whose geometry has been checked, with the positions of its key nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finger {
     description: FingerDescription,
     tip: Vector,
-    /// Positions of each rib's ends along the front and the back plate, mm from the base.
+    /// Positions of the front and the back end of each rib along the plates, mm from the base.
     ribs: Vec<[f64; 2]>,
 }
 
@@ -75,12 +75,12 @@ impl Finger {
         2 * self.ribs.len() + 3
     }
 
-    /// The key node at the tip, where the plates meet.
+    /// The key node at the tip, where the two plates meet.
     pub fn tip(&self) -> NodeId {
         NodeId(self.ribs.len() + 2)
     }
 
-    /// The two clamped nodes, at back base and front base.
+    /// The two clamped key nodes: at the base of the back plate, and at the base of the front plate.
     pub fn clamped_nodes(&self) -> [NodeId; 2] {
         [NodeId(1), NodeId(self.key_node_count())]
     }
@@ -175,7 +175,7 @@ impl Finger {
         let clip_mm = self.description.ribs.clip_mm[side] / 2.0;
         let first = match member {
             0 => base_mm,
-            // Member next to a rib that ends in a corner of the base.
+            // This member lies next to a rib that ends in a corner of the base.
             _ if from_mm == 0.0 => base_mm.max(clip_mm),
             _ => clip_mm,
         };
@@ -261,7 +261,7 @@ impl Finger {
         self.position(node) + self.marker_offset(node)
     }
 
-    /// Whether a node has a marker. With markers on hinges, only ends of ribs have one. Nodes at one point share the marker of their
+    /// Whether a node has a marker. If markers are on hinges, only ends of ribs have one. Key nodes at the same point share the marker of their
     /// [`junction`](Finger::junction).
     pub fn has_marker(&self, node: NodeId) -> bool {
         let is_end_of_rib = || node != self.tip() && !self.is_clamped(node);
@@ -276,7 +276,7 @@ impl Finger {
         }
     }
 
-    /// Points along the front plate, the back plate and each rib with its brackets, for drawings.
+    /// For drawings: points along the front plate, the back plate, and each rib with its brackets.
     pub fn outline(&self) -> Vec<(Part, Vec<FingerPoint>)> {
         let plates = [Plate::Front, Plate::Back].map(|plate| {
             (Part::from(plate), self.plate_nodes(plate).into_iter().map(FingerPoint::Node).collect::<Vec<_>>())
@@ -302,14 +302,14 @@ impl Finger {
         (self.tip - self.base(Plate::Front)).normalize()
     }
 
-    /// Unit vector at an angle from the inward normal of the undeformed front plate; degrees, positive towards the tip.
+    /// Unit vector at the angle `angle_deg` from the inward normal of the undeformed front plate; degrees, positive towards the tip.
     pub fn direction(&self, angle_deg: f64) -> Vector {
         let tangent = self.front_tangent();
         let (sin, cos) = angle_deg.to_radians().sin_cos();
         self.inward(Plate::Front) * cos + tangent * sin
     }
 
-    /// Angle of a direction from the inward normal of the undeformed front plate; degrees, positive towards the tip.
+    /// Angle between a direction and the inward normal of the undeformed front plate; degrees, positive towards the tip.
     pub fn angle_deg(&self, direction: Vector) -> f64 {
         direction.dot(&self.front_tangent()).atan2(direction.dot(&self.inward(Plate::Front))).to_degrees()
     }
@@ -332,9 +332,9 @@ impl Finger {
 /// One of the two side plates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Plate {
-    /// The plate on the contact side, +y.
+    /// The plate on the contact side, on the side of positive y.
     Front,
-    /// The plate on the far side, -y.
+    /// The plate that faces away from the contact, on the side of negative y.
     Back,
 }
 

@@ -26,7 +26,7 @@ pub type NodeIndex = usize;
 /// Index of a rotation slot, from 0. Each node and each pin gets the next slot when it is added.
 pub type RotationSlot = usize;
 
-/// Axial and bending rigidity of a cross-section.
+/// Rigidities of a beam's cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
     /// Axial rigidity EA, N.
@@ -51,7 +51,7 @@ impl Section {
     }
 }
 
-/// End of a beam: at a node, or at the end of a rigid arm that rotates with `rotation`.
+/// End of a beam: at a node, or at the end of a rigid arm that starts at the node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamEnd<R = f64> {
     /// The node with which the end moves.
@@ -65,7 +65,7 @@ pub struct BeamEnd<R = f64> {
 /// An elastic beam with its two ends in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Member<R = f64> {
-    /// The elastic part.
+    /// The elastic beam between the ends.
     pub beam: Beam<R>,
     /// First and second end.
     pub ends: [BeamEnd<R>; 2],
@@ -114,7 +114,7 @@ impl PlaneFrame {
         self.rotation_fixed[at.rotation] = rotation;
     }
 
-    /// A beam end clamped to a node, without an arm.
+    /// The end of a beam that is clamped to a node, without an arm.
     pub fn clamped_end(&self, node: NodeIndex) -> BeamEnd {
         BeamEnd { node, rotation: self.nodes[node].rotation, arm: Vector::zeros() }
     }
@@ -153,7 +153,7 @@ impl PlaneFrame {
         self.nodes[node].rotation
     }
 
-    /// The beams in the order of their addition.
+    /// The beams, in the order in which they were added.
     pub fn members(&self) -> &[Member] {
         &self.members
     }
@@ -200,7 +200,7 @@ impl<R: Number> FrameMotion<R> {
         }
     }
 
-    /// A motion without nodes and slots.
+    /// A motion of a frame without nodes and slots.
     pub(crate) fn empty() -> FrameMotion<R> {
         FrameMotion { displacements: Vec::new(), rotations: Vec::new() }
     }

@@ -28,7 +28,7 @@ pub enum Need<V> {
     RequiredIf(&'static str),
     /// The key is required if the table's key `shape` has this value, and rejected if it has another value.
     Of(&'static str),
-    /// The key has this default.
+    /// The key is optional and has this default.
     Or(V),
     /// The key is optional and has no default.
     Optional,
@@ -116,9 +116,9 @@ pub struct Entry {
 /// Number of times that a scene may contain a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Occurs {
-    /// Exactly once.
+    /// A scene contains the table exactly once.
     Once,
-    /// At most once.
+    /// A scene contains the table at most once.
     Optional,
     /// Any number of times, as in `[[finger.zone]]`.
     Many,
@@ -141,13 +141,13 @@ impl<K> Deref for Table<K> {
     }
 }
 
-/// The keys of a table as a list.
+/// A set of keys that can be listed.
 pub trait KeyList {
     /// Entries of all keys, in the order of the reference.
     fn entries(&self) -> Vec<Entry>;
 }
 
-/// A table of the scene, independent of the type of its keys.
+/// A table of the scene, in a form that is independent of the type of its keys.
 pub trait SceneTable: Sync {
     /// Path of the table, for instance `finger.ribs`; empty for the keys above all tables.
     fn path(&self) -> &'static str;

@@ -26,9 +26,9 @@ const NORMALS: usize = 5;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("expected {fewest} (one element per member) to {MOST_NODES} mesh nodes, found {found}")]
 pub struct MeshSizeError {
-    /// Number of nodes of the coarsest mesh of this finger.
+    /// Number of nodes of the finger's coarsest mesh.
     pub fewest: usize,
-    /// Requested number of nodes.
+    /// The requested number of nodes.
     pub found: usize,
 }
 
@@ -107,22 +107,22 @@ impl Mesh {
         self.lines.iter().any(|line| line.members.len() == 1)
     }
 
-    /// Number of elements, including those of the base line and of undeformable ribs.
+    /// Number of elements, including those that are counted but not built: on the base line and on undeformable ribs.
     pub fn element_count(&self) -> usize {
         self.elements.iter().sum()
     }
 
-    /// The meshed finger.
+    /// The finger that this mesh divides.
     pub fn finger(&self) -> &Finger {
         &self.finger
     }
 
-    /// The frame of the finger.
+    /// The frame that consists of the finger's elements.
     pub fn frame(&self) -> &PlaneFrame {
         &self.frame
     }
 
-    /// The members of the finger.
+    /// The members of the finger, each with its nodes and elements.
     pub fn lines(&self) -> &[Line] {
         &self.lines
     }
@@ -132,12 +132,12 @@ impl Mesh {
         &self.alike
     }
 
-    /// Number of nodes, including those of the base line and of undeformable ribs.
+    /// Number of nodes, including those that are counted but not built: on the base line and on undeformable ribs.
     pub fn node_count(&self) -> usize {
         self.node_count
     }
 
-    /// The frame node of a key node.
+    /// The frame node that coincides with a key node.
     pub fn frame_node(&self, node: NodeId) -> NodeIndex {
         node.0 - 1
     }

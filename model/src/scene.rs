@@ -1,4 +1,4 @@
-//! Reading of scene files: from TOML text to a checked [`Finger`] and its surroundings.
+//! Reading of scene files: from TOML text to a checked [`Finger`], with camera, contacts, objects and gripper.
 
 mod camera;
 mod contact;
@@ -33,7 +33,7 @@ use reader::{Document, TableReader};
 pub struct Scene {
     /// Name of the scene.
     pub name: String,
-    /// The finger.
+    /// The finger that the scene describes.
     pub finger: Finger,
     /// Largest fibre strain at which the material of each part is linear, dimensionless; `None` for parts without a stated limit.
     pub strain_limits: StrainLimits,

@@ -39,11 +39,11 @@ pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
 /// Largest strain at which the material of each part is linear, dimensionless. `None` if the scene does not state the limit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StrainLimits {
-    /// Limit of the front plate, dimensionless.
+    /// Limit of the strain of the front plate, dimensionless.
     pub front: Option<f64>,
-    /// Limit of the back plate, dimensionless.
+    /// Limit of the strain of the back plate, dimensionless.
     pub back: Option<f64>,
-    /// Limit of the ribs, dimensionless.
+    /// Limit of the strain of the ribs, dimensionless.
     pub ribs: Option<f64>,
 }
 

@@ -110,11 +110,11 @@ fn check<const N: usize>(key: &Key<Numbers<N>>, value: [f64; N]) -> Result<(), I
 }
 
 impl Lens {
-    /// A lens with the given image size, focal lengths along u and v, principal point (all px) and distortion.
+    /// A lens with the given image size, focal lengths along u and v, and principal point (all in px), and distortion.
     ///
     /// # Errors
-    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, a value that is not finite or out of range, or a distortion
-    /// that folds the image.
+    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, or values that are not finite or out of range. Also for a distortion that
+    /// folds the image.
     pub fn new(
         size_px: [u32; 2],
         focal_px: [f64; 2],
@@ -157,7 +157,7 @@ impl Lens {
         self.focal_px.into()
     }
 
-    /// Principal point, the pixel on the optical axis, px.
+    /// Principal point: the pixel on the optical axis.
     pub fn principal_point_px(&self) -> [f64; 2] {
         self.principal_point_px.into()
     }
@@ -213,7 +213,7 @@ impl Lens {
     }
 
     fn on_sensor(&self, (bent, by_at): (Vector2<f64>, Matrix2<f64>)) -> Result<Pixel, ViewError> {
-        // The tangential part can fold the image, too.
+        // The tangential part of the distortion may also fold the image.
         if by_at.determinant() <= 0.0 {
             return Err(ViewError::Folded);
         }
@@ -241,7 +241,7 @@ impl Lens {
             }
             let step = by_at.lu().solve(&(bent - found)).ok_or(ViewError::Folded)?;
             at += step;
-            // The tangential part can lead beyond the fold and back.
+            // The tangential part may lead the iteration beyond the fold and back.
             if at.norm() > 2.0 * self.widest {
                 return Err(ViewError::Folded);
             }

@@ -15,11 +15,11 @@ pub struct Chord<R = f64> {
     pub along: Vector2<R>,
     /// Unit vector across the chord: `along` rotated by +90 degrees.
     pub across: Vector2<R>,
-    /// Current length, mm.
+    /// Length of the deformed chord, mm.
     pub length_mm: R,
-    /// 1 / current length, 1/mm.
+    /// Reciprocal of the deformed chord's length, 1/mm.
     pub per_length: R,
-    /// Current minus undeformed length, mm.
+    /// Length of the deformed chord minus that of the undeformed chord, mm.
     pub elongation_mm: R,
     /// Rotation of the chord from its undeformed direction, rad, in (-pi, pi].
     pub rotation: R,

@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kinematics {
-    /// Small displacements: Xu et al. (2021), eqs (1) to (5).
+    /// Small displacements, as in Xu et al. (2021), eqs (1) to (5).
     Linear,
     /// Co-rotational with the axial strain of a shallow arch: bending shortens the chord.
     Corotational,
@@ -42,7 +42,7 @@ pub struct EndMotion<R = f64> {
     pub rotation: R,
 }
 
-/// A scalar of the element (energy or work) with its first and second derivatives by the end motions.
+/// A scalar of the element (energy or work), with its first and second derivatives by the motions of the two ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response<R = f64> {
     /// Elastic energy of the element, or work of a load on it, N mm.

@@ -50,7 +50,7 @@ impl<R: Number> Beam<R> {
         }
     }
 
-    /// Axial strain, dimensionless, without its derivatives.
+    /// Axial strain as in [`axial_strain`](Beam::axial_strain), dimensionless, without its derivatives.
     pub(super) fn mean_strain(&self, bowing: bool, deformation: &Deformation<R>) -> R {
         self.axial_strain(bowing, deformation).strain
     }

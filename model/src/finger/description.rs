@@ -33,12 +33,12 @@ pub enum Joints {
     Hinged,
 }
 
-/// Positions of the ribs along the plates.
+/// Positions of the ribs along both plates.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RibPositions {
     /// Number of evenly spaced ribs. Rib i of 1..=count lies at i / (count + 1) of the length of both plates.
     Count(usize),
-    /// Distances of each rib from the base along front and back plate, mm, ordered from base to tip.
+    /// Position of each rib on the front and on the back plate, mm from the base; ordered from base to tip.
     Positions(Vec<[f64; 2]>),
 }
 
@@ -60,7 +60,7 @@ pub struct RibDescription {
     pub thicknesses_mm: Option<Vec<f64>>,
 }
 
-/// Position of the markers at the ends of ribs.
+/// Positions of the markers at the ends of ribs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MarkerPoints {
     /// The marker is on the key node, on the plate's middle line.
@@ -84,13 +84,13 @@ pub enum Part {
 /// A section of a plate, or a group of ribs, with a different modulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zone {
-    /// The part of the finger.
+    /// The part of the finger to which the zone belongs.
     pub part: Part,
-    /// Start, mm from the base along the plate; for ribs, along the front plate.
+    /// Start of the zone along the plate, mm from the base; for ribs, along the front plate.
     pub from_mm: f64,
-    /// End, mm from the base along the plate.
+    /// End of the zone along the plate, mm from the base; for ribs, along the front plate.
     pub to_mm: f64,
-    /// Factor on Young's modulus, dimensionless.
+    /// Factor on Young's modulus in the zone, dimensionless.
     pub modulus_factor: f64,
 }
 
@@ -112,7 +112,7 @@ pub struct FingerDescription {
     pub back_length_mm: f64,
     /// Depth out of the plane, mm.
     pub depth_mm: f64,
-    /// Length of the rigid arms at both ends of every member, mm.
+    /// Length of the rigid arms at both ends of every member, mm. They model the rods at the key nodes.
     pub rod_arm_mm: f64,
     /// Poisson's ratio, dimensionless. Strips are wide compared with their thickness, so their modulus is E / (1 - nu^2).
     pub poissons_ratio: f64,
@@ -124,7 +124,7 @@ pub struct FingerDescription {
     pub rigid_ends: [RigidEnds; 2],
     /// The ribs.
     pub ribs: RibDescription,
-    /// Sections with different moduli; the factors of overlapping zones multiply.
+    /// Zones with different moduli. The factors of overlapping zones multiply.
     pub zones: Vec<Zone>,
     /// Position of the markers at the ends of ribs.
     pub markers_on: MarkerPoints,
@@ -143,7 +143,7 @@ impl FingerDescription {
         }
     }
 
-    /// Lengthens the bracket of rib `rib`, counted from 0 of `rib_count`, on a plate by `by_mm`.
+    /// Lengthens the bracket of a rib on one plate by `by_mm`. `rib` counts from 0; `rib_count` is the number of ribs.
     pub(crate) fn lengthen_bracket(&mut self, rib_count: usize, plate: Plate, rib: usize, by_mm: f64) {
         let mut each: Vec<[f64; 2]> = (0..rib_count).map(|rib| self.ribs.bracket_mm.of(rib)).collect();
         each[rib][plate.index()] += by_mm;
@@ -151,12 +151,12 @@ impl FingerDescription {
     }
 }
 
-/// A description that is not a valid finger: the offending scene key and the reason.
+/// Error for a description that is not a valid finger.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{key}: {reason}")]
 pub struct ImpossibleFinger {
     /// Key in the scene file, for instance `finger.ribs.positions_mm`.
     pub key: String,
-    /// Expected and found value.
+    /// Expected and found value, in words.
     pub reason: String,
 }

@@ -34,7 +34,7 @@ impl Finger {
         }
     }
 
-    /// Section of a plate at its base, without zones.
+    /// Section of a plate at its base, ignoring zones.
     pub(crate) fn base_section(&self, plate: Plate) -> Section {
         self.section_of(self.strip(plate))
     }
@@ -45,7 +45,7 @@ impl Finger {
         Section::rectangle(strip.thickness_mm, self.description.depth_mm, modulus)
     }
 
-    /// Section of a rib including its zones; ribs are numbered from 0 at the base. `None` for undeformable ribs.
+    /// Section of a rib, including the effect of zones; ribs are numbered from 0 at the base. `None` for undeformable ribs.
     pub fn rib_section(&self, rib: usize) -> Option<Section> {
         let d = &self.description;
         let mut strip = d.ribs.strip?;

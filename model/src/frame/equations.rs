@@ -79,7 +79,7 @@ impl Equations {
         frame.follow_links(motion, linear);
     }
 
-    /// Equations of the coordinates that move a beam end.
+    /// Equation numbers of the coordinates that move a beam end.
     fn of_end(&self, frame: &PlaneFrame, end: &BeamEnd) -> [Option<usize>; NODE_COORDINATES] {
         let node = &frame.nodes[end.node];
         let carrier = node.link.map_or(end.node, |link| link.master);
@@ -89,7 +89,7 @@ impl Equations {
         [x, y, self.rotations[end.rotation], first, second, third]
     }
 
-    /// Equations of the coordinates that move two beam ends, first end first.
+    /// Equation numbers of the coordinates that move two beam ends; those of the first end come first.
     pub(crate) fn of_ends(&self, frame: &PlaneFrame, ends: &[BeamEnd; 2]) -> [Option<usize>; MEMBER_COORDINATES] {
         let [a, b] = ends.map(|end| self.of_end(frame, &end));
         std::array::from_fn(|i| if i < NODE_COORDINATES { a[i] } else { b[i - NODE_COORDINATES] })

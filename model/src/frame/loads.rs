@@ -11,7 +11,7 @@ use nalgebra::{SMatrix, SVector};
 pub enum FrameLoad {
     /// A force (N) and a moment (N mm) on a node.
     Node {
-        /// The node.
+        /// The loaded node.
         node: NodeIndex,
         /// Force, N.
         force: Vector,
@@ -27,7 +27,7 @@ pub enum FrameLoad {
     },
     /// A force (N) at a position between the ends of a member.
     Interior {
-        /// Index of the member.
+        /// Index of the loaded member.
         member: usize,
         /// Position of the force as a fraction of the member's length, 0..1.
         xi: f64,
@@ -142,11 +142,11 @@ impl PlaneFrame {
         ElementVector::new(0.0, 0.0, along.perp(&force), 0.0, 0.0, 0.0)
     }
 
-    /// Displacement of the loaded point, mm, with co-rotational kinematics.
+    /// Displacement of the loaded point, mm, in a motion of the frame with co-rotational kinematics.
     pub(crate) fn displacement_at(&self, motion: &FrameMotion, load: &FrameLoad) -> Vector {
         match *load {
             FrameLoad::Interior { member, xi, .. } => {
-                // The work of a unit force equals the displacement in its direction.
+                // The work of a unit force equals the displacement in the direction of the force.
                 let moved = |way: Vector| {
                     self.inside(motion, member, Kinematics::Corotational, |beam, motions| {
                         beam.interior_work(Kinematics::Corotational, xi, way, motions)
@@ -161,7 +161,7 @@ impl PlaneFrame {
         }
     }
 
-    /// Rotation of the loaded cross-section or node, rad, with co-rotational kinematics.
+    /// Rotation of the loaded cross-section or node, rad, in a motion of the frame with co-rotational kinematics.
     pub(crate) fn rotation_at(&self, motion: &FrameMotion, load: &FrameLoad) -> f64 {
         match *load {
             FrameLoad::Interior { member, xi, .. } => {

@@ -16,7 +16,7 @@ const NOT_NEGATIVE: Range = Range::NOT_NEGATIVE;
 const POSITIVE: Range = Range::POSITIVE;
 /// Upper limit of lengths of a linkage, object or path (mm), and of forces, rates and gravity in their units.
 const LARGEST: f64 = 1e4;
-/// Upper limit of the distance of the finger from the camera, mm.
+/// Upper limit of the distance between finger and camera, mm.
 const FARTHEST_MM: f64 = 1e5;
 /// Upper limit of the size of a marker, mm.
 const LARGEST_MARKER_MM: f64 = 1e3;

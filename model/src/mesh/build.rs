@@ -143,7 +143,7 @@ fn alike(lines: &[Line]) -> Vec<Vec<usize>> {
     alike
 }
 
-/// See [`Mesh::hinge_node`].
+/// Frame node of a joint between bracket and rib; see [`Mesh::hinge_node`].
 pub(super) fn hinge_node(finger: &Finger, node: NodeId) -> NodeIndex {
     let key_nodes = finger.key_node_count();
     let has_rib = node.0 > 1 && node.0 < key_nodes && node != finger.tip();

@@ -7,11 +7,11 @@ use crate::frame::swing;
 /// Motion of one key node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeMotion {
-    /// The node.
+    /// The key node.
     pub node: NodeId,
-    /// Undeformed position, mm, finger frame.
+    /// Undeformed position of the node, mm, finger frame.
     pub position: Vector,
-    /// Displacement, mm, finger frame.
+    /// Displacement of the node, mm, finger frame.
     pub displacement: Vector,
     /// Rotation of the node, rad; at a hinged rib, the rotation of the plate.
     pub rotation: f64,

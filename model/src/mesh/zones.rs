@@ -16,7 +16,7 @@ impl ElementPositions {
         ElementPositions { free: [positions[0] + arms_mm[0], positions[1] - arms_mm[1]], elements }
     }
 
-    /// Start and end of the elastic part, mm from the base.
+    /// Start and end of the elastic part of the member, mm from the base.
     pub(super) fn free(&self) -> [f64; 2] {
         self.free
     }

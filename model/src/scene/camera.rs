@@ -27,7 +27,7 @@ pub struct Markers {
     pub radius_mm: f64,
     /// Height of the markers above the plane of the beams, mm, along z = x cross y of the finger frame.
     pub height_mm: f64,
-    /// How markers are distinguished from the background.
+    /// Appearance that distinguishes the markers from the background.
     pub look: MarkerLook,
 }
 

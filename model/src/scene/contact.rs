@@ -6,7 +6,7 @@ use crate::finger::{Finger, Plate};
 use crate::keys::{CONTACT, Key, Number, ROD_RADIUS_MM};
 use crate::sensing::{Lean, Normal, Pad};
 
-/// Geometry and friction of contacts with the finger.
+/// Properties of contacts between objects and the finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactDescription {
     /// Radius of the rods on the front plate that objects touch, mm.

@@ -42,7 +42,7 @@ const MULTIPLE_BIFURCATION_SHARE: f64 = 1e-6;
 /// An equilibrium on a path; it may be stable or unstable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathPoint {
-    /// Factor on the loads, dimensionless.
+    /// Load multiple: common factor on all loads, dimensionless.
     pub multiple: f64,
     /// Displacements (mm) and rotations (rad) of the frame.
     pub motion: FrameMotion,
@@ -58,10 +58,10 @@ impl PathPoint {
     }
 }
 
-/// A limit point: the load multiple is a local maximum or minimum along the path.
+/// A limit point, at which the load multiple is a local maximum or minimum along the path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitPoint {
-    /// Factor on the loads, dimensionless.
+    /// Load multiple: common factor on all loads, dimensionless.
     pub multiple: f64,
     /// Displacements (mm) and rotations (rad) of the frame.
     pub motion: FrameMotion,

@@ -51,7 +51,7 @@ impl<'f> Assembly<'f> {
         self.frame
     }
 
-    /// The kinematics of the elements.
+    /// The kinematics with which the elements are evaluated.
     pub fn kinematics(&self) -> Kinematics {
         self.kinematics
     }

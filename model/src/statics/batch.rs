@@ -85,7 +85,7 @@ struct PendingLoads<'a, I> {
 
 /// A load in a lane, after its first Newton correction.
 struct Path<'a> {
-    /// Index of the load in the batch.
+    /// Index of the load in the list of loads.
     index: usize,
     loads: &'a [FrameLoad],
     step: LoadStep,
@@ -135,7 +135,7 @@ struct Batch<'a, R: Number> {
     scale: R,
     turn: R,
     at_rest: FrameMotion,
-    /// Buffer for the motion of one lane.
+    /// Buffer that receives the motion in one lane.
     of_lane: FrameMotion,
 }
 
@@ -194,7 +194,7 @@ impl<'a, R: Number> Batch<'a, R> {
         self.balance.take_off_loads();
         for (lane, path) in self.paths.iter().enumerate() {
             let Some(path) = path else { continue };
-            // The forces of a load on a node do not depend on the motion.
+            // Forces of loads on nodes do not depend on the motion.
             if path.loads.iter().any(|load| !matches!(load, FrameLoad::Node { .. })) {
                 self.motion.copy_lane(lane, &mut self.of_lane);
             }

@@ -21,7 +21,7 @@ const LEAST_SHARE: f64 = 0.01;
 const SHORT_STEP: f64 = 1e-3;
 /// Shortest step while the end of the branch is not predicted, as a share of the path.
 const LEAST_STEP: f64 = 1e-7;
-/// Shortest step of a trial path, as a share of the path.
+/// Shortest step of a trial path, as a share of the path. A trial that needs a shorter step fails.
 const LEAST_TRIED_STEP: f64 = 0.02;
 /// Largest number of load steps along a path; more end it with an error.
 const MOST_STEPS: usize = 2000;

@@ -11,7 +11,7 @@ use crate::frame::{FrameLoad, FrameMotion};
 
 /// A last correction below this, relative to the solution, shows one digit more than required. The margin exists because the error may exceed the correction.
 const SMALL_CORRECTION: f64 = 1e-5;
-/// Decimal digits of a number in double precision.
+/// Number of decimal digits of a number in double precision.
 const ALL_DIGITS: f64 = 15.65;
 /// With fewer digits than this, no Newton correction falls below the threshold of rounding noise, 1e-6 of the solution.
 const FEWEST_NEWTON_DIGITS: f64 = 5.0;

@@ -30,7 +30,7 @@ const HOPELESS: f64 = 1.25;
 /// Result of an accepted load step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Taken {
-    /// Number of Newton corrections.
+    /// Number of Newton corrections in the step.
     pub iterations: usize,
     /// Largest of the rotation and the prediction error, each divided by its limit; 0..1, dimensionless.
     pub used: f64,
@@ -48,7 +48,7 @@ pub(super) enum Rejected {
     Rounding(f64),
 }
 
-/// Newton's iteration at one load level.
+/// State of Newton's iteration at one load level.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoadStep {
     linear: bool,

@@ -55,7 +55,7 @@ pub enum StaticsError {
         100.0 * converged_fraction
     )]
     NoEquilibrium {
-        /// Share of the load, 0..1, at the last equilibrium found.
+        /// Share of the load at the last equilibrium that was found, 0..1.
         converged_fraction: f64,
     },
 }
@@ -65,7 +65,7 @@ pub trait EquilibriumEquations {
     /// The motion of the undeformed structure: all displacements and rotations are zero.
     fn at_rest(&self) -> FrameMotion;
 
-    /// The kinematic relation between displacements and strains.
+    /// The kinematic relation between displacements and strains that the equations use.
     fn kinematics(&self) -> Kinematics;
 
     /// Evaluates energy and residual under `factor` times the loads, and factors the tangent stiffness. Returns `false` if the tangent is not positive
@@ -78,7 +78,7 @@ pub trait EquilibriumEquations {
         false
     }
 
-    /// Natural logarithm of the determinant of the last factored tangent, up to an additive constant; `None` if unknown.
+    /// Natural logarithm of the determinant of the last factored tangent, up to an additive constant. `None` if it is unknown.
     fn log_determinant(&mut self) -> Option<f64>;
 
     /// Drops the factor of the linear stiffness, which the solver keeps between loads because this stiffness never changes.

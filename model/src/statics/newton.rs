@@ -9,7 +9,7 @@ use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::mesh::Mesh;
 
-/// Equilibrium of a frame.
+/// An equilibrium of a frame, and the effort of finding it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
     /// Displacements (mm) and rotations (rad) of the frame.
@@ -49,7 +49,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         Statics { equations, predicted: Vec::new(), last_correction: f64::INFINITY }
     }
 
-    /// The equilibrium equations.
+    /// The equilibrium equations that this solver solves.
     pub fn equations(&self) -> &E {
         &self.equations
     }

@@ -19,7 +19,7 @@ pub enum LocateError {
         /// Width and height of the image, px.
         found: [u32; 2],
     },
-    /// The markers are too small in the image.
+    /// The markers are too small in the image to be measured.
     #[error(
         "the scene's markers have a radius of {radius_px:.1} px in the image, expected at least {LEAST_RADIUS_PX} px: use larger markers or a closer \
          camera"

@@ -80,7 +80,7 @@ pub struct Locator<'f> {
     /// Number of markers in the last full search, and number of images that were tracked since.
     searched: usize,
     tracked: usize,
-    /// Number of markers in the last image.
+    /// Number of markers that were found in the last image.
     seen: usize,
     /// Common properties of the discs, measured in the last full search; `None` before a full search.
     common: Option<Common>,

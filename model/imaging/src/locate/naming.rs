@@ -40,7 +40,7 @@ pub enum NamingError {
     TooFew {
         /// Number of markers on free nodes that fit the finger.
         found: usize,
-        /// Number of free nodes with a marker.
+        /// Number of free nodes that have a marker.
         all: usize,
         /// Smallest number of markers that are needed.
         least: usize,

@@ -6,7 +6,7 @@ use pulp::Simd;
 pub trait Number: Copy + 'static {
     /// A SIMD register of these numbers.
     type Vector<S: Simd>: Copy;
-    /// Zero.
+    /// The number zero.
     const ZERO: Self;
     /// Number of lanes of a register.
     fn lanes<S: Simd>() -> usize;

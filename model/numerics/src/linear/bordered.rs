@@ -43,7 +43,7 @@ pub struct Bordered<'a> {
     constraint: &'a Direction,
     /// K^-1 c, also used as c^T K^-1 because K is symmetric.
     by_constraint: Vec<f64>,
-    /// K^-1 (-f).
+    /// K^-1 (-f), for the forces f of the loads at multiple 1.
     by_loads: Vec<f64>,
     /// Schur complement d + c^T K^-1 f, computed from the rows and from the columns.
     pivots: [f64; 2],

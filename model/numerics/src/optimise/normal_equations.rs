@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 pub(super) struct Residuals {
     measured: DVector<f64>,
     priors: Vec<Prior>,
-    /// The residuals, then those of the priors.
+    /// The residuals, followed by those of the priors.
     all: DVector<f64>,
 }
 
@@ -62,9 +62,9 @@ pub(super) struct NormalEquations {
     pub residual: DVector<f64>,
     /// Derivatives J of the residuals by the unknowns.
     pub jacobian: DMatrix<f64>,
-    /// J^T J.
+    /// Normal matrix J^T J.
     matrix: DMatrix<f64>,
-    /// J^T r.
+    /// Gradient J^T r.
     gradient: DVector<f64>,
 }
 

@@ -26,7 +26,7 @@ pub trait LeastSquaresProblem {
     /// [`Refusal`] for a point that has no derivatives.
     fn jacobian(&mut self, point: &Self::Point, residual: &DVector<f64>) -> Result<DMatrix<f64>, Refusal<Self::Error>>;
 
-    /// The point after a step.
+    /// The point that a step leads to.
     fn moved(&self, point: &Self::Point, step: &DVector<f64>) -> Self::Point;
 
     /// Prior knowledge as further residuals, placed after the others. Their number is the same at every point.
@@ -50,7 +50,7 @@ pub enum Refusal<E> {
 }
 
 impl<E> Refusal<E> {
-    /// The reason.
+    /// The reason why the point has no residuals.
     pub fn into_error(self) -> E {
         match self {
             Refusal::Here(error) | Refusal::Altogether(error) => error,

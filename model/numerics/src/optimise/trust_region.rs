@@ -26,7 +26,7 @@ const DAMPING_FACTOR: f64 = 4.0;
 /// Effects of a step on the linearised problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
-    /// Decrease of the sum of squares.
+    /// Predicted decrease of the sum of squares.
     pub decrease: f64,
     /// Length of the step, measured by the residuals: root of the sum over unknowns of the squared change that the unknown's step alone causes.
     pub reach: f64,

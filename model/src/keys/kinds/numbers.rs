@@ -183,7 +183,7 @@ pub enum OfRibs<T> {
 pub type BracketLengths = OfRibs<[f64; 2]>;
 
 impl BracketLengths {
-    /// No brackets.
+    /// Brackets of zero length on all ribs.
     pub const NONE: BracketLengths = OfRibs::Alike([0.0; 2]);
 }
 

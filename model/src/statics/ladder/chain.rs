@@ -29,8 +29,9 @@ pub(super) struct Element<'a, R: Number> {
 /// Condensed stiffness of a chain. The [`Joint`]s of the chain, one per element but the first, are stored in [`Factor`](super::Factor).
 #[derive(Debug, Clone)]
 pub(super) struct Chain<R: Number = f64> {
-    /// Vectors from the first node to the second node of the first element, and to the end of the chain, mm.
+    /// Vector from the first node of the chain to the second node of its first element, mm.
     first_lever: Vector2<R>,
+    /// Vector from the first to the last node of the chain, mm.
     lever: Vector2<R>,
     /// Elimination of the two end rotations of a pinned member; no other member has these rotations.
     pins: Option<Block<R, 2, 6>>,

@@ -36,7 +36,7 @@ pub(super) use factor::Factor;
 /// member's stiffness. The paper's finger stays at 2e-2 on any mesh. Thin plates, and random fingers with errors above 1e-8, fall below the limit.
 const SMALL_PIVOT: f64 = 1e-3;
 
-/// Location of a frame node in the ladder.
+/// Location of a frame node or of a load in the ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Location {
     Clamped,

@@ -14,7 +14,7 @@ pub(super) struct RigidRib<R> {
     /// Vectors from the back to the front node in their current directions, one per rotation, mm: back bracket, rib, front bracket. If rib and nodes rotate
     /// together, the first vector is the sum of all three.
     pub levers: [Vector2<R>; 3],
-    /// Whether rib and both nodes rotate together.
+    /// Whether the rib and both of its nodes rotate by the same angle.
     pub together: bool,
     /// Gradient of elements and loads by the position of the front node, N; zero with linear kinematics. It adds geometric stiffness as the levers rotate.
     pub front_pull: Vector2<R>,

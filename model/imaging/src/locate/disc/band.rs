@@ -19,16 +19,16 @@ pub(super) struct Band {
     nearer: [Vec<f32>; 2],
     px: Vec<f32>,
     sector: Vec<u32>,
-    /// For brightness and colour: squared contrast, contrast times light above background, squared light above background.
+    /// For brightness and for colour, three values per pixel: squared contrast, contrast times light above background, and squared light above background.
     light: [[Vec<f32>; 3]; PARTS],
-    /// For brightness and colour at the last edge: share of the disc, its change per px inwards, and that change times the distance
-    /// in blurs.
+    /// For brightness and for colour at the last edge, three values per pixel: share of the disc, its change per px inwards, and that change times the
+    /// distance in units of the blur.
     share: [[Vec<f32>; 3]; PARTS],
     edge: Edge,
 }
 
 impl Band {
-    /// Gathers the pixels about an edge.
+    /// Gathers the pixels about an edge, with the light of background and disc at each.
     pub fn gather(&mut self, pixels: &Pixels, map: &PlaneMap, edge: &Edge, shades: &Shades) {
         let Band { outside, nearer, px, sector, light, share, .. } = self;
         let lists = nearer.iter_mut().chain(light.iter_mut().flatten()).chain([&mut *outside, &mut *px]);
@@ -98,7 +98,7 @@ impl Band {
                 let [own, with, other] = light.map(|list| list[i]);
                 let [covered, steepness, widening] = share.map(|list| list[i]);
                 let weight = weights[part];
-                // Squared residual, and residual times contrast.
+                // Squared residual, and product of residual and contrast.
                 let residual2 = other - covered * (2.0 * with - covered * own);
                 let along = weight * (with - covered * own);
                 squared += weight * residual2;

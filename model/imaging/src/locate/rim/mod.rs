@@ -73,7 +73,7 @@ impl Rim {
     }
 }
 
-/// Shape of the rims to find.
+/// Shape of the rims that are searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RimShape {
     /// Outer radius, mm; and inner radius, mm, inside which any appearance is allowed.
