@@ -74,9 +74,13 @@ pub struct Member<R = f64> {
 /// A node of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct FrameNode {
+    /// Undeformed position, mm.
     position: Vector,
+    /// Rotation slot of the node.
     rotation: RotationSlot,
+    /// Whether x and whether y of the node is fixed.
     fixed: [bool; 2],
+    /// The rigid link by which the node follows another node; `None` for an independent node.
     link: Option<RigidLink>,
 }
 
@@ -84,6 +88,7 @@ struct FrameNode {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlaneFrame {
     nodes: Vec<FrameNode>,
+    /// Whether each rotation slot is fixed.
     rotation_fixed: Vec<bool>,
     members: Vec<Member>,
 }

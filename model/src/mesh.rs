@@ -68,6 +68,7 @@ pub struct Mesh {
     front: Vec<(f64, FrontSpan)>,
     /// Number of elements of each line; the last entry is for the base line.
     elements: Vec<usize>,
+    /// Number of nodes, including those that are counted but not built.
     node_count: usize,
     prepared: Prepared,
 }

@@ -158,7 +158,9 @@ fn thickness_mm(beam: &Beam) -> f64 {
 struct Examined {
     member: FingerMember,
     strain: FibreStrain,
+    /// Strain energy of elongation and bending, N mm.
     strain_energy: f64,
+    /// Shear energy, N mm.
     shear_energy: f64,
 }
 

@@ -3,11 +3,12 @@
 use super::{Beam, Chord, ElementMatrix, ElementVector, EndMotion, Kinematics, Response};
 use crate::Vector;
 
-/// Motion of a point between the ends, as derivatives by the motions of the ends: shares of the displacements (dimensionless), and levers of the rotations
-/// relative to the chord (mm).
+/// Motion of a point between the ends, as derivatives by the motions of the ends.
 #[derive(Debug, Clone, Copy)]
 struct Shape {
+    /// Shares of the ends' displacements in the displacement of the point, dimensionless.
     shares: [f64; 2],
+    /// Levers of the ends' rotations relative to the chord, mm.
     levers: [f64; 2],
 }
 

@@ -8,14 +8,19 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 /// Energy of a beam as a function of its natural deformations, with first and second derivatives.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NaturalResponse<R> {
+    /// Energy, N mm.
     energy: R,
+    /// First derivatives: axial force (N) and moments at both ends (N mm).
     gradient: Vector3<R>,
+    /// Second derivatives by the natural deformations; N/mm, N and N mm.
     stiffness: Matrix3<R>,
 }
 
-/// Axial strain, dimensionless; and its derivatives by the two end rotations, multiplied by the beam's length, mm.
+/// Axial strain of a beam with its derivatives.
 struct AxialStrain<R> {
+    /// Axial strain, dimensionless.
     strain: R,
+    /// Derivatives of the strain by the two end rotations, multiplied by the beam's length, mm.
     by_rotations: [R; 2],
 }
 

@@ -12,8 +12,11 @@ pub(crate) const MEMBER_COORDINATES: usize = 2 * NODE_COORDINATES;
 /// Equation numbers of the free translations and rotations of a frame; `None` for fixed coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equations {
+    /// Equation numbers of x and y of each node.
     translations: Vec<[Option<usize>; 2]>,
+    /// Equation number of each rotation slot.
     rotations: Vec<Option<usize>>,
+    /// Number of unknowns.
     count: usize,
 }
 

@@ -129,7 +129,9 @@ pub struct ArcLength<'f> {
 /// Weights of the squared components in the norm of a [`Direction`].
 #[derive(Debug, Clone)]
 struct Measure {
+    /// Weight of each unknown.
     unknowns: Vec<f64>,
+    /// Weight of the load multiple.
     multiple: f64,
 }
 
@@ -137,6 +139,7 @@ struct Measure {
 #[derive(Debug, Clone)]
 struct Station {
     point: PathPoint,
+    /// Tangent of the path, of unit norm, in the direction in which the path is followed.
     tangent: Direction,
 }
 

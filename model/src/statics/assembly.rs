@@ -15,10 +15,15 @@ pub struct Assembly<'f> {
     frame: &'f PlaneFrame,
     kinematics: Kinematics,
     equations: Equations,
+    /// Tangent stiffness, n x n for n unknowns.
     stiffness: CsMat<f64>,
+    /// Slots of each member's matrix.
     slots: Vec<Slots>,
+    /// Residual, one entry per equation; N or N mm.
     gradient: Vec<f64>,
+    /// Forces of the loads at factor 1, one entry per equation; N or N mm.
     load_vector: Vec<f64>,
+    /// Elastic energy, N mm.
     energy: f64,
 }
 

@@ -127,13 +127,17 @@ struct Batch<'a, R: Number> {
     stiffness: Factor<R>,
     /// The load of each lane; `None` for an idle lane.
     paths: Vec<Option<Path<'a>>>,
+    /// Motion in each lane.
     motion: FrameMotion<R>,
     /// Rotations that the first correction of each load predicts, rad.
     predicted: Vec<R>,
-    /// Work of the last correction, N mm; an argument of [`LoadStep::judge`], as are scale and turn.
+    /// Work of the last correction in each lane, N mm: an argument of [`LoadStep::judge`].
     work: R,
+    /// Squared energy norm of the solution in each lane, N mm: an argument of [`LoadStep::judge`].
     scale: R,
+    /// Largest rotation, or deviation of a rotation from its prediction, in each lane, rad: an argument of [`LoadStep::judge`].
     turn: R,
+    /// The motion of the undeformed frame.
     at_rest: FrameMotion,
     /// Buffer that receives the motion in one lane.
     of_lane: FrameMotion,

@@ -65,6 +65,7 @@ impl GridKind {
 pub struct Grid {
     /// The dots of the grid, or the inner corners of the chessboard.
     pub dots: Vec<GridDot>,
+    /// Whether the grid consists of the corners of a chessboard.
     is_chessboard: bool,
     /// Number of dots on the outline along rows and columns, and number along diagonals.
     outline: [usize; 2],

@@ -34,15 +34,21 @@ const MOST_CORNERS: usize = 6000;
 
 /// A corner: its pixel, and the unit directions of its two edges.
 pub(super) struct Corner {
+    /// Pixel of the corner.
     pub pixel: Pixel,
+    /// Unit direction of each of the two edges, in pixel coordinates.
     pub edges: [Pixel; 2],
 }
 
 /// An image that is reduced by a whole factor.
 pub(super) struct Shrunk {
+    /// Factor by which the image is reduced.
     factor: u32,
+    /// Width of the reduced image, px.
     width: u32,
+    /// Height of the reduced image, px.
     height: u32,
+    /// Light of each pixel of the reduced image, row by row, grey levels.
     light: Vec<f32>,
 }
 

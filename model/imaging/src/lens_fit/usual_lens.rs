@@ -20,8 +20,9 @@ pub(super) struct UsualLens {
     pub middle: [f64; 2],
     /// Width of the image, px.
     pub width: f64,
-    /// Focal length, px, and the standard deviation of its logarithm.
+    /// Expected focal length, px.
     pub focal: f64,
+    /// Standard deviation of the logarithm of the focal length.
     pub focal_sd: f64,
 }
 

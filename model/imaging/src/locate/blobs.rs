@@ -120,8 +120,11 @@ pub(super) fn middle_of_colour(
 /// Connected cells of the grid with one colour.
 #[derive(Debug, Clone, Copy, Default)]
 struct Patch {
+    /// Number of the plate whose colour the cells have; 1 is the front plate.
     value: u8,
+    /// Number of cells in the patch.
     cells: u32,
+    /// Sums of the cells' x and y coordinates in the grid.
     sum: [f64; 2],
 }
 

@@ -73,12 +73,15 @@ pub struct Locator<'f> {
     camera: Camera,
     markers: Markers,
     colours: Colours,
+    /// Expected radius of a marker in the image, px.
     radius_px: f64,
+    /// Key nodes of the front plate.
     on_front: Vec<NodeId>,
     /// Last known state of every marker that was seen in or since the last full search.
     last: Vec<Located>,
-    /// Number of markers in the last full search, and number of images that were tracked since.
+    /// Number of markers in the last full search.
     searched: usize,
+    /// Number of images that were tracked since the last full search.
     tracked: usize,
     /// Number of markers that were found in the last image.
     seen: usize,

@@ -15,8 +15,11 @@ pub struct Observer<'f> {
     locator: AnyLocator<'f>,
     /// Markers of the unloaded finger, if an image of it was given; else empty.
     at_rest: Vec<Located>,
+    /// Residual standard deviation of the fit of the pose to the unloaded finger, px; `None` without that fit.
     rest_residual_px: Option<f64>,
+    /// Whether the base may move between images.
     base_moves: bool,
+    /// Radii of markers and references in the last image that showed the finger.
     radii: SeenRadii,
 }
 

@@ -26,8 +26,11 @@ const LEAST_SHARE: f64 = 0.6;
 /// A marker with its undistorted image position (dimensionless) and its pixel.
 #[derive(Debug, Clone, Copy)]
 struct Mark {
+    /// Whether the colour allows the front plate, and whether it allows the back plate.
     sides: [bool; 2],
+    /// Undistorted image position of the marker, dimensionless.
     at: Vector,
+    /// Pixel of the marker's centre.
     pixel: Pixel,
 }
 
@@ -78,7 +81,9 @@ pub(super) fn at_rest(
 /// Nodes with their pixels, and the sum of the markers' distances from the positions that the homography predicts.
 #[derive(Debug, Clone, Default)]
 struct Named {
+    /// Nodes with the pixels of their markers.
     nodes: Vec<(NodeId, Pixel)>,
+    /// Sum of the distances between markers and predicted positions, in undistorted image coordinates, dimensionless.
     distance: f64,
 }
 

@@ -22,13 +22,15 @@ const MOTION_SD: f64 = 0.1;
 /// Common properties of the discs in an image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Common {
+    /// Common radius and blurs of the discs.
     pub outline: Outline,
     /// Weights of brightness and colour; see [`View`].
     pub weights: [f64; 2],
     /// Displacement of colour relative to brightness, px; see [`View`].
     pub colour_shift_px: Vector,
-    /// Motion blur (standard deviation), px, see [`motion_blur_px`]; and standard deviation that it adds to a coordinate, mm.
+    /// Standard deviation of the motion blur, px, see [`motion_blur_px`]; `None` without motion blur.
     pub motion_px: Option<f64>,
+    /// Standard deviation that motion blur adds to each coordinate, mm.
     pub motion_sd_mm: f64,
 }
 

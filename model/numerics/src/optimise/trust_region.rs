@@ -38,8 +38,11 @@ pub struct Prediction {
 /// Nocedal and Wright, Numerical Optimization, 2nd ed., algorithm 4.1; sec. 10.3 for the damping of a given reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrustRegion {
+    /// Largest reach that a step may have.
     longest: f64,
+    /// Reach below which no step helps.
     shortest: f64,
+    /// Damping of the last step.
     damping: f64,
 }
 

@@ -21,14 +21,19 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     pub(super) applied: Applied<R>,
     /// Condensed forces of each line.
     pub(super) forces: Vec<ChainForces<R>>,
-    /// Forward substitutions y = L^-1 g of all eliminated unknowns: here those of the joints, below those of rungs and tip.
+    /// Forward substitution y = L^-1 g of each joint.
     pub(super) ys: Vec<[R; 3]>,
+    /// Forward substitution y = L^-1 g of each rung.
     rung_ys: Vec<Ends<R>>,
+    /// Forward substitution y = L^-1 g of the tip.
     tip_y: [R; 3],
+    /// Elastic energy of all lines, N mm.
     pub(super) energy: R,
+    /// Work of the residual on the correction, N mm.
     work: R,
-    /// Corrections of the nodes of each rung, then of the tip. Back substitution sets them.
+    /// Corrections of the nodes of each rung, mm and rad; back substitution sets them.
     corrections: Vec<Ends<R>>,
+    /// Correction of the tip, mm and rad.
     tip_correction: [R; 3],
     /// Exists for nonlinear kinematics if at least one line has inner nodes.
     pub(super) retraction: Option<Retraction<R>>,

@@ -21,7 +21,9 @@ const TURN: usize = 3;
 /// Forces on a cantilever: gradient of the energy by the deflection (N, N mm), and by a translation of the whole (N).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Forces<R: Number> {
+    /// Gradient of the energy by the deflection, N and N mm.
     by_deflection: Deflection<R>,
+    /// Gradient of the energy by a translation of the whole cantilever, N.
     by_displacement: [R; 2],
     /// Vector from the first to the second end, mm.
     lever: Vector2<R>,

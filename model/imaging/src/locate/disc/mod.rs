@@ -100,16 +100,22 @@ pub(super) struct Outline {
 /// residual variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ColourShift {
+    /// Normal matrix, 2 x 2, for a displacement along the finger's axes in px.
     pub normal: Matrix2<f64>,
+    /// Right-hand side of the normal equations.
     pub gradient: Vector2<f64>,
 }
 
 /// Unknowns of the search: centre and radius in the units of the plane map, and blurs in px.
 #[derive(Debug, Clone, Copy, Default)]
 struct Edge {
+    /// Centre of the edge in the map's coordinates and units.
     centre: Vector,
+    /// Radius of the edge in the map's units.
     radius: f64,
+    /// Standard deviations of the blur of brightness and of the blur of colour, px.
     blurs: [f64; PARTS],
+    /// Displacement of colour relative to brightness along the finger's axes, px.
     colour_shift: Vector,
 }
 
@@ -172,6 +178,7 @@ impl View<'_> {
 struct Search<'a> {
     view: &'a View<'a>,
     map: PlaneMap,
+    /// The edge at the current step of the search.
     edge: Edge,
     /// The edge at the starting point of the search.
     expected: Edge,

@@ -31,6 +31,7 @@ pub(super) struct Pixels {
 
 /// Second-order map from the pixels about one pixel to positions in the finger's plane. Its unit, `unit_mm`, is about the size of a pixel.
 pub(super) struct PlaneMap {
+    /// The middle pixel, about which the map is expanded.
     about: Pixel,
     /// The position of the middle pixel in the finger's plane, mm, finger frame.
     pub origin: Vector,
@@ -133,7 +134,9 @@ impl PlaneMap {
 /// An edge with the slope of the map at its position.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AboutEdge {
+    /// Centre of the edge in the map's units.
     centre: [f32; 2],
+    /// Radius of the edge in the map's units.
     radius: f32,
     /// First derivatives of the position by the pixel's coordinates, column by column.
     slope: [f32; 4],

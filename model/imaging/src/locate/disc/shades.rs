@@ -44,10 +44,12 @@ pub(super) const KEPT_SECTORS: f64 = 0.4;
 pub(super) struct Shades {
     /// Light inside the disc as a linear function of the vector from the centre: constant, slope by x, slope by y.
     inside: [Vector3<f32>; 3],
+    /// Light of the background in each sector: brightness and two components of colour, grey levels.
     outside: Vec<Vector3<f32>>,
     /// Weight of each sector's pixels, 0..1. It is below 1 if the edge of a plate or rib crosses the sector's background, which then varies within the
     /// sector.
     pub trust: Vec<f32>,
+    /// Sums of the background's light in each sector.
     sectors: Vec<Background>,
     /// Indices of the pixels that lie inside the disc.
     inner: Vec<u32>,
@@ -58,8 +60,11 @@ pub(super) struct Shades {
 /// Light of the background pixels of one sector.
 #[derive(Debug, Clone, Copy, Default)]
 struct Background {
+    /// Number of background pixels.
     count: f32,
+    /// Sum of their light: brightness and two components of colour, grey levels.
     light: Vector3<f32>,
+    /// Sum of their squared light over all components, in squared grey levels.
     squares: f32,
 }
 

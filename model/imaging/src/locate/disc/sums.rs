@@ -20,6 +20,7 @@ pub(super) struct Sums {
     pub weight: f64,
     /// Sums of the squared residuals of brightness and of colour, in squared grey levels. The sum for colour is halved, because colour has two channels.
     pub noise: [f64; PARTS],
+    /// Sums over the pixels of each sector.
     pub by_sector: Vec<SectorSums>,
 }
 
@@ -35,8 +36,9 @@ impl Sums {
 pub(super) struct SectorSums {
     /// Number of pixels in the sector.
     pub count: f32,
-    /// Sums of the weighted squared residuals and of the weighted squared contrasts, in squared grey levels.
+    /// Sum of the weighted squared residuals, in squared grey levels.
     pub squares: f32,
+    /// Sum of the weighted squared contrasts, in squared grey levels.
     pub contrast2: f32,
     /// Part of the gradient that belongs to the centre.
     pub pull: Vector2<f32>,

@@ -38,11 +38,13 @@ pub(super) struct Chain<'a> {
     pub(super) marked: Marked<'a>,
     plate: Plate,
     candidates: &'a [Candidate],
-    /// Nodes of the plate from the base to the tip, and their positions along the plate, mm.
+    /// Nodes of the plate from the base to the tip.
     pub(super) nodes: Vec<NodeId>,
+    /// Positions of the nodes along the plate, mm from the base.
     pub(super) lengths_mm: Vec<f64>,
-    /// For each node: position of the other end of its rib, mm, if that end has a marker; and undeformed length of the rib, mm.
+    /// For each node: position of the other end of its rib, mm, finger frame; `None` if that end has no marker or there is no rib.
     ribs: Vec<Option<Vector>>,
+    /// For each node: undeformed length of its rib, mm.
     ribs_mm: Vec<f64>,
     /// Indices of the candidates that may be each node.
     pub(super) choices: Vec<Vec<usize>>,
@@ -51,20 +53,26 @@ pub(super) struct Chain<'a> {
 /// An assignment for one plate: the cost of its chain, and the candidate of each node along the plate.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Named {
+    /// Cost of the chain, dimensionless.
     pub(super) cost: f64,
+    /// Index of the candidate of each node along the plate; `None` for a hidden node.
     pub(super) named: Vec<Option<usize>>,
 }
 
 /// A partial chain, represented by its last two nodes.
 #[derive(Debug, Clone, Copy)]
 struct Link {
+    /// Position of the last node in the order along the plate.
     position: usize,
+    /// Index of the candidate that is the last node.
     candidate: usize,
     /// Index of the previous link of the chain; `None` for the first link from the clamped node.
     before: Option<usize>,
     /// Vector from the previous to the last node of the link, mm.
     step: Vector,
+    /// Position of the node before the last one in the order along the plate.
     from: usize,
+    /// Cost of the partial chain, dimensionless.
     cost: f64,
 }
 

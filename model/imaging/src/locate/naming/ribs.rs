@@ -16,12 +16,17 @@ const MOST_PAIRS: usize = 64;
 /// A partial chain of ribs, represented by its last rib.
 #[derive(Debug, Clone, Copy)]
 struct Link {
+    /// Number of the last rib in the order from the base.
     rib: usize,
+    /// Indices of the candidates that are the front and the back end of the last rib.
     pair: [usize; 2],
+    /// Index of the previous link of the chain; `None` for the first link.
     before: Option<usize>,
-    /// Steps of the front and the back plate from the chain's previous rib, mm; and the index of that rib.
+    /// Steps of the front and the back plate from the chain's previous rib to the last rib, mm.
     steps: [Vector; 2],
+    /// Number of the previous rib in the order from the base.
     from: usize,
+    /// Cost of the partial chain, dimensionless.
     cost: f64,
 }
 

@@ -76,9 +76,11 @@ impl Rim {
 /// Shape of the rims that are searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RimShape {
-    /// Outer radius, mm; and inner radius, mm, inside which any appearance is allowed.
+    /// Outer radius, mm.
     pub radius_mm: f64,
+    /// Inner radius, mm, inside which any appearance is allowed; 0 for a disc.
     pub inner_radius_mm: f64,
+    /// Brightness of the mark relative to its surroundings.
     pub shade: Shade,
     /// Height of the rims above the finger's plane, mm.
     pub height_mm: f64,
@@ -253,11 +255,13 @@ fn brightness(grey: &GrayImage, at: &Pixel) -> Option<f64> {
 struct Circle {
     /// Centre of the circle relative to the origin of the rays, or of the plane's frame, mm.
     centre: Vector,
+    /// Radius of the circle, mm.
     radius_mm: f64,
     /// Share of the rays on which the circle is based.
     share: f64,
-    /// Standard deviation of the edges about the circle, mm; and of one coordinate of the circle's centre, mm.
+    /// Standard deviation of the edges about the circle, mm.
     spread_mm: f64,
+    /// Standard deviation of one coordinate of the circle's centre, mm.
     sd_mm: f64,
 }
 

@@ -28,7 +28,9 @@ type Votes = ImageBuffer<Luma<f32>, Vec<f32>>;
 ///
 /// This implementation is faster than the general filters of imageproc, with which slopes and sums of votes took half of the time for an image.
 pub(super) struct Slopes {
+    /// Width of the image, px.
     width: usize,
+    /// Slope of each pixel along u and along v, row by row: eight times grey levels/px.
     along: Vec<[i16; 2]>,
 }
 
