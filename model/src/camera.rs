@@ -39,7 +39,7 @@ pub enum ViewError {
     #[error("lies where the distortion of the lens folds the image")]
     Folded,
     /// The ray of the pixel does not meet the plane, or meets it at an angle below one degree.
-    #[error("is on a line of sight parallel to the finger's plane")]
+    #[error("is on a line of sight (nearly) parallel to the finger's plane")]
     Grazing,
 }
 

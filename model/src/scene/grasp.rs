@@ -56,7 +56,7 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
     }
     let [least_deg, most_deg] = gripper.reach_deg();
     if let Some(beyond) = motor_deg.iter().find(|angle| gripper.pose(**angle).is_none()) {
-        let expected = format!("motor angles in reach, {least_deg:.1} to {most_deg:.1} degrees");
+        let expected = format!("motor angles within reach of the linkage, {least_deg:.1} to {most_deg:.1} degrees");
         return Err(table.wrong(GRASP.motor_deg.name, &expected, &format!("{beyond:?}")));
     }
     let until_force_n = table.optional(&GRASP.until_force_n)?;

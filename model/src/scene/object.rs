@@ -122,7 +122,7 @@ fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, Sce
         return Ok(ObjectMotion::Path(points.into_iter().map(Vector::from).collect()));
     }
     let Some(at_mm) = table.optional(&OBJECT.at_mm)? else {
-        return Err(table.missing(OBJECT.at_mm.name, "the position on the front plate to press on, in mm (or path_mm)"));
+        return Err(table.missing(OBJECT.at_mm.name, "the position on the front plate to press at, in mm (or path_mm)"));
     };
     let length_mm = finger.plate_length_mm(Plate::Front);
     if !(0.0..=length_mm).contains(&at_mm) {
@@ -133,7 +133,7 @@ fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, Sce
         (Some(travel_mm), None) => Until::Travel(travel_mm),
         (None, Some(force_n)) => Until::Force(force_n),
         (Some(_), Some(_)) => return Err(table.wrong(OBJECT.force_n.name, "either travel_mm or force_n", "both")),
-        (None, None) => return Err(table.missing(OBJECT.travel_mm.name, "how far to press, in mm (or force_n)")),
+        (None, None) => return Err(table.missing(OBJECT.travel_mm.name, "the travel of the object in mm (or force_n)")),
     };
     Ok(ObjectMotion::Press { at_mm, direction_deg: table.get(&OBJECT.direction_deg)?, until })
 }

@@ -166,7 +166,7 @@ fn bad_scenes_are_refused() {
         (&[("link_mm = [25.0, 40.0]", "link_mm = [5.0, 10.0]")], "gripper.link_mm: "),
         (
             &[("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, 99999.0]")],
-            "grasp.motor_deg: expected motor angles in reach",
+            "grasp.motor_deg: expected motor angles within reach",
         ),
         (
             &[("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, 0.0]")],

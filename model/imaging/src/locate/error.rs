@@ -115,8 +115,8 @@ pub enum LocatorError {
     NotGrey,
     /// Ribs share a junction or end in a corner of the base, so that markers cannot be assigned to nodes by their ribs.
     #[error(
-        "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, because markers are named by their \
-         ribs"
+        "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, because markers are assigned to \
+         nodes by their ribs"
     )]
     SharedJunctions,
     /// The colour of a marker is too close to grey.

@@ -46,13 +46,13 @@ pub enum NamingError {
         least: usize,
     },
     /// Two positions of the base fit the markers equally well.
-    #[error("two positions of the base fit equally well, and the names of {nodes} nodes differ between them")]
+    #[error("two positions of the base fit equally well, but assign different markers to {nodes} nodes")]
     Places {
         /// Number of nodes whose markers differ between the two positions.
         nodes: usize,
     },
     /// Two assignments of the markers fit equally well.
-    #[error("two ways to name the markers fit equally well: they differ at {nodes} nodes of the {plate} plate")]
+    #[error("two assignments of markers to nodes fit equally well: they differ at {nodes} nodes of the {plate} plate")]
     Ambiguous {
         /// Number of nodes whose markers differ between the two assignments.
         nodes: usize,

@@ -121,7 +121,7 @@ impl<const N: usize> Kind for Numbers<N> {
         let wrong = |found: String| Refused { expected: self.noun(), found };
         let DeValue::Array(items) = value else { return Err(wrong(described(value))) };
         let numbers: Option<Vec<f64>> = items.iter().map(|item| number(item.get_ref())).collect();
-        let numbers = numbers.ok_or_else(|| wrong("a list with other values".to_owned()))?;
+        let numbers = numbers.ok_or_else(|| wrong("a list with values that are not numbers".to_owned()))?;
         if let Some(other) = numbers.iter().find(|number| !number.is_finite()) {
             return Err(wrong(format!("a list with {other:?}")));
         }
@@ -364,7 +364,7 @@ fn rows(value: &DeValue, noun: &str) -> Result<Vec<Vec<f64>>, Refused> {
 }
 
 fn of_something_else(expected: String) -> Refused {
-    Refused { expected, found: "a list with other values".to_owned() }
+    Refused { expected, found: "a list with values of another kind".to_owned() }
 }
 
 fn number(value: &DeValue) -> Option<f64> {
