@@ -25,7 +25,7 @@ impl fmt::Display for NodeId {
     }
 }
 
-/// A point of a finger that is identified by a key node.
+/// A point of a finger: a key node, or the joint of the rib at a key node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FingerPoint {
     /// A key node.

@@ -11,9 +11,9 @@ use super::{EquilibriumEquations, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// Length that a step aims at, as a share of the allowed length.
+/// Intended length of a load step, as a share of the largest allowed length.
 const AIM: f64 = 0.75;
-/// Largest ratio of a step to the previous step.
+/// Largest ratio of the length of a load step to that of the previous step.
 const GROWTH: f64 = 3.0;
 /// Smallest ratio of a shortened step to the rejected step, if the rejection states by how much the step was too long.
 const LEAST_SHARE: f64 = 0.01;

@@ -8,7 +8,7 @@
 const FOLD: f64 = 0.5;
 /// Exponent p of the determinant at a branch end of the kind bifurcation (buckling of a straight member).
 const BIFURCATION: f64 = 1.0;
-/// Number of bisections of the interval of exponents. It gives p to 1e-3, finer than the predictions.
+/// Number of bisections of the interval of exponents p. It gives p to 1e-3, finer than the predictions.
 const HALVINGS: usize = 9;
 /// Share of the remaining distance to a fold that a step covers. Displacements follow the square root of that distance. If a step covers 8/9 of it, the
 /// tangent's prediction is off by half, the limit for a load step.
@@ -17,9 +17,9 @@ const REACH_AT_FOLD: f64 = 0.8;
 const REACH_AT_BIFURCATION: f64 = 0.95;
 /// Shortest step as a share of the last step. If the determinant falls by powers of ten, predictions are useless, and this limit applies.
 const LEAST_REACH: f64 = 0.01;
-/// Largest exponent that counts as a fold. The other exponents, 2/3 and 1, exceed it by more than rounding and secants can cause.
+/// Largest exponent p of the determinant that counts as a fold. The other exponents, 2/3 and 1, exceed it by more than rounding and secants can cause.
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;
-/// A fold counts as reached when the remaining distance is below this share of the predicted end s*.
+/// A fold counts as reached when the remaining distance is below this share of the predicted end of the branch.
 const GAP_TO_FOLD: f64 = 1e-4;
 /// The end of a branch that is not a fold counts as reached when the remaining distance is below this share of the predicted end. The branch may still turn
 /// there and continue.

@@ -27,8 +27,8 @@ const PROPOSING: usize = 2;
 const BEND_SHARE: f64 = 0.2;
 /// Standard deviation of a rim's centre as found by rays that has cost 1, as a share of the radius. Markers are round, so a larger deviation costs more.
 const ROUND: f64 = 0.02;
-/// A rim is no marker if its standard deviation as found by rays exceeds the median of all assigned rims by more than this factor, because all markers are
-/// equal.
+/// A rim is rejected as a marker if its standard deviation as found by rays is larger than this multiple of the median over all assigned rims. The reason is
+/// that all markers are equal.
 const LEAST_ROUND: f64 = 4.0;
 /// Another position of the base counts as equally good if its cost is higher by at most this.
 const ALIKE: f64 = 4.0;

@@ -1,20 +1,20 @@
 //! Trust region: the largest length of the steps of a search.
 
-/// The region may grow if the ratio of actual to predicted decrease of the sum of squares is at least this.
+/// The trust region may grow if the ratio of actual to predicted decrease of the sum of squares is at least this.
 const GOOD: f64 = 0.75;
-/// The region shrinks if the ratio of actual to predicted decrease of the sum of squares is below this.
+/// The trust region shrinks if the ratio of actual to predicted decrease of the sum of squares is below this.
 const POOR: f64 = 0.25;
-/// Size to which the region grows after a good step, as a multiple of the step's reach.
+/// Size to which the trust region grows after a good step, as a multiple of the step's reach.
 const FURTHER: f64 = 3.0;
-/// Size to which the region shrinks after a poor step, as a multiple of the step's reach.
+/// Size to which the trust region shrinks after a poor step, as a multiple of the step's reach.
 const LESS_FAR: f64 = 0.5;
-/// After a failed step, the region shrinks to the share of the step that succeeded, limited to this range.
+/// After a failed step, the trust region shrinks to the share of the step that succeeded, limited to this range.
 const AFTER_FAILURE: [f64; 2] = [0.1, 0.5];
-/// Share of the step's reach to which the region shrinks if the full step succeeded but increased the sum of squares.
+/// Share of the step's reach to which the trust region shrinks if the full step succeeded but increased the sum of squares.
 const AFTER_WORSE: f64 = 0.25;
-/// First size of the region, as a share of the problem's scale.
+/// First size of the trust region, as a share of the problem's scale.
 const FIRST_REACH: f64 = 0.5;
-/// Size of the region below which no step helps, as a share of the problem's scale.
+/// Size of the trust region below which no step helps, as a share of the problem's scale.
 const SHORTEST: f64 = 1e-12;
 /// Damping that is tried for the first step.
 const FIRST_DAMPING: f64 = 1e-3;

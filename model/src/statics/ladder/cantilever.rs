@@ -130,7 +130,7 @@ impl<R: Number> Joint<R> {
 /// Stiffness of the first elements of a chain by the [`Deflection`], with the nodes between eliminated.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cantilever<R: Number> {
-    /// Symmetric matrix of which only the upper triangle is valid.
+    /// Stiffness by the deflection: a symmetric matrix of which only the upper triangle is valid.
     stiffness: [[R; 4]; 4],
     /// Vector from the first to the second end, mm.
     lever: Vector2<R>,

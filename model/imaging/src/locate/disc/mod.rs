@@ -31,11 +31,11 @@ const PARTS: usize = 2;
 const BLURS_APART_PX: f64 = 0.15;
 /// Noise for which [`BLURS_APART_PX`] holds, grey levels.
 const USUAL_NOISE: f64 = 2.0;
-/// Half width of the band of pixels about the edge, in units of b.
+/// Half width of the band of pixels about the edge, in standard deviations of the edge's blur.
 const BAND: f64 = 2.5;
-/// Initial value of b, px.
+/// Initial standard deviation of the edge's blur, px.
 const FIRST_BLUR_PX: f64 = 0.9;
-/// Smallest b, px. The width of a pixel alone causes a blur of 0.29 px.
+/// Smallest standard deviation of the edge's blur, px. The width of a pixel alone causes 0.29 px.
 const LEAST_BLUR_PX: f64 = 0.25;
 /// Largest blur of markers, as a share of their radius. With a larger blur, no pixel of a disc shows the disc's undisturbed light, and the image is rejected.
 pub(super) const LARGEST_BLUR: f64 = 0.33;
