@@ -1,4 +1,4 @@
-//! Distribution of elements over the lines of a mesh.
+//! Distribution of elements over the lines of a mesh: plate members, ribs and base line.
 
 /// Distributes `total` elements over lines in proportion to their lengths, by largest remainder (Hamilton's method), at least one element per line. Equal
 /// remainders favour the earlier line. `total` must be at least the number of lines.

@@ -4,9 +4,9 @@
 //! s*)^p. The exponent p is 1/2 at a fold (limit load, snap-through) and 1 at a bifurcation (a straight rib that buckles). A path that only passes close to a
 //! fold shows p = 2/3 for a while. Three equilibria determine s* and p.
 
-/// Exponent p of the determinant at a branch end of the kind fold (limit load, snap-through).
+/// Exponent p of the determinant of a branch that ends in a fold (limit load, snap-through).
 const FOLD: f64 = 0.5;
-/// Exponent p of the determinant at a branch end of the kind bifurcation (buckling of a straight member).
+/// Exponent p of the determinant of a branch that ends in a bifurcation (buckling of a straight member).
 const BIFURCATION: f64 = 1.0;
 /// Number of bisections of the interval of exponents p. It gives p to 1e-3, finer than the predictions.
 const HALVINGS: usize = 9;

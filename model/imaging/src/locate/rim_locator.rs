@@ -25,7 +25,8 @@ const RIB_SHARE: f64 = 0.08;
 const PROPOSING: usize = 2;
 /// Standard deviation of a position proposed by a rib, as a share of the plate's length up to the rib. Its cause is the bending of the plate.
 const BEND_SHARE: f64 = 0.2;
-/// Standard deviation of a rim's centre as found by rays that has cost 1, as a share of the radius. Markers are round, so a larger deviation costs more.
+/// A rim has cost 1 if the standard deviation of its centre as found by rays is this share of its radius. Markers are round, so a larger deviation costs
+/// more.
 const ROUND: f64 = 0.02;
 /// A rim is rejected as a marker if its standard deviation as found by rays is larger than this multiple of the median over all assigned rims. The reason is
 /// that all markers are equal.

@@ -1,4 +1,4 @@
-//! Condensation of lines together with the loads between their ends.
+//! Condensation of lines (plate members and ribs), together with the loads between their ends.
 
 use super::balance::Balance;
 use super::brackets::Brackets;

@@ -80,8 +80,8 @@ pub(super) struct Disc {
     pub sd_mm: f64,
     /// Radius and blurs of the disc, measured or given.
     pub outline: Outline,
-    /// Variance of the centre, relative to that for independent pixel errors, dimensionless: from the residuals' power of two and of three periods around the
-    /// edge. It is above 1 if errors of neighbouring pixels are correlated, as after compression.
+    /// Two estimates of the centre's variance, divided by the variance for independent pixel errors; dimensionless. They come from the power of the
+    /// residuals that have two and three periods around the edge. They exceed 1 if errors of neighbouring pixels are correlated, as after compression.
     pub excess_variances: [f64; 2],
     /// Mean squared residual of brightness and of colour about the edge, in squared grey levels.
     pub noise: [f64; PARTS],
@@ -347,7 +347,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Variance of the centre, relative to `variance_px2`, from the residuals' power of two and of three periods around the edge; dimensionless.
+/// Two estimates of the centre's variance, divided by `variance_px2` (dimensionless): from the power of the residuals with two and with three periods around
+/// the edge.
 fn excess_variances(sectors: &[SectorSums], inverse: &Matrix2<f64>, variance_px2: f64) -> [f64; 2] {
     let angle = std::f64::consts::TAU / sectors.len() as f64;
     let to_next = Complex::cis(angle);

@@ -10,19 +10,19 @@ pub(super) const MOST_SKIPPED: usize = 4;
 /// Range of the distance between two nodes, relative to the plate length between them. A chord is shorter than its arc, and
 /// measured distances scatter.
 const CHORDS: [f64; 2] = [0.75, 1.05];
-/// Relative excess of a chord's length over the plate length that has cost 1.
+/// A chord that is longer than the plate between its nodes by this share has cost 1.
 const LONGER: f64 = 0.015;
-/// Relative shortening of a chord per segment that has cost 1.
+/// A chord that is shorter than the plate between its nodes by this share per segment has cost 1.
 const SHORTER: f64 = 0.06;
-/// Bend between two steps that has cost 1, degrees, for steps a whole plate apart. It scales with the share of the plate between the steps.
+/// A bend between two steps by this angle, degrees, has cost 1 if the steps are a whole plate apart. The angle scales with the share of the plate between.
 const TURN_DEG: f64 = 168.0;
 /// Largest bend between two steps, as a multiple of the bend of cost 1. A chain with a larger bend is excluded.
 const LARGEST_TURN: f64 = 4.3;
 /// Largest bend between two steps, degrees. A chain with a larger bend is excluded.
 const LARGEST_TURN_DEG: f64 = 120.0;
-/// Relative deviation of a rib's length that has cost 1.
+/// A rib whose length deviates by this share has cost 1.
 const RIB: f64 = 0.05;
-/// Relative deviation of an undeformable rib's length that has cost 1. Only noise and errors of the pose cause such a deviation.
+/// An undeformable rib whose length deviates by this share has cost 1. Only noise and errors of the pose cause such a deviation.
 const RIGID_RIB: f64 = 0.01;
 /// Upper limit of the cost of a rib, so that one rib that buckles or ends at a false marker does not break a chain.
 const RIB_MOST: f64 = 12.0;
@@ -225,7 +225,7 @@ impl<'a> Chain<'a> {
     pub(super) fn step_cost(&self, from: usize, to: usize, step: &Vector) -> Option<f64> {
         let length_mm = self.lengths_mm[to] - self.lengths_mm[from];
         let ratio = step.norm() / length_mm;
-        // Hinges lie beside the plate, and the position of the base may be uncertain.
+        // Hinges lie beside the plate, and the position of the base may be uncertain. Both allow further lengths of a step.
         let turn_rad = TURN_DEG.to_radians() * length_mm / self.lengths_mm[self.nodes.len() - 1];
         let brackets_mm = self.marked.finger.marker_offset(self.nodes[to]).norm() * turn_rad;
         let base_mm = if from == 0 { self.marked.base_sd_mm } else { 0.0 };
