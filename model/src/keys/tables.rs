@@ -28,7 +28,7 @@ const LARGEST_FRICTION: f64 = 10.0;
 const LARGEST_TURN: f64 = 10.0;
 /// Upper limit of the standard deviation of a joint's position, mm. With a larger one, the description does not fit the finger.
 const LARGEST_JOINT_SIGMA_MM: f64 = 10.0;
-/// Upper limit of the number of steps of a press or of a grasp's path.
+/// Upper limit of numbers of steps and of camera frames.
 const MOST_STEPS: usize = 10_000;
 
 const BELOW_RADIUS: Range = ByOthers("zero or more and below radius_mm");
