@@ -1,9 +1,8 @@
 //! The camera: from points of the finger frame to pixels and back.
 //!
-//! A point X (mm, finger frame, z = x cross y) has the camera coordinates X_camera = R X + t ([`Pose`]). The lens ([`Lens`]) projects it
-//! to x = X/Z, y = Y/Z, applies its distortion and scales the result to pixels. Pixel coordinates are u to the right and v down, with the
-//! centre of the first pixel at (0, 0). One image does not determine the distance of a point. A point on a known plane z = height and its
-//! pixel determine each other.
+//! A point X (mm, finger frame, z = x cross y) has the camera coordinates X_camera = R X + t ([`Pose`]). The lens ([`Lens`]) projects the point to x = X/Z, y
+//! = Y/Z, applies its distortion, and scales the result to pixels. Pixel coordinates are u to the right and v down; the centre of the first pixel is (0, 0).
+//! One image does not determine the distance of a point. But a pixel determines a point on a known plane z = height.
 
 mod lens;
 mod pose;
@@ -17,11 +16,11 @@ use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 /// A position in an image, px: u to the right, v down.
 pub type Pixel = Vector2<f64>;
 
-/// Smallest sine of the angle between a ray and a plane at which a pixel has a position on the plane. At 1 degree, an error of
-/// 0.01 px on the sensor has the effect of about 0.5 px.
+/// Limit of the sine of the angle between a ray and a plane; below it, a pixel has no position on the plane. At 1 degree, an error of 0.01 px on the sensor
+/// has the effect of about 0.5 px.
 const LEAST_SLOPE: f64 = 0.0175;
 
-/// A camera with known lens and pose.
+/// A camera with its lens and its pose, both known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Lens and image sensor.
@@ -30,17 +29,17 @@ pub struct Camera {
     pub pose: Pose,
 }
 
-/// Reason why a point has no pixel, or a pixel no point.
+/// Reason why a point has no pixel, or a pixel has no point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum ViewError {
     /// The point is behind the camera.
     #[error("is behind the camera")]
     Behind,
-    /// The distortion model folds the image closer to the axis than the point, so that two points share a pixel.
+    /// The distortion model folds the image closer to the optical axis than the point, so that two points share a pixel.
     #[error("lies where the distortion of the lens folds the image")]
     Folded,
-    /// The angle between ray and plane is below one degree, or the ray does not meet the plane.
-    #[error("is on a line of sight parallel to the finger's plane")]
+    /// The ray of the pixel does not meet the plane, or meets it at an angle below one degree.
+    #[error("is on a line of sight (nearly) parallel to the finger's plane")]
     Grazing,
 }
 
@@ -53,7 +52,7 @@ impl Camera {
         self.lens.project(&self.pose.to_camera(point))
     }
 
-    /// Pixel of a point of the finger frame, mm, with the 2 x 3 derivatives by the point's coordinates, px/mm.
+    /// Pixel of a point of the finger frame (mm), and the 2 x 3 derivatives of the pixel by the point's coordinates, px/mm.
     ///
     /// # Errors
     /// [`ViewError`] as for [`Camera::project`].
@@ -62,7 +61,7 @@ impl Camera {
         Ok((pixel, by_camera * self.pose.rotation.matrix()))
     }
 
-    /// Point of the plane z = `height_mm` of the finger frame that a pixel shows, mm.
+    /// The point of the plane z = `height_mm` that a pixel shows, mm, finger frame.
     ///
     /// # Errors
     /// [`ViewError`] if the ray grazes or misses the plane, or the distortion folds the image at the pixel.
@@ -79,7 +78,7 @@ impl Camera {
         Ok((eye + ray * along).xy())
     }
 
-    /// Point of the plane z = `height_mm` at a pixel, mm, with the 2 x 2 derivatives by the pixel, mm/px.
+    /// The point of the plane z = `height_mm` that a pixel shows, mm, finger frame; and its 2 x 2 derivatives by the pixel, mm/px.
     ///
     /// # Errors
     /// [`ViewError`] as for [`Camera::on_plane`].
@@ -94,8 +93,9 @@ impl Camera {
         Ok((point, in_plane.try_inverse().ok_or(ViewError::Grazing)?))
     }
 
-    /// Standard deviation of one coordinate of a point of the plane z = `height_mm`, mm: the root mean square of those of x and y. Each
-    /// coordinate of the pixel has the standard deviation `pixel_sd_px`. First order: the covariance is J J^T times the variance, J by the pixel.
+    /// Standard deviation of one coordinate of the point of the plane z = `height_mm` that a pixel shows, mm: the root mean square of those of x and y. Each
+    /// coordinate of the pixel has the standard deviation `pixel_sd_px`. First order: the covariance of the point is J J^T times the pixel's variance, with
+    /// the derivatives J by the pixel.
     ///
     /// # Errors
     /// [`ViewError`] as for [`Camera::on_plane`].

@@ -1,7 +1,7 @@
-//! Displacements of the markers under unit forces: the columns of the compliance that sensing needs.
+//! Displacements of the markers under unit forces: the columns of the compliance matrix that sensing needs.
 //!
-//! The linear finger is exact at its key nodes with one element per member, so the coarsest mesh suffices. Tapered plates, and members in which a zone
-//! ends, are approximated by their mean compliances.
+//! The linear finger is exact at its key nodes with one element per member, so the coarsest mesh suffices. Only tapered plates, and members in which a zone
+//! ends, are approximated: by their mean compliances.
 
 use crate::element::quarter_turn;
 use crate::finger::{Finger, NodeId};
@@ -12,18 +12,18 @@ use crate::{Kinematics, Vector};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::OnceLock;
 
-/// Displacement of every key node's marker under each of several loads, mm per N (mm per N mm for a moment).
+/// Displacement of each key node's marker under each of several loads, in mm per N; in mm per N mm for a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compliance {
-    /// Displacements by load, then by key node.
+    /// Displacements, indexed by load and then by key node from 0.
     columns: Vec<Vec<Vector>>,
 }
 
 impl Compliance {
-    /// Solves the linear finger (eq. (5) of Xu et al. 2021) for each load, with one factorisation.
+    /// Solves the linear finger (eq. (5) of Xu et al. 2021) for each load; all loads share one factorisation.
     ///
     /// # Errors
-    /// [`StaticsError`] for a load at an invalid point, or a finger whose stiffness cannot be factorised.
+    /// [`StaticsError`] for a load at an invalid point, or for a finger whose stiffness cannot be factorised.
     pub fn new(finger: &Finger, loads: &[Load]) -> Result<Compliance, StaticsError> {
         let mesh = Mesh::key_nodes(finger);
         let frame_loads = loads.iter().map(|load| mesh.frame_load(load)).collect::<Result<Vec<_>, _>>()?;
@@ -38,39 +38,40 @@ impl Compliance {
         self.columns.len()
     }
 
-    /// Displacement of a node's marker under the load of index `load`, mm.
+    /// Displacement of a node's marker under the load of index `load`, mm, finger frame.
     pub fn displacement(&self, node: NodeId, load: usize) -> Vector {
         self.columns[load][node.0 - 1]
     }
 }
 
-/// Compliance of the linear finger by forces and moments on its key nodes, for many loads.
+/// Compliance of the linear finger for forces and moments on its key nodes; it serves many loads.
 ///
-/// A load between two key nodes moves all key nodes as its consistent nodal loads on these two do (exact for the cubic beam). Each node
-/// therefore needs one solution, computed when a load first uses it.
+/// A load between two key nodes moves all key nodes like its consistent nodal loads on these two nodes (exact for the cubic beam). Each key node therefore
+/// needs only one solution, which is computed when a load first uses it.
 #[derive(Debug, Clone)]
 pub struct NodalCompliance {
     mesh: Mesh,
     at_rest: FrameMotion,
-    /// Solution for each loaded key node.
+    /// Solution for unit loads on each key node.
     nodes: Vec<OnceLock<Result<Blocks, StaticsError>>>,
 }
 
-/// A 3 x 3 matrix for each key node. Rows are displacement (mm) and rotation (rad); columns are 1 N along x, 1 N along y and 1 N mm on the loaded node.
+/// A 3 x 3 matrix per key node. Its rows are displacement x, y (mm) and rotation (rad); its columns are 1 N along x, 1 N along y and 1 N mm on the loaded
+/// node.
 type Blocks = Vec<Matrix3<f64>>;
 
-/// Index of a key node from 0, and the force (x, y, N) and moment (N mm) on it.
+/// Index of a key node from 0, with the force x, y (N) and the moment (N mm) on it.
 type NodalLoad = (usize, Vector3<f64>);
 
 impl NodalCompliance {
-    /// Meshes the finger; solutions are computed on demand.
+    /// Meshes the finger. Solutions are computed on demand.
     pub fn new(finger: &Finger) -> NodalCompliance {
         let mesh = Mesh::key_nodes(finger);
         let nodes = vec![OnceLock::new(); finger.key_node_count()];
         NodalCompliance { at_rest: FrameMotion::at_rest(mesh.frame()), mesh, nodes }
     }
 
-    /// The finger.
+    /// The finger whose compliance this is.
     pub fn finger(&self) -> &Finger {
         self.mesh.finger()
     }
@@ -104,7 +105,7 @@ impl NodalCompliance {
         Ok(Compliance { columns: loads.iter().map(column).collect::<Result<_, StaticsError>>()? })
     }
 
-    /// The loaded key nodes that are free, with their equivalent nodal loads.
+    /// Equivalent nodal loads of a load between key nodes, on the loaded key nodes that are free.
     fn nodal_loads(&self, load: &Load) -> Result<[Option<NodalLoad>; 2], LoadError> {
         let frame = self.mesh.frame();
         // A load on a clamped node causes no motion.
@@ -124,7 +125,7 @@ impl NodalCompliance {
         })
     }
 
-    /// Motions of all key nodes under unit loads on the key node of index `node`, from 0.
+    /// Motions of all key nodes under unit loads on the key node of index `node`, counted from 0.
     fn blocks(&self, node: usize) -> Result<&[Matrix3<f64>], StaticsError> {
         let solved = self.nodes[node].get_or_init(|| {
             let unit = |force, moment_nmm| FrameLoad::Node { node, force, moment_nmm };

@@ -14,7 +14,8 @@ use placement::{check_room, check_sizes, check_zones, place_ribs, place_tip};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Number of a key node, from 1 at the back base over the tip to the front base, as in Xu et al. (2021).
+/// Number of a key node, as in Xu et al. (2021): counted from 1 at the back base over the tip to the front base. Key nodes are the ends of the plates and of
+/// the ribs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct NodeId(pub usize);
 
@@ -24,26 +25,26 @@ impl fmt::Display for NodeId {
     }
 }
 
-/// A named point of a finger.
+/// A point of a finger: a key node, or the joint of the rib at a key node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FingerPoint {
     /// A key node.
     Node(NodeId),
-    /// The joint of the rib at a key node, at the end of its bracket.
+    /// The joint between a rib and its bracket. The node is the key node that carries the bracket.
     Hinge(NodeId),
 }
 
-/// A finger with valid geometry and known positions of its key nodes.
+/// A finger whose geometry has been checked, with the positions of its key nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finger {
     description: FingerDescription,
     tip: Vector,
-    /// Positions of each rib's ends along the front and the back plate, mm from the base.
+    /// Positions of the front and the back end of each rib along the plates, mm from the base.
     ribs: Vec<[f64; 2]>,
 }
 
 impl Finger {
-    /// Checks a description and computes the key nodes.
+    /// Checks a description and computes the positions of the key nodes.
     ///
     /// # Errors
     /// [`ImpossibleFinger`] with the offending key. Causes are sizes that are not positive and finite, plates that form no triangle, brackets without
@@ -74,23 +75,23 @@ impl Finger {
         2 * self.ribs.len() + 3
     }
 
-    /// The key node at the tip, where the plates meet.
+    /// The key node at the tip, where the two plates meet.
     pub fn tip(&self) -> NodeId {
         NodeId(self.ribs.len() + 2)
     }
 
-    /// The two clamped nodes, at back base and front base.
+    /// The two clamped key nodes: at the base of the back plate, and at the base of the front plate.
     pub fn clamped_nodes(&self) -> [NodeId; 2] {
         [NodeId(1), NodeId(self.key_node_count())]
     }
 
-    /// Whether a node is clamped: a base node, or the end of a rib in a corner of the base.
+    /// Whether a node is clamped. The clamped nodes are the base nodes and the ends of ribs in a corner of the base.
     pub fn is_clamped(&self, node: NodeId) -> bool {
         self.clamped_nodes().contains(&self.junction(node))
     }
 
-    /// The key node that represents all key nodes at one point of a plate, which move and rotate together. It is the base node, or the node of the rib
-    /// nearest to the base. Returns `node` itself if it shares its point with no other.
+    /// Key nodes at the same point of a plate move and rotate together. Returns the node that represents them: the base node if it is among them, else the
+    /// node of the rib nearest to the base. Returns `node` if it shares its point with no other node.
     pub fn junction(&self, node: NodeId) -> NodeId {
         let last = self.key_node_count();
         if !(1..=last).contains(&node.0) {
@@ -104,7 +105,7 @@ impl Finger {
         NodeId(if plate == Plate::Back { level + 1 } else { last - level })
     }
 
-    /// Whether ribs share a junction or end in a corner of the base.
+    /// Whether two ribs share a junction with a plate, or a rib ends in a corner of the base.
     pub fn has_shared_junctions(&self) -> bool {
         (1..=self.key_node_count()).map(NodeId).any(|node| self.junction(node) != node)
     }
@@ -115,13 +116,13 @@ impl Finger {
         nodes.filter(|node| self.junction(*node) == *node).collect::<Vec<_>>().into_iter()
     }
 
-    /// The nodes that are not clamped, in order.
+    /// The nodes that are not clamped, in ascending order.
     pub fn free_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
         let nodes = (2..self.key_node_count()).map(NodeId);
         nodes.filter(|node| !self.is_clamped(*node)).collect::<Vec<_>>().into_iter()
     }
 
-    /// The free nodes with a marker, in order; a camera measures these.
+    /// The free nodes with a marker, in ascending order; a camera measures these nodes.
     pub fn marked_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
         self.free_nodes().filter(|node| self.has_marker(*node)).collect::<Vec<_>>().into_iter()
     }
@@ -161,8 +162,9 @@ impl Finger {
         }
     }
 
-    /// Lengths of the rigid arms at both ends of a plate's member, mm: rods, clips and rigid ends. Zero for a member without length, between ribs that
-    /// share a junction. Members are numbered from 0 at the base.
+    /// Lengths of the rigid arms at both ends of a plate member, mm. A plate member is the segment between two neighbouring key nodes of a plate; its arms
+    /// model rods, clips and rigid ends. Both lengths are zero for a member of zero length, between ribs that share a junction. Members are numbered from 0
+    /// at the base.
     pub fn member_arms_mm(&self, part: Plate, member: usize) -> [f64; 2] {
         let [from_mm, to_mm] = [member, member + 1].map(|level| self.level_mm(part, level));
         if from_mm == to_mm {
@@ -173,7 +175,7 @@ impl Finger {
         let clip_mm = self.description.ribs.clip_mm[side] / 2.0;
         let first = match member {
             0 => base_mm,
-            // Member next to a rib that ends in a corner of the base.
+            // This member lies next to a rib that ends in a corner of the base.
             _ if from_mm == 0.0 => base_mm.max(clip_mm),
             _ => clip_mm,
         };
@@ -218,7 +220,7 @@ impl Finger {
         }
     }
 
-    /// Undeformed bracket of a rib, mm: vector from the key node to the joint; zero for nodes without rib.
+    /// Vector of the undeformed bracket at a key node, mm, from the node to the joint with the rib. Zero for a node without rib.
     pub fn bracket(&self, node: NodeId) -> Vector {
         let last = self.key_node_count();
         let bracket_mm = |rib: usize| self.description.ribs.bracket_mm.of(rib);
@@ -229,12 +231,12 @@ impl Finger {
         }
     }
 
-    /// Undeformed position of the joint between a rib and its bracket, mm, finger frame; that of the node without bracket or rib.
+    /// Undeformed position of the joint between a rib and its bracket, mm, finger frame. Equals the node's position if the node has no bracket or no rib.
     pub fn hinge(&self, node: NodeId) -> Vector {
         self.position(node) + self.bracket(node)
     }
 
-    /// Whether brackets hold any rib off the plates.
+    /// Whether any rib is joined to a plate by a bracket.
     pub fn has_brackets(&self) -> bool {
         self.rib_count() > 0
             && self.description.ribs.bracket_mm.all().iter().flatten().any(|length_mm| *length_mm != 0.0)
@@ -259,7 +261,7 @@ impl Finger {
         self.position(node) + self.marker_offset(node)
     }
 
-    /// Whether a node has a marker. With markers on hinges, only ends of ribs have one. Nodes at one point share the marker of their
+    /// Whether a node has a marker. If markers are on hinges, only ends of ribs have one. Key nodes at the same point share the marker of their
     /// [`junction`](Finger::junction).
     pub fn has_marker(&self, node: NodeId) -> bool {
         let is_end_of_rib = || node != self.tip() && !self.is_clamped(node);
@@ -274,7 +276,7 @@ impl Finger {
         }
     }
 
-    /// Points along the front plate, the back plate and each rib with its brackets, for drawings.
+    /// For drawings: points along the front plate, the back plate, and each rib with its brackets.
     pub fn outline(&self) -> Vec<(Part, Vec<FingerPoint>)> {
         let plates = [Plate::Front, Plate::Back].map(|plate| {
             (Part::from(plate), self.plate_nodes(plate).into_iter().map(FingerPoint::Node).collect::<Vec<_>>())
@@ -300,19 +302,19 @@ impl Finger {
         (self.tip - self.base(Plate::Front)).normalize()
     }
 
-    /// Unit vector at an angle from the inward normal of the undeformed front plate; degrees, positive towards the tip.
+    /// Unit vector at the angle `angle_deg` from the inward normal of the undeformed front plate; degrees, positive towards the tip.
     pub fn direction(&self, angle_deg: f64) -> Vector {
         let tangent = self.front_tangent();
         let (sin, cos) = angle_deg.to_radians().sin_cos();
         self.inward(Plate::Front) * cos + tangent * sin
     }
 
-    /// Angle of a direction from the inward normal of the undeformed front plate; degrees, positive towards the tip.
+    /// Angle between a direction and the inward normal of the undeformed front plate; degrees, positive towards the tip.
     pub fn angle_deg(&self, direction: Vector) -> f64 {
         direction.dot(&self.front_tangent()).atan2(direction.dot(&self.inward(Plate::Front))).to_degrees()
     }
 
-    /// Returns the finger with all moduli multiplied by a factor.
+    /// Returns the finger with all moduli multiplied by a dimensionless factor.
     ///
     /// # Errors
     /// [`ImpossibleFinger`] if a modulus is no longer positive and finite.
@@ -330,14 +332,14 @@ impl Finger {
 /// One of the two side plates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Plate {
-    /// The plate on the contact side, +y.
+    /// The plate on the contact side, on the side of positive y.
     Front,
-    /// The plate on the far side, -y.
+    /// The plate that faces away from the contact, on the side of negative y.
     Back,
 }
 
 impl Plate {
-    /// Index of the plate in pairs of front and back.
+    /// Index of the plate in arrays ordered `[front, back]`: 0 or 1.
     pub(crate) fn index(self) -> usize {
         usize::from(self == Plate::Back)
     }

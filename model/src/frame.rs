@@ -1,9 +1,9 @@
 //! A plane frame: nodes, supports, and beams with rigid arms, pins and rigid links.
 //!
-//! The solvers in [`crate::statics`] work on a frame. [`crate::mesh`] builds it from a finger; reference problems build their own.
+//! The solvers in [`crate::statics`] work on a frame. [`crate::mesh`] builds the frame of a finger; reference problems build their own frames.
 //!
-//! Translations belong to nodes; rotations are numbered separately. The beams at a node are clamped to its *rotation slot*. A pin gives a beam end a
-//! separate slot, and a rigid link lets two nodes share one. Hinges and undeformable members are therefore exact, without penalty stiffness.
+//! Translations belong to nodes; rotations are numbered separately. The beams at a node are clamped to its *rotation slot*. A pin gives a beam end a separate
+//! slot; a rigid link lets two nodes share a slot. Hinges and undeformable members are therefore exact, without penalty stiffness.
 
 mod equations;
 mod links;
@@ -23,10 +23,10 @@ use nalgebra::Vector2;
 
 /// Index of a node in a frame, from 0.
 pub type NodeIndex = usize;
-/// Index of a rotation slot, from 0; node `n` starts with slot `n`.
+/// Index of a rotation slot, from 0. Each node and each pin gets the next slot when it is added.
 pub type RotationSlot = usize;
 
-/// Axial and bending rigidity of a cross-section.
+/// Rigidities of a beam's cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
     /// Axial rigidity EA, N.
@@ -36,13 +36,13 @@ pub struct Section {
 }
 
 impl Section {
-    /// A rectangular strip with the given in-plane thickness, out-of-plane depth and Young's modulus.
+    /// A rectangular strip with the given in-plane thickness (mm), out-of-plane depth (mm) and Young's modulus (MPa).
     pub fn rectangle(thickness_mm: f64, depth_mm: f64, youngs_modulus_mpa: f64) -> Section {
         let axial_rigidity_n = youngs_modulus_mpa * depth_mm * thickness_mm;
         Section { axial_rigidity_n, bending_rigidity_nmm2: axial_rigidity_n * thickness_mm * thickness_mm / 12.0 }
     }
 
-    /// Returns the section with its modulus multiplied by a factor.
+    /// Returns the section with both rigidities multiplied by a dimensionless factor.
     pub fn scaled(self, factor: f64) -> Section {
         Section {
             axial_rigidity_n: self.axial_rigidity_n * factor,
@@ -51,12 +51,12 @@ impl Section {
     }
 }
 
-/// End of a beam: at a node, or at the end of a rigid arm that rotates with `rotation`.
+/// End of a beam: at a node, or at the end of a rigid arm that starts at the node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamEnd<R = f64> {
-    /// The node that the end moves with.
+    /// The node with which the end moves.
     pub node: NodeIndex,
-    /// Rotation slot that the end is clamped to: the node's or a pin's.
+    /// Rotation slot to which the end is clamped: that of the node or of a pin.
     pub rotation: RotationSlot,
     /// Undeformed vector from the node to the end of the beam, mm; zero without an arm.
     pub arm: Vector2<R>,
@@ -65,7 +65,7 @@ pub struct BeamEnd<R = f64> {
 /// An elastic beam with its two ends in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Member<R = f64> {
-    /// The elastic part.
+    /// The elastic beam between the ends.
     pub beam: Beam<R>,
     /// First and second end.
     pub ends: [BeamEnd<R>; 2],
@@ -74,16 +74,21 @@ pub struct Member<R = f64> {
 /// A node of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct FrameNode {
+    /// Undeformed position, mm.
     position: Vector,
+    /// Rotation slot of the node.
     rotation: RotationSlot,
+    /// Whether x and whether y of the node is fixed.
     fixed: [bool; 2],
+    /// The rigid link by which the node follows another node; `None` for an independent node.
     link: Option<RigidLink>,
 }
 
-/// A plane frame. See the [module](self) for its parts.
+/// A plane frame; the [module documentation](self) describes its parts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlaneFrame {
     nodes: Vec<FrameNode>,
+    /// Whether each rotation slot is fixed.
     rotation_fixed: Vec<bool>,
     members: Vec<Member>,
 }
@@ -94,32 +99,32 @@ impl PlaneFrame {
         PlaneFrame::default()
     }
 
-    /// Adds a free node at a position in mm and gives it a rotation slot.
+    /// Adds a free node at a position in mm, gives it a rotation slot, and returns its index.
     pub fn add_node(&mut self, position: Vector) -> NodeIndex {
         let rotation = self.add_rotation();
         self.nodes.push(FrameNode { position, rotation, fixed: [false; 2], link: None });
         self.nodes.len() - 1
     }
 
-    /// Adds a rotation slot without a node: a pin for the beams clamped to it.
+    /// Adds a rotation slot without a node and returns its index. Beam ends clamped to this slot are pinned.
     pub fn add_rotation(&mut self) -> RotationSlot {
         self.rotation_fixed.push(false);
         self.rotation_fixed.len() - 1
     }
 
-    /// Fixes x, y and rotation of a node, each if `true`.
+    /// Fixes x, y or rotation of a node if the corresponding flag is `true`, else frees it.
     pub fn support(&mut self, node: NodeIndex, [x, y, rotation]: [bool; 3]) {
         let at = &mut self.nodes[node];
         at.fixed = [x, y];
         self.rotation_fixed[at.rotation] = rotation;
     }
 
-    /// A beam end clamped to a node, without an arm.
+    /// The end of a beam that is clamped to a node, without an arm.
     pub fn clamped_end(&self, node: NodeIndex) -> BeamEnd {
         BeamEnd { node, rotation: self.nodes[node].rotation, arm: Vector::zeros() }
     }
 
-    /// Adds a beam between two ends and returns its index. Direction and length follow from the nodes and arms.
+    /// Adds a beam between two ends and returns its index. Its direction and length follow from the positions of nodes and arms.
     pub fn add_member(&mut self, ends: [BeamEnd; 2], section: Section) -> usize {
         let between = self.position(ends[1].node) + ends[1].arm - self.position(ends[0].node) - ends[0].arm;
         let length_mm = between.norm();
@@ -153,7 +158,7 @@ impl PlaneFrame {
         self.nodes[node].rotation
     }
 
-    /// The beams in the order of their addition.
+    /// The beams, in the order in which they were added.
     pub fn members(&self) -> &[Member] {
         &self.members
     }
@@ -200,12 +205,12 @@ impl<R: Number> FrameMotion<R> {
         }
     }
 
-    /// A motion without nodes and slots.
+    /// A motion of a frame without nodes and slots.
     pub(crate) fn empty() -> FrameMotion<R> {
         FrameMotion { displacements: Vec::new(), rotations: Vec::new() }
     }
 
-    /// Copies one lane to a scalar motion.
+    /// Copies the motion in one SIMD lane to a scalar motion.
     pub(crate) fn copy_lane(&self, lane: usize, motion: &mut FrameMotion) {
         for (u, lanes) in motion.displacements.iter_mut().zip(&self.displacements) {
             (u.x, u.y) = (lanes.x.lane(lane), lanes.y.lane(lane));
@@ -215,7 +220,7 @@ impl<R: Number> FrameMotion<R> {
         }
     }
 
-    /// Overwrites one lane by a scalar motion.
+    /// Overwrites the motion in one SIMD lane with a scalar motion.
     pub(crate) fn set_lane(&mut self, lane: usize, motion: &FrameMotion) {
         for (lanes, u) in self.displacements.iter_mut().zip(&motion.displacements) {
             lanes.x.set_lane(lane, u.x);

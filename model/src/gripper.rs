@@ -1,7 +1,7 @@
-//! The gripper's slider-rocker linkage: from the motor's angle to the placement of its two fingers.
+//! The gripper's slider-rocker linkage: it relates the motor's angle to the placements of the two fingers.
 //!
-//! A screw moves a nut along the axis between two mirrored linkages. In each, a rocker rotates about a joint fixed to the gripper, and
-//! a link connects the rocker's end to the nut. The finger is mounted on the link.
+//! A screw moves a nut along the axis between two mirrored linkages. In each linkage, a rocker rotates about a joint that is fixed to the gripper. A link
+//! connects the end of the rocker to the nut. The finger is mounted on the link.
 
 mod budget;
 mod placement;
@@ -13,16 +13,16 @@ use crate::{Finger, Vector};
 use nalgebra::Rotation2;
 use std::f64::consts::PI;
 
-/// Sine of the angle between rocker and link below which a pose counts as singular, at the end of the nut's reach.
+/// Limit of the sine of the angle between rocker and link; below it, a pose counts as singular. Singular poses are the ends of the nut's reach.
 const SINGULAR_SINE: f64 = 1e-6;
 
 /// Dimensions of the linkage.
 ///
 /// # Frame
-/// The mechanism frame has its origin at the fixed joint of one rocker and y along the screw. The nut is at (l4, l3), the mirror axis at x = l4.
+/// The mechanism frame has its origin at the fixed joint of one rocker, and y along the screw. The nut is at (l4, l3), and the mirror axis is x = l4.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GripperDescription {
-    /// Travel of the nut in one revolution of the motor, mm; p_s of eq. (6).
+    /// Travel of the nut per revolution of the motor, mm; p_s of eq. (6).
     pub screw_pitch_mm: f64,
     /// Height of the nut at motor angle 0, mm; l03 of eq. (6).
     pub slider_mm: f64,
@@ -30,21 +30,21 @@ pub struct GripperDescription {
     pub link_mm: [f64; 2],
     /// Distance of the fixed joint from the screw's axis, mm; l4 of eq. (7).
     pub fixed_joint_mm: f64,
-    /// Assembly mode of the linkage.
+    /// Assembly mode: which of the two possible closures the linkage has.
     pub assembly: Assembly,
 }
 
-/// Assembly mode: which of the two closures the linkage has at motor angle 0; it keeps that closure.
+/// Assembly mode: the linkage can close in two ways, and keeps the one that it has at motor angle 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Assembly {
-    /// The joint of rocker and link is at the position farther from the screw's axis.
+    /// The joint between rocker and link is at that one of its two possible positions that is farther from the screw's axis.
     #[default]
     Outer,
-    /// The joint of rocker and link is at the position nearer to the screw's axis.
+    /// The joint between rocker and link is at that one of its two possible positions that is nearer to the screw's axis.
     Inner,
 }
 
-/// A linkage that cannot close at motor angle 0.
+/// Error for a linkage that cannot close at motor angle 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
     "expected rocker and link that reach from nut to fixed joint, {apart_mm:.2} mm at motor angle 0, found a reach of \
@@ -59,14 +59,14 @@ pub struct ImpossibleLinkage {
     pub apart_mm: f64,
 }
 
-/// A gripper with two mirrored fingers and a valid linkage.
+/// A gripper with two mirrored fingers and a linkage that has been checked.
 ///
 /// # Reference
 /// Xu et al. (IEEE T-RO 2021), eqs (6)-(9).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gripper {
     description: GripperDescription,
-    /// Side of the joint of rocker and link, seen from the fixed joint towards the nut: 1 on the left, -1 on the right.
+    /// Side on which the joint between rocker and link lies, seen from the fixed joint towards the nut: 1 for left, -1 for right.
     side: f64,
 }
 
@@ -79,30 +79,30 @@ pub struct LinkagePose {
     pub phi1_rad: f64,
     /// Inclination of the link, rad; phi2 of eqs (7) and (8). The finger rotates with the link.
     pub phi2_rad: f64,
-    /// Middle of the finger's base line, mechanism frame, mm; P of eq. (9).
+    /// Position of the middle of the finger's base line, mm, mechanism frame; P of eq. (9).
     pub base: Vector,
 }
 
 impl LinkagePose {
-    /// Whether rocker and link are collinear: the end of the nut's reach, where the derivative of the opening is infinite.
+    /// Whether rocker and link are collinear. This pose is an end of the nut's reach, where the derivative of the opening by the motor's angle is infinite.
     pub fn is_singular(&self) -> bool {
         (self.phi1_rad + self.phi2_rad).sin().abs() < SINGULAR_SINE
     }
 
-    /// Position of a point of the finger frame in the mechanism frame, mm. Eq. (9) has the finger's axes in reverse order.
+    /// Transforms a point of the finger frame to the mechanism frame; mm. Eq. (9) lists the finger's axes in reverse order.
     pub fn in_mechanism(&self, point: Vector) -> Vector {
         self.base + Rotation2::new(self.phi2_rad) * point.yx()
     }
 }
 
 impl Gripper {
-    /// Checks that the linkage closes. The lengths of the links and the pitch must be positive.
+    /// Checks that the linkage closes. The lengths in `description` and the pitch must be positive.
     ///
     /// # Errors
     /// [`ImpossibleLinkage`] if rocker and link cannot reach from the fixed joint to the nut at motor angle 0.
     pub fn new(description: GripperDescription) -> Result<Gripper, ImpossibleLinkage> {
         let GripperDescription { slider_mm, assembly, .. } = description;
-        // Left of a line that points upwards is away from the screw's axis.
+        // For a line that points upwards, the left side is away from the screw's axis.
         let outer = if slider_mm < 0.0 { -1.0 } else { 1.0 };
         let side = if assembly == Assembly::Outer { outer } else { -outer };
         let gripper = Gripper { description, side };
@@ -121,22 +121,23 @@ impl Gripper {
         &self.description
     }
 
-    /// Height of the nut at a motor angle in degrees, mm, by eq. (6).
+    /// Height of the nut, mm, at a motor angle in degrees, by eq. (6).
     pub fn slider_mm(&self, motor_deg: f64) -> f64 {
         self.description.slider_mm + motor_deg / 360.0 * self.description.screw_pitch_mm
     }
 
-    /// Motor angle at which the nut has a height in mm, degrees.
+    /// Motor angle, degrees, at which the nut has the height `slider_mm`, mm.
     fn motor_deg(&self, slider_mm: f64) -> f64 {
         (slider_mm - self.description.slider_mm) / self.description.screw_pitch_mm * 360.0
     }
 
-    /// Pose at a motor angle in degrees; `None` out of reach.
+    /// Pose of the linkage at a motor angle in degrees. `None` if the nut cannot reach that angle.
     pub fn pose(&self, motor_deg: f64) -> Option<LinkagePose> {
         self.with_slider(self.slider_mm(motor_deg))
     }
 
-    /// Pose at a height of the nut in mm, from the intersection of the circles of rocker and link; `None` out of reach.
+    /// Pose of the linkage with the nut at a height in mm, from the intersection of the circles of rocker and link. `None` if the nut cannot reach that
+    /// height.
     fn with_slider(&self, slider_mm: f64) -> Option<LinkagePose> {
         let [rocker, link] = self.description.link_mm;
         let nut = Vector::new(self.description.fixed_joint_mm, slider_mm);
@@ -152,19 +153,20 @@ impl Gripper {
         })
     }
 
-    /// Whether the nut can move from motor angle 0 to a height without the linkage being too long in between.
+    /// Whether the nut can move from its height at motor angle 0 to the height `slider_mm` (mm) without passing heights at which the linkage cannot close.
     fn is_on_the_same_way(&self, slider_mm: f64) -> bool {
         self.least_slider_mm().is_none() || slider_mm.signum() == self.description.slider_mm.signum()
     }
 
-    /// Smallest distance of the nut from the height of the fixed joint, mm; `None` if the links let it pass that height.
+    /// Smallest distance between the heights of nut and fixed joint, mm. `None` if the linkage lets the nut pass the height of the fixed joint.
     fn least_slider_mm(&self) -> Option<f64> {
         let [rocker, link] = self.description.link_mm;
         let square = (rocker - link).powi(2) - self.description.fixed_joint_mm.powi(2);
         (square >= 0.0).then(|| square.sqrt())
     }
 
-    /// Placements of the fingers in the gripper's frame, left first. Origin on the screw's axis, x to the right, y towards the tips.
+    /// Placements of the two fingers in the gripper's frame, left finger first. The frame has its origin on the screw's axis, x to the right and y towards
+    /// the tips.
     pub fn fingers(&self, pose: &LinkagePose) -> [Placement; 2] {
         let across = Vector::new(self.description.fixed_joint_mm, 0.0);
         let left = Placement { origin: pose.base - across, angle_rad: 0.5 * PI + pose.phi2_rad, mirrored: true };
@@ -172,7 +174,7 @@ impl Gripper {
         [left, Placement { origin, angle_rad: 0.5 * PI - pose.phi2_rad, mirrored: false }]
     }
 
-    /// Motor angles at both ends of the nut's reach, degrees, the smaller first.
+    /// Motor angles at the two ends of the nut's reach, degrees; the smaller angle first.
     pub fn reach_deg(&self) -> [f64; 2] {
         let [rocker, link] = self.description.link_mm;
         let most = ((rocker + link).powi(2) - self.description.fixed_joint_mm.powi(2)).max(0.0).sqrt();
@@ -184,7 +186,7 @@ impl Gripper {
         ends.map(|slider_mm| self.motor_deg(slider_mm))
     }
 
-    /// Distance between the tips of the undeformed fingers, mm; negative if they have passed each other.
+    /// Distance between the tips of the two undeformed fingers, mm; negative if the tips have passed each other.
     pub fn opening_mm(&self, finger: &Finger, pose: &LinkagePose) -> f64 {
         2.0 * (self.description.fixed_joint_mm - pose.in_mechanism(finger.position(finger.tip())).x)
     }
@@ -202,11 +204,12 @@ impl Gripper {
         (!pose.is_singular()).then_some(by_turn_mm * turn_per_mm * self.description.screw_pitch_mm)
     }
 
-    /// Motor angle nearest to 0, degrees, at which the undeformed gripper has the opening `opening_mm` between the tips; `None` if there is none.
+    /// Motor angle, degrees, at which the tips of the undeformed fingers are `opening_mm` apart. Of several such angles, the one nearest to 0; `None` if
+    /// there is none.
     ///
     /// # Reference
-    /// By eq. (7), the joint has x = l4 - l2 cos phi2. The opening is therefore 2 ((l2 - y) cos phi2 + x sin phi2) for a tip at (x, y) of the finger
-    /// frame, a single cosine. Eq. (7) then gives phi1, and eq. (8) l3.
+    /// By eq. (7), the joint has x = l4 - l2 cos phi2. For a tip at (x, y) of the finger frame, the opening is therefore a single cosine: 2 ((l2 - y) cos
+    /// phi2 + x sin phi2). Eq. (7) then gives phi1, and eq. (8) l3.
     pub fn motor_deg_for_opening(&self, finger: &Finger, opening_mm: f64) -> Option<f64> {
         let [rocker, link] = self.description.link_mm;
         let [radius_mm, beta_rad] = self.opening_arm(finger);
@@ -217,7 +220,7 @@ impl Gripper {
             [phi1_rad, -phi1_rad]
                 .map(|phi1_rad| (phi2_rad, self.motor_deg(rocker * phi1_rad.sin() + link * phi2_rad.sin())))
         });
-        // Keeps the heights whose pose has the assembly mode of this linkage; angles that are not a number have no pose.
+        // Keeps the angles at which the pose has the assembly mode of this linkage. A NaN angle has no pose.
         let reached = motor_deg.filter(|(phi2_rad, motor_deg)| {
             let turned = self.pose(*motor_deg).map(|pose| (pose.phi2_rad - phi2_rad).rem_euclid(2.0 * PI));
             turned.is_some_and(|turned| turned.min(2.0 * PI - turned) < SINGULAR_SINE)
@@ -225,7 +228,7 @@ impl Gripper {
         reached.map(|(_, motor_deg)| motor_deg).min_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
-    /// Half of the opening is r cos(phi2 - beta). Returns r in mm and beta in rad.
+    /// Returns r (mm) and beta (rad), with which half of the opening is r cos(phi2 - beta).
     fn opening_arm(&self, finger: &Finger) -> [f64; 2] {
         let tip = finger.position(finger.tip());
         let inwards = self.description.link_mm[1] - tip.y;

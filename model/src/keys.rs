@@ -1,6 +1,7 @@
-//! The keys of scene files, one entry per key. The reader, its errors, the reference and the checks of [`Finger`] follow from the entry.
+//! The keys of scene files, one entry per key. The entry determines how the key is read, its errors, its text in the reference, and the checks of [`Finger`].
 //!
-//! Each table of a scene is a static ([`FINGER`], [`CAMERA`], ...) whose fields are its keys. A new key needs an entry in `tables` and a line that reads it.
+//! Each table of a scene is a static ([`FINGER`], [`CAMERA`], ...) whose fields are the keys. A new key needs an entry in `tables` and a line of code that
+//! reads it.
 //!
 //! [`Finger`]: crate::Finger
 
@@ -18,47 +19,47 @@ pub use tables::*;
 
 use std::ops::Deref;
 
-/// Whether a scene must have a key, and the value without it.
+/// Whether a scene must have a key, and the value that applies if it has not.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Need<V> {
     /// The key is required.
     Required,
-    /// The key is required in the stated case, for instance "unless rigid".
+    /// The key is required in the stated case, for instance "unless ribs are rigid".
     RequiredIf(&'static str),
-    /// The key is required if the table's `shape` is this one, and rejected for other shapes.
+    /// The key is required if the table's key `shape` has this value, and rejected if it has another value.
     Of(&'static str),
-    /// The key has this default.
+    /// The key is optional and has this default.
     Or(V),
     /// The key is optional and has no default.
     Optional,
 }
 
-/// A key of a table, with its kind of value, need and meaning.
+/// A key of a table: its name, the kind of its values, whether it is required, and its meaning.
 #[derive(Debug)]
 pub struct Key<K: Kind> {
     table: &'static str,
-    /// Name in the table.
+    /// Name of the key in its table.
     pub name: &'static str,
-    /// Kind and range of its values.
+    /// Kind and range of the key's values.
     pub kind: K,
-    /// Whether a scene must have it, and its default.
+    /// Whether a scene must have the key, and the key's default.
     pub need: Need<K::Value>,
     /// Meaning of the key, as the reference prints it.
     pub says: &'static str,
 }
 
 impl<K: Kind> Key<K> {
-    /// Path in the scene, as in errors: `finger.ribs.count`.
+    /// Path of the key in the scene as errors print it, for instance `finger.ribs.count`.
     pub fn path(&self) -> String {
         joined(self.table, self.name)
     }
 
-    /// Path in one of several tables, numbered from 1: `finger.zone[2].to_mm`.
+    /// Path of the key in one of several tables, numbered from 1, for instance `finger.zone[2].to_mm`.
     pub fn path_in(&self, number: usize) -> String {
         format!("{}[{number}].{}", self.table, self.name)
     }
 
-    /// Default value, if the key has one.
+    /// Default value of the key; `None` if the key has none.
     pub fn default(&self) -> Option<&K::Value> {
         match &self.need {
             Need::Or(value) => Some(value),
@@ -66,10 +67,10 @@ impl<K: Kind> Key<K> {
         }
     }
 
-    /// Checks a value against the range of the key.
+    /// Checks whether a value lies in the range of the key.
     ///
     /// # Errors
-    /// [`Refused`] with the range and the value, if the value lies outside.
+    /// [`Refused`] with the range and the value, if the value lies outside the range.
     pub fn check(&self, value: &K::Value) -> Result<(), Refused> {
         match self.kind.outside(value) {
             None => Ok(()),
@@ -77,7 +78,7 @@ impl<K: Kind> Key<K> {
         }
     }
 
-    /// The entry of the reference.
+    /// Description of the key for the reference.
     fn entry(&self) -> Entry {
         let need = match &self.need {
             Need::Required => "required".to_owned(),
@@ -95,35 +96,35 @@ impl<K: Kind> Key<K> {
     }
 }
 
-/// Description of a key for the reference, independent of its type.
+/// Description of a key for the reference, independent of the type of its values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// Name in the table.
+    /// Name of the key in its table.
     pub name: &'static str,
-    /// Quantity, unit and range of its values.
+    /// Quantity, unit and range of the key's values, in words.
     pub values: String,
-    /// Whether a scene must have it, and its default, in words.
+    /// Whether a scene must have the key, and the key's default, in words.
     pub need: String,
-    /// Whether every scene with the table must have it.
+    /// Whether every scene with this table must have the key.
     pub is_required: bool,
-    /// The only shape that has the key; `None` if all have it.
+    /// The only value of `shape` with which the key is allowed; `None` if the key is allowed with all.
     pub shape: Option<&'static str>,
     /// Meaning of the key, as the reference prints it.
     pub says: &'static str,
 }
 
-/// Number of times that a table may occur in a scene.
+/// Number of times that a scene may contain a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Occurs {
-    /// Exactly once.
+    /// A scene contains the table exactly once.
     Once,
-    /// At most once.
+    /// A scene contains the table at most once.
     Optional,
-    /// Any number of times, as `[[finger.zone]]`.
+    /// Any number of times, as in `[[finger.zone]]`.
     Many,
 }
 
-/// A table of the scene; its keys are the fields of `K`.
+/// A table of the scene; the fields of `K` are its keys.
 #[derive(Debug)]
 pub struct Table<K> {
     path: &'static str,
@@ -140,29 +141,29 @@ impl<K> Deref for Table<K> {
     }
 }
 
-/// The keys of a table as a list.
+/// A set of keys that can be listed.
 pub trait KeyList {
     /// Entries of all keys, in the order of the reference.
     fn entries(&self) -> Vec<Entry>;
 }
 
-/// A table of the scene, independent of the type of its keys.
+/// A table of the scene, in a form that is independent of the type of its keys.
 pub trait SceneTable: Sync {
-    /// Path, for instance `finger.ribs`; empty for the keys above all tables.
+    /// Path of the table, for instance `finger.ribs`; empty for the keys above all tables.
     fn path(&self) -> &'static str;
-    /// Number of times that it may occur in a scene.
+    /// Number of times that a scene may contain the table.
     fn occurs(&self) -> Occurs;
     /// Meaning of the table, as the reference prints it.
     fn says(&self) -> &'static str;
-    /// Entries of its keys, in the order of the reference.
+    /// Entries of the table's keys, in the order of the reference.
     fn entries(&self) -> Vec<Entry>;
 
-    /// Name within its parent table.
+    /// Name of the table within its parent table.
     fn name(&self) -> &'static str {
         self.path().rsplit('.').next().unwrap_or_default()
     }
 
-    /// Names of all keys, then of all tables, that it may contain.
+    /// Names of all keys, then of all tables, that the table may contain.
     fn known(&self) -> Vec<&'static str> {
         let inner = TABLES.iter().filter(|table| {
             let around = table.path().rsplit_once('.').map_or("", |(around, _)| around);
@@ -171,13 +172,13 @@ pub trait SceneTable: Sync {
         self.entries().into_iter().map(|entry| entry.name).chain(inner.map(|table| table.name())).collect()
     }
 
-    /// Text for a missing table: `[gripper]` with its required keys.
+    /// Text for messages about a missing table: `[gripper]` with its required keys.
     fn outline(&self) -> String {
         let required = self.entries().into_iter().filter(|entry| entry.is_required).map(|entry| entry.name);
         self.with(&required.collect::<Vec<_>>())
     }
 
-    /// Text for the table with some of its keys: `[grasp] with motor_deg`.
+    /// Text for messages that names the table with some of its keys: `[grasp] with motor_deg`.
     fn with(&self, names: &[&str]) -> String {
         match names {
             [] => format!("[{}]", self.path()),
@@ -205,12 +206,12 @@ impl<K: KeyList + Sync> SceneTable for Table<K> {
     }
 }
 
-/// Path of a name in a table.
+/// Path of a key or table named `name` within a table.
 pub(crate) fn joined(table: &str, name: &str) -> String {
     if table.is_empty() { name.to_owned() } else { format!("{table}.{name}") }
 }
 
-/// A noun with its indefinite article.
+/// The noun with its indefinite article.
 pub(crate) fn with_article(noun: &str) -> String {
     let article = if noun.starts_with(['a', 'e', 'i', 'o']) { "an" } else { "a" };
     format!("{article} {noun}")

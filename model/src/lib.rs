@@ -9,8 +9,9 @@
 //! - From a scene file to a finger: [`Scene::from_toml`]; [`keys`] lists every key.
 //! # Conventions
 //! Units are N, mm, MPa and rad; a name states any other unit (`angle_deg`). The finger frame has its origin at the middle of the base line. Its x axis
-//! points from the base towards the tip, its y axis along the base line towards the front plate (the contact side). Rotations are positive from x to y.
-//! Angles of forces are measured from the inward normal of the undeformed front plate, positive towards the tip. `sd` and `sigma` are standard deviations.
+//! points from the base towards the tip. Its y axis runs along the base line towards the front plate (the contact side). Rotations are positive from x to y.
+//! Angles of forces are measured from the inward normal of the undeformed front plate, positive towards the tip. In names, `sd` and `sigma` mean standard
+//! deviation.
 //!
 //! Data flows one way. A [`Scene`] describes a [`Finger`], a [`Mesh`] divides it into beam elements, and [`statics`] solves for its equilibrium under
 //! [`Load`]s. An [`observation`] holds the markers that a camera sees; [`estimators`] and the [`sensor`] estimate the contact forces from it.
@@ -26,7 +27,7 @@
 //! let mesh = Mesh::key_nodes(&scene.finger);
 //! let load = Load::at_node(NodeId(19), scene.finger.direction(0.0) * 2.0);
 //! let shape = statics::solve(&mesh, &[load], Kinematics::Corotational)?;
-//! assert!(shape.motion(NodeId(19)).displacement.norm() > 1.0); // it yields by more than 1 mm
+//! assert!(shape.motion(NodeId(19)).displacement.norm() > 1.0); // the node moves by more than 1 mm
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]

@@ -1,7 +1,7 @@
 //! A finger divided into beam elements.
 //!
-//! Members are the segments of the plates between key nodes, and the ribs. Each member is divided evenly between its rigid arms.
-//! Key node `n` of the finger is node `n - 1` of the frame. The joints of ribs on brackets follow, then the nodes of refinement.
+//! Members are the segments of the plates between key nodes, and the ribs. The length of each member between its rigid arms is divided into equal elements.
+//! Key node `n` of the finger is node `n - 1` of the frame. The joints of ribs on brackets follow, then the nodes inside members.
 
 mod apportion;
 mod build;
@@ -19,37 +19,38 @@ use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame};
 use build::{hinge_node, line_lengths};
 use prepared::Prepared;
 
-/// Number of points over which the normal of a plate segment is averaged.
+/// Number of points on a plate segment at which its normal is sampled for the mean.
 const NORMALS: usize = 5;
 
-/// The requested number of mesh nodes is too small or too large.
+/// Error for a requested number of mesh nodes that is too small or too large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("expected {fewest} (one element a member) to {MOST_NODES} mesh nodes, found {found}")]
+#[error("expected {fewest} (one element per member) to {MOST_NODES} mesh nodes, found {found}")]
 pub struct MeshSizeError {
-    /// Number of nodes of the coarsest mesh of this finger.
+    /// Number of nodes of the finger's coarsest mesh.
     pub fewest: usize,
-    /// Requested number of nodes.
+    /// The requested number of nodes.
     pub found: usize,
 }
 
-/// Largest number of mesh nodes, far beyond any practical use.
+/// Largest number of mesh nodes that is accepted.
 const MOST_NODES: usize = 200_000;
 
-/// A member of the finger with the nodes and elements along it.
+/// A member of the finger, with its nodes and elements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// The part of the finger.
+    /// The part of the finger that the member belongs to.
     pub part: Part,
-    /// Frame nodes from one key node to the other, both included; for a rib on brackets, from joint to joint.
+    /// Frame nodes along the member from one key node to the other, both included. For a rib on brackets, they run from joint to joint.
     pub nodes: Vec<NodeIndex>,
-    /// Indices of its elements in the frame, in the same order; empty for an undeformable rib, and between ribs that share a junction.
+    /// Indices of the member's elements in the frame, in the order of the nodes. Empty for an undeformable rib, and for a plate member between ribs that
+    /// share a junction.
     pub members: std::ops::Range<usize>,
 }
 
 /// A segment of the front plate that can carry a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FrontSpan {
-    /// A rigid arm, and the position of its node along the plate, mm from the base.
+    /// A rigid arm with the position of its node along the plate, mm from the base.
     Arm { end: BeamEnd, node_mm: f64 },
     /// An elastic element, with its start and end along the plate, mm from the base.
     Element { member: usize, from_mm: f64, to_mm: f64 },
@@ -61,27 +62,28 @@ pub struct Mesh {
     finger: Finger,
     frame: PlaneFrame,
     lines: Vec<Line>,
-    /// Indices of lines that can be computed in lanes; see [`Mesh::alike_lines`].
+    /// Groups of lines that are computed together in SIMD lanes; see [`Mesh::alike_lines`].
     alike: Vec<Vec<usize>>,
-    /// Segments of the front plate from base to tip, each after the position of its end, mm from the base.
+    /// Segments of the front plate from base to tip; each pair starts with the position of the segment's end, mm from the base.
     front: Vec<(f64, FrontSpan)>,
-    /// Number of elements of each line; the base line is last.
+    /// Number of elements of each line; the last entry is for the base line.
     elements: Vec<usize>,
+    /// Number of nodes, including those that are counted but not built.
     node_count: usize,
     prepared: Prepared,
 }
 
 impl Mesh {
-    /// The coarsest mesh, with one element per member; 25 nodes for the paper's finger.
+    /// The coarsest mesh, with one element per member: 25 nodes for the paper's finger.
     pub fn key_nodes(finger: &Finger) -> Mesh {
         Mesh::build(finger, &vec![1; line_lengths(finger).len()])
     }
 
-    /// A mesh of `nodes` nodes. Members and base line share `nodes - key nodes + lines` elements in proportion to length (largest
-    /// remainder), at least one each. Elements of the base line, between two clamps, are counted but not built.
+    /// A mesh of `nodes` nodes. Members and base line share `nodes - key nodes + lines` elements in proportion to their lengths (largest remainder), at least
+    /// one per line. The base line lies between two clamps, so its elements are counted but not built.
     ///
     /// # Errors
-    /// [`MeshSizeError`] for fewer nodes than key nodes, or more than 200 000.
+    /// [`MeshSizeError`] for fewer nodes than the finger has key nodes, or for more than 200 000.
     pub fn with_nodes(finger: &Finger, nodes: usize) -> Result<Mesh, MeshSizeError> {
         let fewest = finger.key_node_count();
         if !(fewest..=MOST_NODES).contains(&nodes) {
@@ -101,47 +103,47 @@ impl Mesh {
         Mesh::build(&self.finger, &self.elements.iter().map(|elements| times.max(1) * elements).collect::<Vec<_>>())
     }
 
-    /// Whether any member consists of a single element.
+    /// Whether at least one member consists of a single element.
     pub fn has_single_elements(&self) -> bool {
         self.lines.iter().any(|line| line.members.len() == 1)
     }
 
-    /// Number of elements, including those of the base line and of undeformable ribs.
+    /// Number of elements, including those that are counted but not built: on the base line and on undeformable ribs.
     pub fn element_count(&self) -> usize {
         self.elements.iter().sum()
     }
 
-    /// The meshed finger.
+    /// The finger that this mesh divides.
     pub fn finger(&self) -> &Finger {
         &self.finger
     }
 
-    /// The frame of the finger.
+    /// The frame that consists of the finger's elements.
     pub fn frame(&self) -> &PlaneFrame {
         &self.frame
     }
 
-    /// The members of the finger.
+    /// The members of the finger, each with its nodes and elements.
     pub fn lines(&self) -> &[Line] {
         &self.lines
     }
 
-    /// Groups of line indices. The lines of a group are all ribs or all plate members, and have equal numbers of elements.
+    /// Groups of line indices for SIMD lanes. The lines of a group are all ribs or all plate members, and have equal numbers of elements.
     pub(crate) fn alike_lines(&self) -> &[Vec<usize>] {
         &self.alike
     }
 
-    /// Number of nodes, including those of the base line and of undeformable ribs.
+    /// Number of nodes, including those that are counted but not built: on the base line and on undeformable ribs.
     pub fn node_count(&self) -> usize {
         self.node_count
     }
 
-    /// The frame node of a key node.
+    /// The frame node that coincides with a key node.
     pub fn frame_node(&self, node: NodeId) -> NodeIndex {
         node.0 - 1
     }
 
-    /// The frame node of the joint between a key node and its rib; that of the key node without brackets or without rib.
+    /// The frame node of the joint between a key node's bracket and its rib. Equals [`frame_node`](Mesh::frame_node) if the node has no bracket or no rib.
     pub fn hinge_node(&self, node: NodeId) -> NodeIndex {
         hinge_node(&self.finger, node)
     }
@@ -154,7 +156,7 @@ impl Mesh {
         }
     }
 
-    /// Vector from a key node to its marker, mm: undeformed if `linear`, else in the given motion.
+    /// Vector from a key node to its marker, mm: undeformed if `linear`, else rotated by the motion.
     pub(crate) fn marker_lever(&self, node: NodeId, motion: &FrameMotion, linear: bool) -> Vector {
         let undeformed = self.finger.marker_offset(node);
         if linear {
@@ -163,7 +165,8 @@ impl Mesh {
         undeformed + motion.displacements[self.marker_node(node)] - motion.displacements[self.frame_node(node)]
     }
 
-    /// Rotation of the front plate's normal at a load, rad: the mean over a segment of length `over_mm` about it, cut at the plate's ends.
+    /// Rotation of the front plate's normal at a load, rad. It is the mean over a plate segment of length `over_mm` (mm) about the load, cut off at the
+    /// plate's ends.
     ///
     /// # Errors
     /// [`LoadError`] as for [`frame_load`](Mesh::frame_load).
@@ -184,10 +187,11 @@ impl Mesh {
         Ok(sum / NORMALS as f64)
     }
 
-    /// Position of a point on the middle line of the deformed front plate, mm, finger frame; `s_mm` counts from the base.
+    /// Position of a point on the middle line of the deformed front plate, mm, finger frame. `s_mm` is the point's distance from the base along the
+    /// undeformed plate.
     ///
     /// # Errors
-    /// [`LoadError`] for a position off the front plate.
+    /// [`LoadError`] if `s_mm` is not on the front plate.
     pub(crate) fn front_point(&self, motion: &FrameMotion, s_mm: f64) -> Result<Vector, LoadError> {
         let load = self.frame_load(&Load::at_position(s_mm, Vector::zeros()))?;
         Ok(self.finger.plate_point(Plate::Front, s_mm) + self.frame.displacement_at(motion, &load))
@@ -196,7 +200,7 @@ impl Mesh {
     /// Converts a load on the finger to a load on the frame.
     ///
     /// # Errors
-    /// [`LoadError`] for a node that is missing or clamped, or for a position off the front plate.
+    /// [`LoadError`] for a node that does not exist or is clamped, or for a position off the front plate.
     pub fn frame_load(&self, load: &Load) -> Result<FrameLoad, LoadError> {
         match *load {
             Load::Node { node, force, moment_nmm } => {
@@ -228,7 +232,7 @@ impl Mesh {
         }
     }
 
-    /// Motions of the key nodes, given a motion of the frame.
+    /// Motions of the key nodes in a motion of the frame.
     pub fn shape(&self, motion: &FrameMotion) -> FingerShape {
         let motions = (1..=self.finger.key_node_count())
             .map(NodeId)

@@ -1,4 +1,4 @@
-//! Reading of scene files: from TOML text to a checked [`Finger`] and its surroundings.
+//! Reading of scene files: from TOML text to a checked [`Finger`], with camera, contacts, objects and gripper.
 
 mod camera;
 mod contact;
@@ -28,46 +28,46 @@ use crate::sensing::{AssemblyErrors, UnloadedError};
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
 
-/// Contents of a scene file.
+/// Contents of a scene file, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// Name of the scene.
     pub name: String,
-    /// The finger.
+    /// The finger that the scene describes.
     pub finger: Finger,
-    /// Largest strain at which the material of each part is linear, where the scene states it.
+    /// Largest fibre strain at which the material of each part is linear, dimensionless; `None` for parts without a stated limit.
     pub strain_limits: StrainLimits,
-    /// Standard deviation of one measured coordinate, mm; `None` if the scene does not state it.
+    /// Standard deviation of one measured marker coordinate, mm; `None` if the scene does not state it.
     pub noise_mm: Option<f64>,
-    /// Errors of markers beyond the noise stated for each.
+    /// Errors of the markers in addition to the noise that is stated for each marker.
     pub marker_errors: MarkerErrors,
-    /// The camera, if the scene has one.
+    /// The camera; `None` if the scene has none.
     pub camera: Option<CameraDescription>,
-    /// The visible markers, if the scene has them.
+    /// The visible markers; `None` if the scene describes none.
     pub markers: Option<Markers>,
-    /// References and uncertainty of the base, if it moves between images.
+    /// Reference marks on the base and the base's uncertainty, for a base that moves between images; `None` for a fixed base.
     pub base: Option<Base>,
-    /// Possible deviations of the unloaded finger from its description, if the scene states them.
+    /// Possible deviations of the unloaded finger from its description; `None` if the scene states none.
     pub assembly: Option<AssemblyErrors>,
-    /// Contact between objects and the finger.
+    /// Properties of contacts between objects and the finger.
     pub contact: ContactDescription,
-    /// The object of known shape that touches the front plate while forces are sensed, if the scene has one.
+    /// The object of known shape that touches the front plate while forces are sensed; `None` if the scene has none.
     pub touched: Option<TouchedDescription>,
-    /// The object that is pressed onto the finger or grasped, if the scene has one.
+    /// The object that is pressed onto the finger or grasped; `None` if the scene has none.
     pub object: Option<ObjectDescription>,
-    /// The linkage that moves two such fingers, if the scene has one.
+    /// The linkage that moves two copies of the finger; `None` if the scene has none.
     pub gripper: Option<Gripper>,
-    /// How the gripper grasps the object, if the scene states it.
+    /// Settings of a grasp by the gripper; `None` if the scene states none.
     pub grasp: Option<GraspDescription>,
 }
 
-/// A scene text with an error.
+/// Error in the text of a scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("line {line}: {message}")]
 pub struct SceneError {
-    /// Line in the text, from 1.
+    /// Line in the text, counted from 1.
     pub line: usize,
-    /// The key, the expected value and the found value.
+    /// The key, the expected value and the found value, in words.
     pub message: String,
 }
 
@@ -175,7 +175,7 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     };
     let rigid = table.is_true(&RIBS.rigid)?;
     let none = positions == RibPositions::Count(0) || positions == RibPositions::Positions(Vec::new());
-    // The material keys are checked even if rigid ribs do not use them.
+    // The keys for the material are also checked for rigid ribs, which do not use them.
     let thickness_mm = table.optional(&RIBS.thickness_mm)?;
     let (strip, thicknesses_mm) = match (&thickness_mm, table.optional(&RIBS.youngs_modulus_mpa)?) {
         _ if rigid => (None, None),

@@ -1,7 +1,7 @@
-//! Validity of the beam model in an equilibrium: small strain, negligible shear, no bending out of the plane.
+//! Validity of the beam model in an equilibrium: strains must be small, shear negligible, and bending must stay in the plane.
 //!
-//! Euler-Bernoulli beams with stress = E times strain give a smooth answer under any load. [`Validity`] computes the neglected effects of an
-//! equilibrium. [`Validity::doubts`] compares strains with the material's limits ([`StrainLimits`], by default [`LARGEST_STRAIN`]) and shear
+//! Euler-Bernoulli beams with stress = E times strain give a smooth solution under any load, even an unrealistic one. [`Validity`] computes the neglected
+//! effects in an equilibrium. [`Validity::doubts`] compares strains with the material's limits ([`StrainLimits`], by default [`LARGEST_STRAIN`]) and shear
 //! with [`LARGEST_SHEAR_SHARE`]. Undeformable ribs are not examined.
 
 mod doubt;
@@ -15,40 +15,40 @@ use crate::mesh::{Line, Load, Mesh};
 use crate::statics::{Statics, StaticsError};
 use crate::{Kinematics, NodeId, Vector};
 
-/// Default fibre strain up to which stress is E times strain, dimensionless, for a material without a stated limit.
+/// Default limit of the fibre strain, dimensionless, for a material without a stated limit. Up to this strain, stress is assumed to be E times strain.
 ///
 /// An incompressible rubber in tension has the stress E / 3 (l - 1 / l^2) at the stretch ratio l (neo-Hookean; Treloar, The Physics of Rubber
 /// Elasticity, 1975, ch. 5), or E eps (1 - eps + ...). At 5 % strain the stress is 5 % below E eps, and engineering and logarithmic strain differ by
 /// 2.5 %. Flexural tests of plastics by beam formulas also end at this strain of the outer fibre (ASTM D790).
 pub const LARGEST_STRAIN: f64 = 0.05;
 
-/// Elements per member of equilibria that are solved for examination; shapes are accurate to 0.04 % under 3 N.
+/// Number of elements per member when an equilibrium is solved only for examination. Shapes are then accurate to 0.04 % under 3 N.
 const ELEMENTS: usize = 4;
 
-/// Largest share of shear in the strain energy at which Euler-Bernoulli beams are valid.
+/// Limit of the share of shear in the strain energy, dimensionless; beyond it, Euler-Bernoulli beams count as invalid.
 ///
-/// The loads then move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). With a strain at its limit, a force is still
-/// within 10 %, where the paper's Table I begins to shade errors (Xu et al. 2021, sec. V-A). A cantilever with a load at its end has this share
-/// at a length of 3.5 thicknesses; a member clamped at both ends that sways has it at 7.
+/// At this share, the loads move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). With the largest strain at its limit, too, a
+/// force is still within 10 %, the error from which the paper's Table I shades its cells (Xu et al. 2021, sec. V-A). A cantilever with a load at its end has
+/// this share at a length of 3.5 thicknesses. A member that is clamped at both ends and sways has it at 7 thicknesses.
 pub const LARGEST_SHEAR_SHARE: f64 = 0.05;
 
-/// Shear correction factor of a rectangular section, from the energy of the parabolic shear stress
-/// (Timoshenko and Goodier, Theory of Elasticity; Gere and Timoshenko, Mechanics of Materials, form factor 6/5).
+/// Shear correction factor of a rectangular section, dimensionless, from the energy of the parabolic shear stress (Timoshenko and Goodier, Theory of
+/// Elasticity; Gere and Timoshenko, Mechanics of Materials, form factor 6/5).
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
 
-/// Largest strain at which the material of each part is linear, dimensionless; `None` if the scene states none.
+/// Largest strain at which the material of each part is linear, dimensionless. `None` if the scene does not state the limit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StrainLimits {
-    /// Limit of the front plate, dimensionless.
+    /// Limit of the strain of the front plate, dimensionless.
     pub front: Option<f64>,
-    /// Limit of the back plate, dimensionless.
+    /// Limit of the strain of the back plate, dimensionless.
     pub back: Option<f64>,
-    /// Limit of the ribs, dimensionless.
+    /// Limit of the strain of the ribs, dimensionless.
     pub ribs: Option<f64>,
 }
 
 impl StrainLimits {
-    /// Stated limit of a part, dimensionless, if any.
+    /// Stated limit of a part, dimensionless; `None` if the scene states none.
     pub fn stated(&self, part: Part) -> Option<f64> {
         match part {
             Part::Front => self.front,
@@ -57,7 +57,7 @@ impl StrainLimits {
         }
     }
 
-    /// Limit of a part, dimensionless: the stated one, else [`LARGEST_STRAIN`].
+    /// Limit of a part, dimensionless: the stated limit, else [`LARGEST_STRAIN`].
     pub fn of(&self, part: Part) -> f64 {
         self.stated(part).unwrap_or(LARGEST_STRAIN)
     }
@@ -66,46 +66,46 @@ impl StrainLimits {
 /// A member of the finger: a segment of a plate between two key nodes, or a rib.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FingerMember {
-    /// Part of the finger.
+    /// Part of the finger that the member belongs to.
     pub part: Part,
-    /// Key nodes at its ends.
+    /// Key nodes at the member's ends.
     pub nodes: [NodeId; 2],
-    /// Free length (without rigid arms) over thickness, dimensionless; for a tapered plate, over that of its thickest element.
+    /// Free length (without rigid arms) divided by thickness, dimensionless. For a tapered plate, the thickness is that of the member's thickest element.
     pub slenderness: f64,
 }
 
 /// Largest fibre strain in one part of the finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FibreStrain {
-    /// Fibre strain |axial strain| + |curvature| thickness / 2, dimensionless; in one of the two outer fibres both have the same sign.
+    /// Fibre strain |axial strain| + |curvature| thickness / 2, dimensionless. In one of the two outer fibres, axial and bending strain have the same sign.
     pub strain: f64,
-    /// Axial strain at that position, dimensionless, signed.
+    /// Axial strain at the same position, dimensionless; positive in tension.
     pub axial_strain: f64,
-    /// Member with that position.
+    /// Member that contains the position.
     pub member: FingerMember,
-    /// Position, mm: along a plate from its base, along a rib from the back plate.
+    /// Position of the largest strain, mm: along a plate from its base, along a rib from the back plate.
     pub at_mm: f64,
 }
 
-/// Measures of an equilibrium that show whether the assumptions of the beam model hold.
+/// Measures of an equilibrium that show whether it satisfies the assumptions of the beam model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validity {
-    /// Largest strain of each deformable part: front plate, back plate, ribs.
+    /// Largest fibre strain of each deformable part, in the order front plate, back plate, ribs.
     pub strains: Vec<FibreStrain>,
-    /// Shear energy V^2 l / (2 kappa G A), summed over the members, over the strain energy of elongation and bending; zero at rest. kappa is
-    /// [`SHEAR_CORRECTION`], G = E / (2 (1 + nu)).
+    /// Shear energy divided by the strain energy of elongation and bending, dimensionless; zero at rest. The shear energy is V^2 l / (2 kappa G A), summed
+    /// over the members, with kappa = [`SHEAR_CORRECTION`] and G = E / (2 (1 + nu)).
     ///
-    /// With shear, the work of the loads on a linear finger is larger by at most this share. Its section forces minimise the complementary
-    /// energy, and those of Euler-Bernoulli beams are admissible.
+    /// If shear is included, the work of the loads on a linear finger grows by at most this share. The reason is that its section forces minimise the
+    /// complementary energy, and those of Euler-Bernoulli beams are admissible.
     pub shear_share: f64,
-    /// Member with the most shear energy; `None` without shear.
+    /// Member with the largest shear energy; `None` without shear.
     pub shear_at: Option<FingerMember>,
-    /// Depth over the thickness of the thickest element, dimensionless.
+    /// Out-of-plane depth divided by the thickness of the thickest element, dimensionless.
     pub depth_ratio: f64,
 }
 
 impl Validity {
-    /// Examines a motion of a mesh in equilibrium with loads; `kinematics` are those of the solution.
+    /// Examines a motion of a mesh in equilibrium with loads. `kinematics` must be those of the solution.
     pub fn of(mesh: &Mesh, motion: &FrameMotion, kinematics: Kinematics, loads: &[FrameLoad]) -> Validity {
         let finger = mesh.finger();
         let examined = |line| examine(mesh, line, motion, kinematics, loads);
@@ -128,7 +128,7 @@ impl Validity {
         }
     }
 
-    /// Solves for the co-rotational equilibrium of a finger under loads and examines it.
+    /// Computes the co-rotational equilibrium of a finger under loads and examines it.
     ///
     /// # Errors
     /// [`StaticsError`] if a load is invalid or no equilibrium exists.
@@ -139,7 +139,7 @@ impl Validity {
         Ok(Validity::of(&mesh, &found.motion, Kinematics::Corotational, &loads))
     }
 
-    /// Strain of the part that is closest to its limit, by ratio.
+    /// Largest fibre strain of the part whose strain has the largest ratio to its limit.
     pub fn largest_strain(&self, limits: &StrainLimits) -> Option<&FibreStrain> {
         let share = |strain: &FibreStrain| strain.strain / limits.of(strain.member.part);
         self.strains.iter().max_by(|a, b| share(a).total_cmp(&share(b)))
@@ -148,20 +148,23 @@ impl Validity {
 
 const PARTS: [Part; 3] = [Part::Front, Part::Back, Part::Ribs];
 
-/// Thickness of a beam with rectangular section, mm. A zone scales both rigidities equally. For a tapered plate, a value between those at the element's ends.
+/// Thickness of a beam with rectangular section, mm, from the ratio of its rigidities, which a zone scales equally. For an element of a tapered plate, it
+/// lies between the thicknesses at the element's ends.
 fn thickness_mm(beam: &Beam) -> f64 {
     (12.0 * beam.bending_rigidity_nmm2 / beam.axial_rigidity_n).sqrt()
 }
 
-/// Strain and energies (N mm) of one member.
+/// Largest fibre strain and energies (N mm) of one member.
 struct Examined {
     member: FingerMember,
     strain: FibreStrain,
+    /// Strain energy of elongation and bending, N mm.
     strain_energy: f64,
+    /// Shear energy, N mm.
     shear_energy: f64,
 }
 
-/// Examines one member; `None` for an undeformable rib.
+/// Examines one member. Returns `None` for an undeformable rib.
 fn examine(
     mesh: &Mesh,
     line: &Line,
@@ -179,7 +182,7 @@ fn examine(
         nodes: [NodeId(first + 1), NodeId(last + 1)],
         slenderness: free_mm / thickest_mm,
     };
-    // Position of the member's first node along its part, mm.
+    // Position of the member's first node along its part, mm, as in [`FibreStrain::at_mm`].
     let origin_mm = match line.part {
         Part::Front => (mesh.frame().position(*first) - finger.base(Plate::Front)).norm(),
         Part::Back => (mesh.frame().position(*first) - finger.base(Plate::Back)).norm(),
@@ -216,7 +219,7 @@ fn examine(
     Some(Examined { member: examined, strain, strain_energy, shear_energy })
 }
 
-/// Position (fraction of the length) and force (N) of a load between the ends of a member.
+/// Position (fraction of the length) and force (N) of a load between the ends of member `index`; `None` for any other load.
 fn inside(load: &FrameLoad, index: usize) -> Option<(f64, Vector)> {
     match *load {
         FrameLoad::Interior { member, xi, force } if member == index => Some((xi, force)),
@@ -224,7 +227,7 @@ fn inside(load: &FrameLoad, index: usize) -> Option<(f64, Vector)> {
     }
 }
 
-/// Mean square of a curvature that is linear between two stations, 1/mm^2.
+/// Mean square of the curvature between two stations, 1/mm^2, for a curvature that varies linearly between them.
 fn mean_square(from: &Station, to: &Station) -> f64 {
     let (a, b) = (from.curvature_per_mm, to.curvature_per_mm);
     (a * a + a * b + b * b) / 3.0

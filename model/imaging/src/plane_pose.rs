@@ -5,9 +5,9 @@ use finray_model::camera::{Lens, Pixel, Pose, ViewError};
 use finray_numerics::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Refusal};
 use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector2, Vector3};
 
-/// Smallest number of points that determine a pose: four that are not collinear.
+/// Smallest number of points for a pose; no more than two of four may be collinear.
 const LEAST_POINTS: usize = 4;
-/// Ratio of the spread across the best line to the spread along it, below which points count as collinear.
+/// Points count as collinear if their spread across the best line, divided by the spread along it, is below this.
 const LEAST_SPREAD: f64 = 1e-3;
 
 /// A fitted pose with its uncertainty.
@@ -17,8 +17,8 @@ pub struct PoseFit {
     pub pose: Pose,
     /// Residual standard deviation of one pixel coordinate, px, with 2 n - 6 degrees of freedom for n points.
     pub residual_sd_px: f64,
-    /// 6 x 6 covariance of a small motion of the camera frame (rotation vector in rad, then translation in mm), for pixels of standard
-    /// deviation 1 px. Multiply by the variance of a pixel coordinate to get the covariance of the pose.
+    /// 6 x 6 covariance of a small motion of the camera frame (rotation vector in rad, then translation in mm), for pixel coordinates with a standard
+    /// deviation of 1 px. The covariance of the pose is this matrix times the variance of a pixel coordinate in px^2.
     pub unit_covariance: Matrix6<f64>,
 }
 
@@ -34,7 +34,7 @@ pub enum PlanePoseError {
     /// The points are collinear in the plane or in the image.
     #[error("a pose needs points that do not lie on one line")]
     OnALine,
-    /// A pixel lies beyond the fold of the lens's distortion.
+    /// A pixel lies beyond a fold of the lens's distortion.
     #[error("a pixel lies where the distortion of the lens folds the image")]
     Folded,
     /// No pose projects the points to their pixels.
@@ -42,8 +42,8 @@ pub enum PlanePoseError {
     NotFound,
 }
 
-/// Fits the pose to pixels of points (mm) on the plane z = `height_mm` of the finger frame. The homography of the undistorted pixels starts
-/// least squares of the pixels. A distant plane fits nearly as well with the opposite tilt, so both are tried.
+/// Fits the pose to pixels of points (mm) on the plane z = `height_mm` of the finger frame. Least squares of the pixels start from the homography of the
+/// undistorted pixels. A distant plane fits nearly as well with the opposite tilt, so both tilts are tried.
 ///
 /// # Errors
 /// [`PlanePoseError`] for fewer than four points, collinear points, a pixel beyond the fold, or no pose that fits.
@@ -80,7 +80,7 @@ pub fn plane_pose(lens: &Lens, height_mm: f64, points: &[(Vector, Pixel)]) -> Re
     })
 }
 
-/// Least squares of the pixels of points on a plane; the unknowns are a small motion of the camera frame.
+/// Least-squares problem for the pixels of points on a plane. The unknowns are a small motion of the camera frame.
 struct PoseProblem<'p> {
     lens: &'p Lens,
     height_mm: f64,
@@ -124,7 +124,7 @@ pub(super) fn by_motion(lens: &Lens, pose: &Pose, point: &Vector3<f64>) -> Resul
     Ok(by)
 }
 
-/// Normalising transform of points: their mean becomes zero, their root mean square distance from it sqrt(2).
+/// Transform that normalises points: their mean becomes zero, and their root mean square distance from it becomes sqrt(2).
 fn normalisation(points: &[Vector2<f64>]) -> Matrix3<f64> {
     let count = points.len() as f64;
     let mean = points.iter().sum::<Vector2<f64>>() / count;
@@ -167,7 +167,8 @@ pub(super) fn homography(positions: &[Vector2<f64>], seen: &[Vector2<f64>]) -> O
     Some(to.try_inverse()? * normalised * from)
 }
 
-/// Pose from the homography of the plane z = `height_mm`, H ~ [r1 r2 R (0, 0, height) + t], with the points' mean in front of the camera.
+/// Pose from the homography H ~ [r1 r2 R (0, 0, height) + t] of the plane z = `height_mm`; the sign is chosen so that the points' mean lies in front of the
+/// camera.
 fn of_homography(homography: &Matrix3<f64>, mean: &Vector2<f64>, height_mm: f64) -> Option<Pose> {
     let scale = 2.0 / (homography.column(0).norm() + homography.column(1).norm());
     let depth = (homography * mean.push(1.0)).z;
@@ -184,7 +185,7 @@ fn of_homography(homography: &Matrix3<f64>, mean: &Vector2<f64>, height_mm: f64)
     Some(Pose { rotation, translation_mm })
 }
 
-/// The pose with the plane's normal mirrored about the ray to a point of the plane; this point keeps its position.
+/// The pose after mirroring the plane's normal about the ray to a point of the plane. This point keeps its position.
 fn tilted_back(pose: &Pose, point: &Vector3<f64>) -> Pose {
     let seen = pose.to_camera(point);
     let ray = seen.normalize();

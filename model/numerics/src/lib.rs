@@ -1,11 +1,11 @@
-//! Numerics of the finger model: what knows nothing of fingers, meshes or scenes.
+//! Numerics of the finger model, independent of fingers, meshes and scenes.
 //!
-//! - [`dense`]: layers of networks.
-//! - [`optimise`]: damped least squares with priors, bounds of steps and the covariance of the unknowns.
-//! - [`linear`]: factors of symmetric matrices, small and sparse.
-//! - [`number`]: one number or several side by side, computed to the same bits.
+//! - [`dense`]: evaluation of the layers of neural networks.
+//! - [`optimise`]: damped least squares with priors, bounds on steps, and the covariance of the unknowns.
+//! - [`linear`]: factorisations of symmetric matrices, small and sparse.
+//! - [`number`]: one number, or several in SIMD lanes, with bitwise equal results.
 //!
-//! The crate is pure: it allocates, and computes.
+//! The crate is pure: it reads no files, prints nothing and uses no clock.
 #![forbid(unsafe_code)]
 
 pub mod dense;

@@ -4,14 +4,15 @@ use super::{Pixel, ViewError};
 use crate::keys::{CAMERA, Key, Numbers};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 
-/// Tangent of the largest angle from the axis that is considered, 79 degrees.
+/// Tangent of the largest considered angle from the optical axis, 79 degrees.
 const WIDEST: f64 = 5.0;
-/// Number of radii at which a fold is searched for; the slope is a cubic in r^2 and has at most three roots.
+/// Number of radii at which a fold is searched for. They suffice, because the slope is a cubic in r^2 with at most three roots.
 const FOLD_STEPS: usize = 2000;
-/// Newton's method ends when a step is below this share: 1e-11 px at a focal length of 1e5 px.
+/// Newton's method ends when a step, as a share of 1 + radius, is below this: 1e-11 px at a focal length of 1e5 px.
 const SETTLED: f64 = 1e-16;
+/// Largest number of Newton iterations for the undistorted coordinates of a pixel.
 const MOST_STEPS: usize = 50;
-/// Points along each side of the image at which the distortion must be invertible.
+/// Number of points along each side of the image at which the distortion must be invertible.
 const SIDE_POINTS: usize = 32;
 
 /// Distortion coefficients in OpenCV's convention. With r^2 = x^2 + y^2 and f = 1 + k1 r^2 + k2 r^4 + k3 r^6:
@@ -28,24 +29,24 @@ pub struct Distortion {
 }
 
 impl Distortion {
-    /// Distortion from k1, k2, p1, p2, k3, the order of OpenCV.
+    /// Distortion from the coefficients k1, k2, p1, p2, k3, in OpenCV's order.
     pub fn from_opencv([k1, k2, p1, p2, k3]: [f64; 5]) -> Distortion {
         Distortion { radial: [k1, k2, k3], tangential: [p1, p2] }
     }
 
-    /// Coefficients k1, k2, p1, p2, k3, the order of OpenCV.
+    /// The coefficients k1, k2, p1, p2, k3, in OpenCV's order.
     pub fn to_opencv(&self) -> [f64; 5] {
         let ([k1, k2, k3], [p1, p2]) = (self.radial, self.tangential);
         [k1, k2, p1, p2, k3]
     }
 
-    /// Radial factor f and its derivative by q = r^2.
+    /// Radial factor f and its derivative by q = r^2; dimensionless.
     fn factor(&self, q: f64) -> (f64, f64) {
         let [k1, k2, k3] = self.radial;
         (1.0 + q * (k1 + q * (k2 + q * k3)), k1 + q * (2.0 * k2 + q * 3.0 * k3))
     }
 
-    /// Distorted coordinates, and their 2 x 2 derivatives by the undistorted ones.
+    /// Distorted coordinates, and their 2 x 2 derivatives by the undistorted coordinates; dimensionless.
     fn bend(&self, at: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
         let (x, y, q) = (at.x, at.y, at.norm_squared());
         let (f, slope) = self.factor(q);
@@ -60,7 +61,7 @@ impl Distortion {
         (bent, Matrix2::new(by_x, mixed, mixed, by_y))
     }
 
-    /// Radius of the first fold of the radial part, where r f(r^2) stops growing; at most [`WIDEST`].
+    /// Undistorted radius of the first fold of the radial part, where r f(r^2) stops growing; dimensionless, at most [`WIDEST`].
     fn first_fold(&self) -> f64 {
         let slope = |r: f64| {
             let (f, by_q) = self.factor(r * r);
@@ -87,17 +88,17 @@ pub struct Lens {
     focal_px: Vector2<f64>,
     principal_point_px: Pixel,
     distortion: Distortion,
-    /// Largest undistorted radius at which the distorted radius still grows.
+    /// Largest undistorted radius up to which the distorted radius grows, dimensionless.
     widest: f64,
 }
 
-/// An invalid lens, with the key of a scene's `[camera]` table that causes it.
+/// Error for an invalid lens.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{key}: expected {expected}")]
 pub struct ImpossibleLens {
-    /// Key of `[camera]`.
+    /// Key of the scene's `[camera]` table that causes the error.
     pub key: &'static str,
-    /// Expected and found value.
+    /// Expected and found value, in words.
     pub expected: String,
 }
 
@@ -109,11 +110,11 @@ fn check<const N: usize>(key: &Key<Numbers<N>>, value: [f64; N]) -> Result<(), I
 }
 
 impl Lens {
-    /// A lens with the given image size, focal lengths along u and v, principal point (all px) and distortion.
+    /// A lens with the given image size, focal lengths along u and v, and principal point (all in px), and distortion.
     ///
     /// # Errors
-    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, a value that is not finite or out of range, or a distortion
-    /// that folds the image.
+    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, or values that are not finite or out of range. Also for a distortion that
+    /// folds the image.
     pub fn new(
         size_px: [u32; 2],
         focal_px: [f64; 2],
@@ -156,7 +157,7 @@ impl Lens {
         self.focal_px.into()
     }
 
-    /// Principal point, the pixel on the optical axis, px.
+    /// Principal point: the pixel on the optical axis.
     pub fn principal_point_px(&self) -> [f64; 2] {
         self.principal_point_px.into()
     }
@@ -166,12 +167,12 @@ impl Lens {
         &self.distortion
     }
 
-    /// Whether a pixel lies in the image, including the outer halves of its border pixels.
+    /// Whether a pixel lies in the image, whose border pixels extend half a pixel beyond their centres.
     pub fn contains(&self, pixel: &Pixel) -> bool {
         (0..2).all(|axis| (-0.5..=f64::from(self.size_px[axis]) - 0.5).contains(&pixel[axis]))
     }
 
-    /// Pixels along the border of the image.
+    /// Some pixels along the border of the image.
     fn border(&self) -> impl Iterator<Item = Pixel> + use<> {
         let [width, height] = self.size_px.map(f64::from);
         (0..=SIDE_POINTS).flat_map(move |i| {
@@ -184,16 +185,16 @@ impl Lens {
     /// Pixel of a point of the camera frame, mm.
     ///
     /// # Errors
-    /// [`ViewError`] if the point is behind the camera or beyond a fold of the distortion; the same below.
+    /// [`ViewError`] if the point is behind the camera or beyond a fold of the distortion.
     pub fn project(&self, point: &Vector3<f64>) -> Result<Pixel, ViewError> {
         let bent = self.distortion.bend(&self.seen(point)?);
         self.on_sensor(bent)
     }
 
-    /// Pixel of a point of the camera frame, mm.
+    /// Pixel of a point of the camera frame (mm), and the 2 x 3 derivatives of the pixel by the point's coordinates, px/mm.
     ///
     /// # Errors
-    /// [`ViewError`] if the point is behind the camera or beyond a fold of the distortion; the same below. with the 2 x 3 derivatives by that point, px/mm.
+    /// [`ViewError`] as for [`Lens::project`].
     pub fn project_with_derivatives(&self, point: &Vector3<f64>) -> Result<(Pixel, Matrix2x3<f64>), ViewError> {
         let at = self.seen(point)?;
         let (bent, by_at) = self.distortion.bend(&at);
@@ -202,7 +203,7 @@ impl Lens {
         Ok((pixel, Matrix2::from_diagonal(&self.focal_px) * by_at * by_point))
     }
 
-    /// Undistorted coordinates X/Z and Y/Z (dimensionless) of a point of the camera frame (mm).
+    /// Undistorted coordinates X/Z and Y/Z of a point of the camera frame (mm), dimensionless.
     fn seen(&self, point: &Vector3<f64>) -> Result<Vector2<f64>, ViewError> {
         if point.z.is_nan() || point.z <= 0.0 {
             return Err(ViewError::Behind);
@@ -212,14 +213,14 @@ impl Lens {
     }
 
     fn on_sensor(&self, (bent, by_at): (Vector2<f64>, Matrix2<f64>)) -> Result<Pixel, ViewError> {
-        // The tangential part can fold the image, too.
+        // The tangential part of the distortion may also fold the image.
         if by_at.determinant() <= 0.0 {
             return Err(ViewError::Folded);
         }
         Ok(self.principal_point_px + self.focal_px.component_mul(&bent))
     }
 
-    /// Direction of the ray through a pixel in the camera frame, with z = 1.
+    /// Direction of the ray through a pixel, in the camera frame, scaled to z = 1.
     ///
     /// # Errors
     /// [`ViewError::Folded`] if the distortion has no inverse at the pixel.
@@ -227,7 +228,8 @@ impl Lens {
         self.undistorted(pixel).map(|at| at.push(1.0))
     }
 
-    /// Undistorted coordinates of a pixel. Newton's method inverts the radial part between bounds, where its solution is unique, then both parts.
+    /// Undistorted coordinates of a pixel, dimensionless. Newton's method first inverts the radial part between bounds, where the solution is unique, then
+    /// radial and tangential part together.
     pub fn undistorted(&self, pixel: &Pixel) -> Result<Vector2<f64>, ViewError> {
         let bent = (pixel - self.principal_point_px).component_div(&self.focal_px);
         let radius = bent.norm();
@@ -239,7 +241,7 @@ impl Lens {
             }
             let step = by_at.lu().solve(&(bent - found)).ok_or(ViewError::Folded)?;
             at += step;
-            // The tangential part can lead beyond the fold and back.
+            // The tangential part may lead the iteration beyond the fold and back.
             if at.norm() > 2.0 * self.widest {
                 return Err(ViewError::Folded);
             }
@@ -252,7 +254,7 @@ impl Lens {
         if solved && at.norm() <= self.widest && by_at.determinant() > 0.0 { Ok(at) } else { Err(ViewError::Folded) }
     }
 
-    /// Undistorted radius for the distorted radius `bent` of the radial part; `None` beyond the fold.
+    /// Undistorted radius for the distorted radius `bent`, by the radial part alone; both dimensionless. `None` beyond the fold.
     fn radius_of(&self, bent: f64) -> Option<f64> {
         let (mut below, mut above) = (0.0, self.widest);
         let radial = |r: f64| r * self.distortion.factor(r * r).0;

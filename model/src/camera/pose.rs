@@ -9,12 +9,12 @@ use std::f64::consts::PI;
 pub struct Pose {
     /// Rotation R.
     pub rotation: Rotation3<f64>,
-    /// Translation t, mm: the origin of the finger frame in the camera frame.
+    /// Translation t, mm: the position of the finger frame's origin in the camera frame.
     pub translation_mm: Vector3<f64>,
 }
 
 impl Pose {
-    /// A pose from the Rodrigues vector of R (axis times angle, rad) and t (mm).
+    /// A pose from the Rodrigues vector of R (axis times angle, rad) and the translation t (mm).
     pub fn new(rotation_vector_rad: [f64; 3], translation_mm: [f64; 3]) -> Pose {
         Pose {
             rotation: Rotation3::from_scaled_axis(rotation_vector_rad.into()),
@@ -27,8 +27,8 @@ impl Pose {
         self.rotation.scaled_axis().into()
     }
 
-    /// Pose of a frame in a visible plane. Its z axis is normal to the plane and points to the camera, its x axis runs along the image's rows (u), and its
-    /// origin is a point of the plane. `normal` and `origin_mm` are in the camera frame.
+    /// Pose of a frame in a visible plane. The frame's z axis is normal to the plane and points to the camera; its x axis runs along the rows of the image
+    /// (u). `origin_mm`, its origin, is a point of the plane. `normal` and `origin_mm` are in the camera frame.
     pub fn in_plane(normal: &Vector3<f64>, origin_mm: &Vector3<f64>) -> Pose {
         let z = if normal.dot(origin_mm) > 0.0 { -normal.normalize() } else { normal.normalize() };
         let x = (Vector3::x() - z * z.x).normalize();
@@ -41,26 +41,26 @@ impl Pose {
         self.rotation * point + self.translation_mm
     }
 
-    /// Optical centre of the camera in the finger frame, mm.
+    /// Position of the camera's optical centre in the finger frame, mm.
     pub fn eye(&self) -> Vector3<f64> {
         -(self.rotation.inverse() * self.translation_mm)
     }
 
-    /// The pose after a small motion of the camera frame: rotation vector (rad), then translation (mm).
+    /// The pose after a small motion of the camera frame: a rotation vector (rad), then a translation (mm).
     pub fn moved(&self, motion: &Vector6<f64>) -> Pose {
         let turn = Rotation3::from_scaled_axis(motion.fixed_rows::<3>(0).into_owned());
         Pose { rotation: turn * self.rotation, translation_mm: self.translation_mm + motion.fixed_rows::<3>(3) }
     }
 
-    /// The pose of a finger that has moved in its plane by `base`: a point at X moves to `base` X.
+    /// The pose after the finger has moved in its plane by `base`, so that a point at X lies at `base` X.
     pub fn of_moved_base(&self, base: &Isometry2<f64>) -> Pose {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), base.rotation.angle());
         let shift = base.translation.vector.push(0.0);
         Pose { rotation: self.rotation * turn, translation_mm: self.to_camera(&shift) }
     }
 
-    /// The pose of a finger with a placement in the frame of this pose: eqs (9) and (10) of Xu et al. 2021. A mirrored finger is rotated by half a turn about
-    /// its x axis, so its z axis is opposite to that of the frame.
+    /// The pose of a finger with a placement in the frame of this pose, by eqs (9) and (10) of Xu et al. 2021. A mirrored finger is rotated by half a turn
+    /// about its x axis, so its z axis is opposite to that of the frame.
     pub fn of_placed_finger(&self, placement: &Placement) -> Pose {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), placement.angle_rad);
         let turn = if placement.mirrored { turn * Rotation3::from_axis_angle(&Vector3::x_axis(), PI) } else { turn };

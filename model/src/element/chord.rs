@@ -1,27 +1,27 @@
-//! The chord, the straight line between the two ends of a beam, and deformations relative to it.
+//! The chord of a beam (the straight line between its two ends), and deformations relative to the chord.
 
 use super::{Beam, ElementMatrix, ElementVector, EndMotion};
 use crate::number::{Number, arctangent};
 use nalgebra::{SMatrix, Vector2, Vector3};
 use std::f64::consts::PI;
 
-/// Natural deformations: elongation of the chord (mm), and rotations of the first and second end relative to it (rad).
+/// Natural deformations: elongation of the chord (mm), and rotations of the first and second end relative to the chord (rad).
 pub(super) type Deformation<R = f64> = Vector3<R>;
 
 /// The chord of a beam in its current position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chord<R = f64> {
-    /// Unit vector along the chord.
+    /// Unit vector along the chord, from the first to the second end.
     pub along: Vector2<R>,
     /// Unit vector across the chord: `along` rotated by +90 degrees.
     pub across: Vector2<R>,
-    /// Current length, mm.
+    /// Length of the deformed chord, mm.
     pub length_mm: R,
-    /// 1 / current length, 1/mm.
+    /// Reciprocal of the deformed chord's length, 1/mm.
     pub per_length: R,
-    /// Current minus undeformed length, mm.
+    /// Length of the deformed chord minus that of the undeformed chord, mm.
     pub elongation_mm: R,
-    /// Rotation from the undeformed direction, rad, in (-pi, pi].
+    /// Rotation of the chord from its undeformed direction, rad, in (-pi, pi].
     pub rotation: R,
 }
 
@@ -42,8 +42,8 @@ impl<R: Number> Chord<R> {
 
     /// The chord between the displaced ends.
     ///
-    /// Elongation and rotation follow from the relative displacement of the ends, not from differences of lengths and angles. Displacements
-    /// far smaller than the beam therefore keep all their digits.
+    /// Elongation and rotation follow from the relative displacement of the ends, not from differences of lengths and angles. Displacements far smaller than
+    /// the beam therefore keep all their digits.
     #[inline(always)]
     pub fn deformed(beam: &Beam<R>, motion: &[EndMotion<R>; 2]) -> Chord<R> {
         let relative = difference(motion);
@@ -51,7 +51,7 @@ impl<R: Number> Chord<R> {
         let forward = relative.x * direction.x + relative.y * direction.y;
         let sideways = relative.x * across.x + relative.y * across.y;
         let projected = forward + beam.length_mm;
-        // Lengths of fingers cannot overflow or underflow, so hypot is not needed.
+        // Fingers are of ordinary size, so the squares neither overflow nor underflow, and `hypot` is not needed.
         let length_mm = (projected * projected + sideways * sideways).sqrt();
         let elongation_mm =
             (forward * (forward + beam.length_mm * 2.0) + sideways * sideways) / (length_mm + beam.length_mm);
@@ -68,7 +68,7 @@ impl<R: Number> Chord<R> {
         }
     }
 
-    /// Natural deformations. End rotations are wrapped to (-pi, pi], so that a finger may make any number of full turns.
+    /// Natural deformations. End rotations are wrapped to (-pi, pi], so the finger may make any number of full turns.
     #[inline(always)]
     pub(super) fn deformation(&self, motion: &[EndMotion<R>; 2]) -> Deformation<R> {
         Vector3::new(
@@ -78,7 +78,7 @@ impl<R: Number> Chord<R> {
         )
     }
 
-    /// Natural deformations linearised for displacements small compared with the length.
+    /// Natural deformations, linearised for displacements that are small compared with the length.
     #[inline(always)]
     pub(super) fn linear_deformation(&self, motion: &[EndMotion<R>; 2]) -> Deformation<R> {
         let relative = difference(motion);
@@ -90,18 +90,18 @@ impl<R: Number> Chord<R> {
 }
 
 impl Chord {
-    /// Derivative of the chord's length by the end coordinates.
+    /// Derivative of the chord's length by the six end coordinates.
     pub(super) fn length_gradient(&self) -> ElementVector {
         ElementVector::new(-self.along.x, -self.along.y, 0.0, self.along.x, self.along.y, 0.0)
     }
 
-    /// Derivative of the chord's rotation by the end coordinates.
+    /// Derivative of the chord's rotation by the six end coordinates.
     pub(super) fn rotation_gradient(&self) -> ElementVector {
         let v = self.across * self.per_length;
         ElementVector::new(-v.x, -v.y, 0.0, v.x, v.y, 0.0)
     }
 
-    /// Derivatives of the three natural deformations by the end coordinates, one per row.
+    /// Derivatives of the three natural deformations (rows) by the six end coordinates (columns).
     pub(super) fn gradients(&self) -> SMatrix<f64, 3, 6> {
         let rotation = self.rotation_gradient();
         let mut first = -rotation;
@@ -111,7 +111,7 @@ impl Chord {
         SMatrix::from_rows(&[self.length_gradient().transpose(), first.transpose(), second.transpose()])
     }
 
-    /// Second derivative of the chord's rotation by the end coordinates.
+    /// Second derivative of the chord's rotation by the six end coordinates.
     pub(super) fn rotation_hessian(&self) -> ElementMatrix {
         let (along, across) = (self.length_gradient(), self.rotation_gradient());
         -(along * across.transpose() + across * along.transpose()) * self.per_length

@@ -4,10 +4,10 @@ use super::chord::Deformation;
 use super::{Beam, Chord, EndMotion, Kinematics};
 use crate::Vector;
 
-/// Axial strain and curvature at one position of a beam. At a load, one station lies just before it and one just after.
+/// Axial strain and curvature at one position of a beam. Both may jump at a load, so there is one station just before and one just after each load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
-    /// Position as a fraction of the length, 0..1.
+    /// Position as a fraction of the beam's length, 0..1.
     pub xi: f64,
     /// Axial strain of the centre line, dimensionless.
     pub axial_strain: f64,
@@ -15,7 +15,7 @@ pub struct Station {
     pub curvature_per_mm: f64,
 }
 
-/// A dead force at a fraction of a beam's length, with components along and across the chord, N.
+/// A dead force between the ends of a beam, with components along and across the chord, N.
 #[derive(Debug, Clone, Copy)]
 struct ChordLoad {
     xi: f64,
@@ -24,8 +24,8 @@ struct ChordLoad {
 }
 
 impl Beam {
-    /// Stations from the first end to the second, two for each segment between ends and loads. Axial strain is constant and curvature is
-    /// linear within a segment, so the stations include the largest values.
+    /// Stations from the first end to the second: two for each segment between ends and loads. Within a segment, axial strain is constant and curvature is
+    /// linear, so the stations include the largest values.
     ///
     /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force between the ends
     /// adds the solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p adds the bending moments EI w''
@@ -50,7 +50,7 @@ impl Beam {
         let ends: Vec<f64> = std::iter::once(0.0).chain(loads.iter().map(|load| load.xi)).chain([1.0]).collect();
         let strain = self.mean_strain(kinematics == Kinematics::Corotational, &deformation);
         let segments = ends.windows(2).enumerate().flat_map(|(nth, ends)| {
-            // Segment `nth` follows the first `nth` loads.
+            // `nth` loads lie before segment `nth`.
             let (before, after) = loads.split_at(nth);
             let axial_n = after.iter().map(|load| load.along * (1.0 - load.xi)).sum::<f64>()
                 - before.iter().map(|load| load.along * load.xi).sum::<f64>();
@@ -70,7 +70,7 @@ impl Beam {
     fn curvature_of_loads(&self, loads: &[ChordLoad], xi: f64) -> f64 {
         let moment = |load: &ChordLoad| {
             let (p, q) = (load.xi, 1.0 - load.xi);
-            // Linear from the moment at the first end up to the force, or back from that at the second end.
+            // Linear from the moment at the first end to that at the force, then linear to the moment at the second end.
             let shape = if xi <= p {
                 p * q * q - q * q * (1.0 + 2.0 * p) * xi
             } else {

@@ -3,15 +3,17 @@
 use super::{Beam, Chord, ElementMatrix, ElementVector, EndMotion, Kinematics, Response};
 use crate::Vector;
 
-/// Motion of a point relative to the ends: shares of their displacements (dimensionless), and levers (mm) of their rotations relative to the chord.
+/// Motion of a point between the ends, as derivatives by the motions of the ends.
 #[derive(Debug, Clone, Copy)]
 struct Shape {
+    /// Shares of the ends' displacements in the displacement of the point, dimensionless.
     shares: [f64; 2],
+    /// Levers of the ends' rotations relative to the chord, mm.
     levers: [f64; 2],
 }
 
 impl Shape {
-    /// The point of the cubic beam at the fraction `xi` of its length.
+    /// The shape for the point of the cubic beam at the fraction `xi` of the length.
     fn at(xi: f64, length_mm: f64) -> Shape {
         let rest = 1.0 - xi;
         Shape { shares: [rest, xi], levers: [length_mm * xi * rest * rest, -length_mm * xi * xi * rest] }
@@ -26,7 +28,7 @@ impl Shape {
 }
 
 impl Beam {
-    /// Work of a dead force at the fraction `xi` of the undeformed length, N mm. Its derivatives are the consistent nodal loads.
+    /// Work of a dead force (N) at the fraction `xi` of the undeformed length, N mm. Its derivatives are the consistent nodal loads.
     ///
     /// The loaded point is p = (1 - xi) p_a + xi p_b + w n, with n the unit vector across the chord. The deflection w is cubic,
     /// w = L (phi_a xi (1 - xi)^2 - phi_b xi^2 (1 - xi)). With linear kinematics the derivatives are the classical equivalent nodal loads
@@ -35,7 +37,7 @@ impl Beam {
         self.work_on(kinematics, Shape::at(xi, self.length_mm), force, motion)
     }
 
-    /// Derivative of the nodal loads of [`interior_work`](Beam::interior_work) by the position of the force, per mm.
+    /// Derivative of the nodal loads of [`interior_work`](Beam::interior_work) by the position of the force, in N/mm and N.
     pub fn interior_load_slope(
         &self,
         kinematics: Kinematics,
@@ -47,12 +49,12 @@ impl Beam {
         self.work_on(kinematics, Shape::slope_at(xi, self.length_mm), force, motion).gradient / self.length_mm
     }
 
-    /// Rotation of the beam's axis at the fraction `xi` of its length, rad: rotation of the chord plus slope of the deflection.
+    /// Rotation of the beam's axis at the fraction `xi` of its length, rad: the rotation of the chord plus the slope of the deflection.
     pub fn interior_rotation(&self, xi: f64, motion: &[EndMotion; 2]) -> f64 {
         let chord = Chord::deformed(self, motion);
         let deformation = chord.deformation(motion);
         let levers = Shape::slope_at(xi, self.length_mm).levers;
-        // The first end's rotation counts full turns; `chord.rotation` does not.
+        // The rotation of the first end counts full turns; `chord.rotation` does not.
         let chord_rotation = motion[0].rotation - deformation[1];
         chord_rotation + (levers[0] * deformation[1] + levers[1] * deformation[2]) / self.length_mm
     }
@@ -63,7 +65,7 @@ impl Beam {
         let deformation = if linear { chord.linear_deformation(motion) } else { chord.deformation(motion) };
         let gradients = chord.gradients();
 
-        // Deflection w, mm, and its gradient.
+        // Deflection w across the chord, mm, and its gradient.
         let Shape { shares, levers } = shape;
         let deflection = levers[0] * deformation[1] + levers[1] * deformation[2];
         let by_deflection = (gradients.row(1) * levers[0] + gradients.row(2) * levers[1]).transpose();

@@ -1,7 +1,7 @@
 //! One plane beam element: its elastic energy, nodal forces and tangent stiffness.
 //!
-//! An element is independent of the structure around it. It maps the motion of its two ends to a [`Response`]; [`crate::frame`] connects
-//! ends to nodes through arms, pins and rigid links.
+//! An element does not depend on the structure around it. It maps the motion of its two ends to a [`Response`]. [`crate::frame`] connects the ends to nodes
+//! through arms, pins and rigid links.
 
 mod chord;
 mod diagram;
@@ -16,11 +16,11 @@ use crate::number::Number;
 use nalgebra::{SMatrix, SVector, Vector2};
 use serde::{Deserialize, Serialize};
 
-/// Kinematic relation between displacements and strains; it defines the finger model to solve.
+/// Kinematic relation between displacements and strains of a beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kinematics {
-    /// Small displacements: Xu et al. (2021), eqs (1) to (5).
+    /// Small displacements, as in Xu et al. (2021), eqs (1) to (5).
     Linear,
     /// Co-rotational with the axial strain of a shallow arch: bending shortens the chord.
     Corotational,
@@ -28,9 +28,9 @@ pub enum Kinematics {
     CorotationalChord,
 }
 
-/// Vector by an element's six coordinates: x, y (mm) and rotation (rad) of the first end, then of the second.
+/// Vector with one entry per coordinate of an element: x, y (mm) and rotation (rad) of the first end, then of the second.
 pub type ElementVector = SVector<f64, 6>;
-/// Second derivatives by the coordinates of an [`ElementVector`].
+/// Second derivatives by the six coordinates of an [`ElementVector`].
 pub type ElementMatrix = SMatrix<f64, 6, 6>;
 
 /// Motion of one beam end, finger frame.
@@ -42,7 +42,7 @@ pub struct EndMotion<R = f64> {
     pub rotation: R,
 }
 
-/// A scalar of the element (energy or work) with its first and second derivatives by the end motions.
+/// A scalar of the element (energy or work), with its first and second derivatives by the motions of the two ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response<R = f64> {
     /// Elastic energy of the element, or work of a load on it, N mm.
@@ -56,7 +56,7 @@ pub struct Response<R = f64> {
 /// A straight, slender (Euler-Bernoulli) beam with constant cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beam<R = f64> {
-    /// Unit vector from the first to the second end, undeformed.
+    /// Unit vector from the first to the second end of the undeformed beam.
     pub direction: Vector2<R>,
     /// Undeformed length, mm.
     pub length_mm: R,
@@ -67,7 +67,7 @@ pub struct Beam<R = f64> {
 }
 
 impl<R: Number> Beam<R> {
-    /// Energy, nodal forces and tangent stiffness for the given motion of the two ends.
+    /// Energy, nodal forces and tangent stiffness for given motions of the two ends.
     ///
     /// All kinematics share one formulation. The end motions give three natural deformations: the elongation e of the chord, and the rotations phi_a and
     /// phi_b of the two ends relative to it (Argyris' natural modes). The energy U(e, phi_a, phi_b) is that of a beam fixed to its chord. The chain rule

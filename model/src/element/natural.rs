@@ -1,4 +1,4 @@
-//! Energy of a beam by its natural deformations: elongation of the chord and end rotations relative to it.
+//! Energy of a beam as a function of its natural deformations: elongation of the chord, and end rotations relative to the chord.
 
 use super::chord::{Chord, Deformation};
 use super::{Beam, EndMotion, Response};
@@ -8,30 +8,35 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 /// Energy of a beam as a function of its natural deformations, with first and second derivatives.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NaturalResponse<R> {
+    /// Energy, N mm.
     energy: R,
+    /// First derivatives: axial force (N) and moments at both ends (N mm).
     gradient: Vector3<R>,
+    /// Second derivatives by the natural deformations; N/mm, N and N mm.
     stiffness: Matrix3<R>,
 }
 
-/// Axial strain, and its derivatives by the two end rotations, multiplied by the length (mm).
+/// Axial strain of a beam with its derivatives.
 struct AxialStrain<R> {
+    /// Axial strain, dimensionless.
     strain: R,
+    /// Derivatives of the strain by the two end rotations, multiplied by the beam's length, mm.
     by_rotations: [R; 2],
 }
 
-/// Coefficient of the rotations in the axial strain: 1 / 30 with bowing, 0 without.
+/// Coefficient of the end rotations in the axial strain, dimensionless: 1 / 30 with bowing, 0 without.
 fn arch(bowing: bool) -> f64 {
     if bowing { 1.0 / 30.0 } else { 0.0 }
 }
 
 impl<R: Number> Beam<R> {
-    /// Reciprocal length, 1/mm; computed once because divisions are slow.
+    /// Reciprocal length, 1/mm, computed only once because divisions are slow.
     #[inline(always)]
     pub(super) fn per_length(&self) -> R {
         self.length_mm.constant(1.0) / self.length_mm
     }
 
-    /// Undeformed vector from the first to the second end, mm.
+    /// Vector from the first to the second end of the undeformed beam, mm.
     #[inline(always)]
     pub(crate) fn rest(&self) -> Vector2<R> {
         Vector2::new(self.direction.x * self.length_mm, self.direction.y * self.length_mm)
@@ -39,7 +44,7 @@ impl<R: Number> Beam<R> {
 
     /// Axial strain eps = e / L + (2 phi_a^2 - phi_a phi_b + 2 phi_b^2) / 30.
     ///
-    /// The second term is the mean of w'^2 / 2 over the cubic w (the shallow arch); it is zero without `bowing`.
+    /// The second term is the mean of w'^2 / 2 over the cubic deflection w (shallow arch). It is zero without `bowing`.
     #[inline(always)]
     fn axial_strain(&self, bowing: bool, deformation: &Deformation<R>) -> AxialStrain<R> {
         let (a, b) = (deformation[1], deformation[2]);
@@ -50,7 +55,7 @@ impl<R: Number> Beam<R> {
         }
     }
 
-    /// Axial strain, dimensionless, without its derivatives.
+    /// Axial strain as in [`axial_strain`](Beam::axial_strain), dimensionless, without its derivatives.
     pub(super) fn mean_strain(&self, bowing: bool, deformation: &Deformation<R>) -> R {
         self.axial_strain(bowing, deformation).strain
     }
@@ -92,7 +97,7 @@ impl<R: Number> Beam<R> {
         NaturalResponse { energy, gradient, stiffness }
     }
 
-    /// Energy (N mm) and nodal forces for small displacements: [`response`](Beam::response) without the tangent.
+    /// Energy (N mm) and nodal forces (N, N mm) for small displacements: [`response`](Beam::response) without the tangent stiffness.
     #[inline(always)]
     pub(crate) fn linear_forces(&self, motion: &[EndMotion<R>; 2]) -> (R, SVector<R, 6>) {
         let chord = Chord::at_rest(self);
@@ -103,7 +108,7 @@ impl<R: Number> Beam<R> {
 }
 
 impl<R: Number> Chord<R> {
-    /// Nodal forces equivalent to the three natural forces.
+    /// Nodal forces (N, N mm) that are equivalent to the three natural forces.
     #[inline(always)]
     fn nodal_forces(&self, natural: &Vector3<R>) -> SVector<R, 6> {
         let (axial, a, b) = (natural.x, natural.y, natural.z);
@@ -129,7 +134,7 @@ impl<R: Number> NaturalResponse<R> {
         let (axial_curvature, moment_curvature) =
             if curved { (axial * per_length, (a + b) * per_length * per_length) } else { (axial.zero(), axial.zero()) };
 
-        // Second derivatives by d along and across, then mixed with each end rotation.
+        // Second derivatives by d along and across the chord, then mixed derivatives with each end rotation.
         let along_along = k[(0, 0)];
         let along_across = moment_curvature - (k[(0, 1)] + k[(0, 2)]) * per_length;
         let across_across = (k[(1, 1)] + k[(1, 2)] * 2.0 + k[(2, 2)]) * per_length * per_length + axial_curvature;

@@ -4,41 +4,41 @@ pub use crate::keys::{BracketLengths, OfRibs};
 
 use super::{Finger, Plate};
 
-/// A plate or a rib as a material strip.
+/// Thickness and material of a plate or of the ribs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strip {
-    /// In-plane thickness, mm; at the base for a tapered plate.
+    /// In-plane thickness, mm; for a tapered plate, the thickness at the base.
     pub thickness_mm: f64,
-    /// Thickness at the tip of a linearly tapered plate, mm; `None` for ribs.
+    /// Thickness at the tip of a linearly tapered plate, mm; `None` for a plate of constant thickness and for ribs.
     pub tip_thickness_mm: Option<f64>,
     /// Young's modulus, MPa.
     pub youngs_modulus_mpa: f64,
 }
 
-/// Lengths of the rigid ends of a plate, mm, zero or more.
+/// Lengths of the rigid sections at both ends of a plate, mm, zero or more.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RigidEnds {
-    /// Length at the base, mm; it is clamped completely.
+    /// Length of the section at the base, mm; this section is clamped.
     pub base_mm: f64,
-    /// Length at the tip, mm; it rotates with the tip.
+    /// Length of the section at the tip, mm; this section rotates with the tip.
     pub tip_mm: f64,
 }
 
 /// Type of the joints between ribs and plates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joints {
-    /// Clamped to both plates.
+    /// The ribs are clamped to both plates.
     Rigid,
-    /// Pinned at both ends.
+    /// The ribs are pinned to both plates.
     Hinged,
 }
 
-/// Positions of the ribs along the plates.
+/// Positions of the ribs along both plates.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RibPositions {
-    /// Number of evenly spaced ribs: rib i of 1..=count lies at i / (count + 1) of both plates.
+    /// Number of evenly spaced ribs. Rib i of 1..=count lies at i / (count + 1) of the length of both plates.
     Count(usize),
-    /// Distances of each rib from the base along front and back plate, mm, ordered from base to tip.
+    /// Position of each rib on the front and on the back plate, mm from the base; ordered from base to tip.
     Positions(Vec<[f64; 2]>),
 }
 
@@ -47,26 +47,26 @@ pub enum RibPositions {
 pub struct RibDescription {
     /// Positions along the plates.
     pub positions: RibPositions,
-    /// Type of the joints with the plates.
+    /// Type of the joints between ribs and plates.
     pub joints: Joints,
-    /// Lengths of the rigid brackets between ribs and front and back plate, mm, zero or more. A bracket is perpendicular to the
-    /// undeformed plate, points towards the other plate and rotates with its plate. The joints are at its end.
+    /// Lengths of the rigid brackets between ribs and front and back plate, mm, zero or more. A bracket is perpendicular to the undeformed plate, points
+    /// towards the other plate and rotates with its plate. The joint with the rib is at the end of the bracket.
     pub bracket_mm: BracketLengths,
-    /// Lengths of the rigid clips of the brackets on front and back plate, mm, zero or more; half on each side of the node.
+    /// Lengths of the rigid clips of the brackets on front and back plate, mm, zero or more. Half of a clip lies on each side of its key node.
     pub clip_mm: [f64; 2],
-    /// Thickness and modulus; `None` for undeformable ribs or without ribs.
+    /// Thickness and modulus; `None` if the ribs are undeformable or the finger has no ribs.
     pub strip: Option<Strip>,
-    /// Thickness of each rib, mm, from base to tip, if they differ. It replaces the thickness of `strip`, which is then the largest of them.
+    /// Thickness of each rib, mm, from base to tip, if the ribs differ. These values replace the thickness of `strip`, which then holds the largest of them.
     pub thicknesses_mm: Option<Vec<f64>>,
 }
 
-/// Position of the markers at the ends of ribs.
+/// Positions of the markers at the ends of ribs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MarkerPoints {
-    /// The key node, on the plate's middle line.
+    /// The marker is on the key node, on the plate's middle line.
     #[default]
     Junctions,
-    /// The joint at the end of the bracket.
+    /// The marker is on the joint at the end of the bracket.
     Hinges,
 }
 
@@ -77,25 +77,25 @@ pub enum Part {
     Front,
     /// The back plate.
     Back,
-    /// The ribs whose front end lies in the zone.
+    /// The ribs whose front ends lie in the zone.
     Ribs,
 }
 
-/// A section of a part with a different modulus.
+/// A section of a plate, or a group of ribs, with a different modulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zone {
-    /// The part of the finger.
+    /// The part of the finger to which the zone belongs.
     pub part: Part,
-    /// Start, mm from the base along the plate; for ribs, along the front plate.
+    /// Start of the zone along the plate, mm from the base; for ribs, along the front plate.
     pub from_mm: f64,
-    /// End, mm from the base along the plate.
+    /// End of the zone along the plate, mm from the base; for ribs, along the front plate.
     pub to_mm: f64,
-    /// Factor on Young's modulus, dimensionless.
+    /// Factor on Young's modulus in the zone, dimensionless.
     pub modulus_factor: f64,
 }
 
 impl Zone {
-    /// Whether the zone covers a rib whose front end is `position_mm` from the base. Between two zones, the one that starts there covers the rib.
+    /// Whether the zone covers a rib whose front end is `position_mm` from the base. At the boundary of two zones, the zone that starts there covers the rib.
     pub fn holds_rib(&self, position_mm: f64) -> bool {
         self.part == Part::Ribs && self.from_mm <= position_mm && position_mm < self.to_mm
     }
@@ -112,7 +112,7 @@ pub struct FingerDescription {
     pub back_length_mm: f64,
     /// Depth out of the plane, mm.
     pub depth_mm: f64,
-    /// Length of the rigid arms at both ends of every member, mm.
+    /// Length of the rigid arms at both ends of every member, mm. They model the rods at the key nodes.
     pub rod_arm_mm: f64,
     /// Poisson's ratio, dimensionless. Strips are wide compared with their thickness, so their modulus is E / (1 - nu^2).
     pub poissons_ratio: f64,
@@ -124,7 +124,7 @@ pub struct FingerDescription {
     pub rigid_ends: [RigidEnds; 2],
     /// The ribs.
     pub ribs: RibDescription,
-    /// Sections with different moduli; the factors of overlapping zones multiply.
+    /// Zones with different moduli. The factors of overlapping zones multiply.
     pub zones: Vec<Zone>,
     /// Position of the markers at the ends of ribs.
     pub markers_on: MarkerPoints,
@@ -143,7 +143,7 @@ impl FingerDescription {
         }
     }
 
-    /// Lengthens the bracket of rib `rib`, counted from 0 of `rib_count`, on a plate by `by_mm`.
+    /// Lengthens the bracket of a rib on one plate by `by_mm`. `rib` counts from 0; `rib_count` is the number of ribs.
     pub(crate) fn lengthen_bracket(&mut self, rib_count: usize, plate: Plate, rib: usize, by_mm: f64) {
         let mut each: Vec<[f64; 2]> = (0..rib_count).map(|rib| self.ribs.bracket_mm.of(rib)).collect();
         each[rib][plate.index()] += by_mm;
@@ -151,12 +151,12 @@ impl FingerDescription {
     }
 }
 
-/// A description that is not a valid finger: the offending scene key and the reason.
+/// Error for a description that is not a valid finger.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{key}: {reason}")]
 pub struct ImpossibleFinger {
     /// Key in the scene file, for instance `finger.ribs.positions_mm`.
     pub key: String,
-    /// Expected and found value.
+    /// Expected and found value, in words.
     pub reason: String,
 }

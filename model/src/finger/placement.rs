@@ -4,7 +4,7 @@ use super::{BracketLengths, Finger, FingerDescription, ImpossibleFinger, OfRibs,
 use crate::Vector;
 use crate::keys::{BACK, FINGER, FRONT, Key, Kind, RIBS, ZONE};
 
-/// Smallest distance between neighbouring nodes, and between nodes and plate ends, as a share of the plate's length.
+/// Neighbouring nodes, and nodes and plate ends, must be at least this share of the plate's length apart.
 pub(super) const SMALLEST_SPACING: f64 = 1e-9;
 
 fn require(holds: bool, key: &str, reason: impl FnOnce() -> String) -> Result<(), ImpossibleFinger> {
@@ -40,7 +40,8 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     check(&RIBS.clip_mm, &d.ribs.clip_mm)
 }
 
-/// Position of the tip from the triangle's sides, mm. The height follows from Kahan's form of Heron's formula, which is accurate for thin triangles.
+/// Position of the tip, mm, finger frame, from the lengths of the triangle's sides. The height follows from Kahan's form of Heron's formula, which is
+/// accurate for thin triangles.
 pub(super) fn place_tip(d: &FingerDescription) -> Result<Vector, ImpossibleFinger> {
     let mut sides = [
         (d.base_width_mm, &FINGER.base_width_mm),
@@ -52,7 +53,7 @@ pub(super) fn place_tip(d: &FingerDescription) -> Result<Vector, ImpossibleFinge
     let longest = longest.path();
     require(c - (a - b) > a * SMALLEST_SPACING, &longest, || {
         format!(
-            "expected less than {:?} mm, the other two sides together: base width {:?}, front plate {:?} and back plate \
+            "expected less than {:?} mm, the sum of the other two sides: base width {:?}, front plate {:?} and back plate \
              {:?} make no triangle",
             b + c,
             d.base_width_mm,
@@ -100,7 +101,7 @@ pub(super) fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, Impossi
             })?;
             require(position == before || position > before + gap, &key, || {
                 format!(
-                    "expected ribs from base to tip that do not cross: on the {plate} plate rib {} at {position:?} mm neither \
+                    "expected ribs in order from base to tip that do not cross: on the {plate} plate, rib {} at {position:?} mm neither \
                      follows the rib before it at {before:?} mm nor shares its junction",
                     i + 1
                 )
@@ -110,7 +111,7 @@ pub(super) fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, Impossi
     }
     let before = std::iter::once(&[0.0; 2]).chain(&ribs);
     for (i, (rib, _)) in ribs.iter().zip(before).enumerate().filter(|(_, (rib, before))| rib == before) {
-        let other = if i == 0 { "the base line" } else { "the rib before it" };
+        let other = if i == 0 { "the base line" } else { "the previous rib" };
         require(false, &key, || format!("expected ribs that differ: rib {} at {rib:?} mm lies on {other}", i + 1))?;
     }
     Ok(ribs)
@@ -138,7 +139,7 @@ pub(super) fn check_zones(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     Ok(())
 }
 
-/// Rejects brackets and undeformable ribs if ribs share a junction: the junction ties nodes to each other, which leaves no room for a rigid link.
+/// Rejects brackets and undeformable ribs if ribs share a junction. The junction ties nodes to each other, so a node cannot also belong to a rigid link.
 fn check_shared_junctions(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let shared = "where ribs share a junction or end in a corner of the base";
     let refused = finger.has_shared_junctions();
@@ -154,7 +155,7 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let d = &finger.description;
     if let Some(each_mm) = &d.ribs.thicknesses_mm {
         require(each_mm.len() == finger.rib_count(), &RIBS.thickness_mm.path(), || {
-            format!("expected a thickness for each of {} ribs, found {}", finger.rib_count(), each_mm.len())
+            format!("expected one thickness for each of {} ribs, found {} values", finger.rib_count(), each_mm.len())
         })?;
     }
     let ribs = (0..finger.rib_count()).map(|rib| finger.rib_length_mm(rib));
@@ -178,7 +179,7 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
             };
             require(arms_mm[0] + arms_mm[1] < length_mm * (1.0 - SMALLEST_SPACING), &key, || {
                 format!(
-                    "expected clips and rigid ends shorter than each member of the {name} plate, found {:?} mm in a member of {length_mm:?} mm",
+                    "expected clips and rigid ends together shorter than each member of the {name} plate, found {:?} mm in a member of {length_mm:?} mm",
                     arms_mm[0] + arms_mm[1]
                 )
             })?;
@@ -187,12 +188,12 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     Ok(())
 }
 
-/// Checks that the hinges of each plate lie before the other plate's: then ribs have a length and do not cross.
+/// Checks that the hinges on each plate lie on this side of the other plate's hinges. Ribs then have a length and do not cross.
 fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let key = RIBS.bracket_mm.path();
     if let BracketLengths::Each(lengths_mm) = &finger.description.ribs.bracket_mm {
         require(lengths_mm.len() == finger.rib_count(), &key, || {
-            format!("expected a pair for each of {} ribs, found {}", finger.rib_count(), lengths_mm.len())
+            format!("expected one pair for each of {} ribs, found {} pairs", finger.rib_count(), lengths_mm.len())
         })?;
     }
     for rib in 0..finger.rib_count() {

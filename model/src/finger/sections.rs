@@ -4,13 +4,13 @@ use super::{Finger, Part, Plate, Strip};
 use crate::frame::Section;
 
 impl Finger {
-    /// Whether the thickness of a plate varies along it.
+    /// Whether the thickness of a plate differs between base and tip.
     pub fn tapers(&self, part: Plate) -> bool {
         let strip = self.strip(part);
         strip.tip_thickness_mm.is_some_and(|tip_mm| tip_mm != strip.thickness_mm)
     }
 
-    /// Thickness of a plate at a distance from its base, mm.
+    /// Thickness of a plate at the distance `s_mm` from its base, mm.
     pub fn thickness_mm(&self, part: Plate, s_mm: f64) -> f64 {
         let Strip { thickness_mm, tip_thickness_mm, .. } = *self.strip(part);
         let more_mm = tip_thickness_mm.map_or(0.0, |tip_mm| tip_mm - thickness_mm);
@@ -24,8 +24,8 @@ impl Finger {
         }
     }
 
-    /// Section of a part without zones, with the plane-strain modulus E / (1 - nu^2). For a plate, the section at its base; for ribs, the thickest rib.
-    /// `None` for undeformable ribs.
+    /// Section of a part without zones, with the plane-strain modulus E / (1 - nu^2). For a plate, this is the section at its base; for ribs, that of the
+    /// thickest rib. `None` for undeformable ribs.
     pub fn section(&self, part: Part) -> Option<Section> {
         match part {
             Part::Front => Some(self.base_section(Plate::Front)),
@@ -34,7 +34,7 @@ impl Finger {
         }
     }
 
-    /// Section of a plate at its base, without zones.
+    /// Section of a plate at its base, ignoring zones.
     pub(crate) fn base_section(&self, plate: Plate) -> Section {
         self.section_of(self.strip(plate))
     }
@@ -45,7 +45,7 @@ impl Finger {
         Section::rectangle(strip.thickness_mm, self.description.depth_mm, modulus)
     }
 
-    /// Section of a rib including its zones; ribs are numbered from 0 at the base. `None` for undeformable ribs.
+    /// Section of a rib, including the effect of zones; ribs are numbered from 0 at the base. `None` for undeformable ribs.
     pub fn rib_section(&self, rib: usize) -> Option<Section> {
         let d = &self.description;
         let mut strip = d.ribs.strip?;

@@ -2,18 +2,21 @@
 
 use super::{BeamEnd, FrameMotion, PlaneFrame};
 
-/// Largest number of rigid levers in series that carry a node: a bracket, a rib and a bracket.
+/// Largest number of rigid levers in series between a master node and a node that follows it: a bracket, a rib and a bracket.
 pub(super) const MOST_LEVERS: usize = 3;
-/// Coordinates that may move a node: its x and y (or its master's), its rotation, and the rotations of its levers.
+/// Number of coordinates that may move a node: its x and y (or those of its master), its rotation, and the rotations of its levers.
 pub(super) const NODE_COORDINATES: usize = 3 + MOST_LEVERS;
-/// Coordinates of two nodes.
+/// Number of coordinates that may move the two nodes of a member.
 pub(crate) const MEMBER_COORDINATES: usize = 2 * NODE_COORDINATES;
 
-/// Equation numbers of the free translations and rotations of a frame; `None` for fixed ones.
+/// Equation numbers of the free translations and rotations of a frame; `None` for fixed coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equations {
+    /// Equation numbers of x and y of each node.
     translations: Vec<[Option<usize>; 2]>,
+    /// Equation number of each rotation slot.
     rotations: Vec<Option<usize>>,
+    /// Number of unknowns.
     count: usize,
 }
 
@@ -57,7 +60,7 @@ impl Equations {
         self.count
     }
 
-    /// A vector with one entry per unknown: `translation` for displacements, `rotation` for rotations.
+    /// A vector with one entry per unknown: the value `translation` for displacements and `rotation` for rotations.
     pub(crate) fn by_kind(&self, translation: f64, rotation: f64) -> Vec<f64> {
         let mut figures = vec![translation; self.count];
         for &equation in self.rotations.iter().flatten() {
@@ -66,7 +69,7 @@ impl Equations {
         figures
     }
 
-    /// Adds a correction of all unknowns (mm, rad) to a motion and moves linked nodes with their masters.
+    /// Adds a correction of all unknowns (mm, rad) to a motion, and moves linked nodes with their masters. If `linear`, levers rotate to first order.
     pub fn advance(&self, frame: &PlaneFrame, motion: &mut FrameMotion, correction: &[f64], linear: bool) {
         for (u, equations) in motion.displacements.iter_mut().zip(&self.translations) {
             for (value, equation) in u.iter_mut().zip(equations) {
@@ -79,7 +82,7 @@ impl Equations {
         frame.follow_links(motion, linear);
     }
 
-    /// Equations of the coordinates that move a beam end.
+    /// Equation numbers of the coordinates that move a beam end.
     fn of_end(&self, frame: &PlaneFrame, end: &BeamEnd) -> [Option<usize>; NODE_COORDINATES] {
         let node = &frame.nodes[end.node];
         let carrier = node.link.map_or(end.node, |link| link.master);
@@ -89,7 +92,7 @@ impl Equations {
         [x, y, self.rotations[end.rotation], first, second, third]
     }
 
-    /// Equations of the coordinates that move two beam ends, first end first.
+    /// Equation numbers of the coordinates that move two beam ends; those of the first end come first.
     pub(crate) fn of_ends(&self, frame: &PlaneFrame, ends: &[BeamEnd; 2]) -> [Option<usize>; MEMBER_COORDINATES] {
         let [a, b] = ends.map(|end| self.of_end(frame, &end));
         std::array::from_fn(|i| if i < NODE_COORDINATES { a[i] } else { b[i - NODE_COORDINATES] })

@@ -1,4 +1,4 @@
-//! Rigid links: nodes that follow other nodes over rotating levers.
+//! Rigid links: each makes a node follow another node over rotating rigid levers.
 
 use super::equations::MOST_LEVERS;
 use super::members::{swing, turned, vector_of};
@@ -7,19 +7,19 @@ use crate::Vector;
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// A rigid bar as a vector from its first node, undeformed, mm; it rotates with a rotation slot.
+/// A rigid bar as the undeformed vector from its first to its second node, mm. The bar rotates with a rotation slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Lever {
-    /// Slot of the rotation.
+    /// Rotation slot with which the bar rotates.
     pub rotation: RotationSlot,
-    /// The vector, mm.
+    /// Undeformed vector along the bar, mm.
     pub along: Vector,
 }
 
 /// A node that follows a master over rigid levers in series: u = u_master + sum over levers of (R(rotation) - 1) lever.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidLink {
-    /// The first node of the series; it follows no other node.
+    /// The first node of the series, which follows no other node.
     pub master: NodeIndex,
     levers: [Option<Lever>; MOST_LEVERS],
 }
@@ -31,7 +31,7 @@ impl RigidLink {
         self.levers.into_iter().flatten()
     }
 
-    /// The levers in fixed positions, `None` if unused.
+    /// The levers in order from the master; unused entries are `None`.
     pub fn places(&self) -> [Option<Lever>; MOST_LEVERS] {
         self.levers
     }
@@ -43,7 +43,7 @@ impl PlaneFrame {
     /// The second node follows the first node and the bar's rotation. The first node may itself follow another node.
     ///
     /// # Panics
-    /// If more than three bars are then in series.
+    /// If the second node would then follow its master over more than three bars in series.
     pub fn link_rigidly(&mut self, first: NodeIndex, second: NodeIndex, hinged: bool) {
         let along = self.position(second) - self.position(first);
         let rotation = if hinged {
@@ -59,14 +59,14 @@ impl PlaneFrame {
         self.nodes[second].link = Some(link);
     }
 
-    /// Ties the second node to the first, at the same point: it moves and rotates with the first.
+    /// Ties the second node to the first node at the same point, so that it moves and rotates with the first node.
     pub fn tie(&mut self, first: NodeIndex, second: NodeIndex) {
         self.nodes[second].rotation = self.nodes[first].rotation;
         let row = self.nodes[first].link;
         self.nodes[second].link = Some(row.unwrap_or(RigidLink { master: first, levers: [None; MOST_LEVERS] }));
     }
 
-    /// The node that a tied node moves with; `node` itself if it is not tied.
+    /// The node to which `node` is tied, or `node` if it is not tied.
     pub fn tied_to(&self, node: NodeIndex) -> NodeIndex {
         let tied = self.nodes[node].link.filter(|link| link.levers().next().is_none());
         tied.map_or(node, |link| link.master)
@@ -88,7 +88,7 @@ impl PlaneFrame {
         }
     }
 
-    /// The levers that carry a linked node, each with its rotation slot and in its current direction, mm; none for other nodes.
+    /// The levers from its master to a linked node, each with its rotation slot and its current vector, mm; none for other nodes.
     #[inline(always)]
     pub(crate) fn turned_levers<'a, R: Number>(
         &'a self,
@@ -103,12 +103,12 @@ impl PlaneFrame {
         })
     }
 
-    /// The rotation slots of the levers that carry a linked node; none for other nodes.
+    /// The rotation slots of the levers from its master to a linked node; none for other nodes.
     pub(crate) fn lever_rotations(&self, node: NodeIndex) -> impl Iterator<Item = RotationSlot> {
         self.nodes[node].link.iter().flat_map(RigidLink::levers).map(|lever| lever.rotation)
     }
 
-    /// Whether a node follows another one over a lever.
+    /// Whether a node follows another node over at least one lever.
     pub(crate) fn is_linked(&self, node: NodeIndex) -> bool {
         self.lever_rotations(node).next().is_some()
     }

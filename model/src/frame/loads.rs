@@ -1,4 +1,4 @@
-//! Dead loads on a frame, and their potentials by the coordinates of the loaded nodes.
+//! Dead loads on a frame, and the derivatives of their potentials by the coordinates of the loaded nodes.
 
 use super::members::{carry_over_arms, swing, turned};
 use super::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame};
@@ -6,28 +6,28 @@ use crate::Vector;
 use crate::element::{Beam, ElementVector, EndMotion, Kinematics, Response};
 use nalgebra::{SMatrix, SVector};
 
-/// A dead load on a frame: it keeps its direction as the frame moves.
+/// A dead load on a frame: it keeps its direction while the frame moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrameLoad {
-    /// Force (N) and moment (N mm) on a node.
+    /// A force (N) and a moment (N mm) on a node.
     Node {
-        /// The node.
+        /// The loaded node.
         node: NodeIndex,
         /// Force, N.
         force: Vector,
         /// Moment, N mm, positive from x to y.
         moment_nmm: f64,
     },
-    /// Force (N) at the end of a rigid arm.
+    /// A force (N) at the end of a rigid arm.
     Arm {
         /// The beam end whose arm carries the force.
         end: BeamEnd,
         /// Force, N.
         force: Vector,
     },
-    /// Force (N) between the ends of a member.
+    /// A force (N) at a position between the ends of a member.
     Interior {
-        /// Index of the member.
+        /// Index of the loaded member.
         member: usize,
         /// Position of the force as a fraction of the member's length, 0..1.
         xi: f64,
@@ -37,7 +37,7 @@ pub enum FrameLoad {
 }
 
 impl FrameLoad {
-    /// Returns the load multiplied by a factor.
+    /// Returns the load multiplied by a dimensionless factor.
     pub fn scaled(self, factor: f64) -> FrameLoad {
         match self {
             FrameLoad::Node { node, force, moment_nmm } => {
@@ -48,7 +48,7 @@ impl FrameLoad {
         }
     }
 
-    /// The beam end that carries the load, its force (N) and moment (N mm). An interior load refers to the first end of its member.
+    /// The beam end that carries the load, its force (N) and moment (N mm). For an interior load, this is the first end of its member.
     pub(crate) fn at_end(&self, frame: &PlaneFrame) -> (BeamEnd, Vector, f64) {
         match *self {
             FrameLoad::Node { node, force, moment_nmm } => (frame.clamped_end(node), force, moment_nmm),
@@ -68,9 +68,9 @@ impl FrameLoad {
     }
 }
 
-/// Potentials of dead loads (minus their work), by the motions of the loaded nodes.
+/// Potentials of dead loads (minus their work), and derivatives by the motions of the loaded nodes.
 impl PlaneFrame {
-    /// Potential of a force between the ends of a member, by the motions of the member's two nodes.
+    /// Potential (N mm) of a force between the ends of a member, with derivatives by the motions of the member's two nodes.
     pub(crate) fn interior_load(
         &self,
         motion: &FrameMotion,
@@ -82,7 +82,7 @@ impl PlaneFrame {
         self.inside(motion, member, kinematics, |beam, motions| beam.interior_work(kinematics, xi, -force, motions))
     }
 
-    /// Potential of a force and moment at the end of an arm, by the motion of its node (the first three coordinates).
+    /// Potential (N mm) of a force and moment at the end of an arm, with derivatives by the motion of its node (the first three coordinates).
     pub(crate) fn end_load(
         &self,
         motion: &FrameMotion,
@@ -97,7 +97,7 @@ impl PlaneFrame {
         potential
     }
 
-    /// Derivative of a load's forces on its member's nodes by the position of the load, per mm towards the second end.
+    /// Derivative of an interior load's forces on the nodes of its member, per mm that the load moves towards the second end.
     pub(crate) fn interior_load_slope(
         &self,
         motion: &FrameMotion,
@@ -113,7 +113,7 @@ impl PlaneFrame {
         self.inside(motion, member, kinematics, slope).gradient
     }
 
-    /// Evaluates a quantity of a member's beam by the motions of the member's two nodes.
+    /// Evaluates `of`, a quantity of a member's beam, with derivatives by the motions of the member's two nodes.
     fn inside(
         &self,
         motion: &FrameMotion,
@@ -129,7 +129,7 @@ impl PlaneFrame {
         response
     }
 
-    /// Derivative of an arm load's forces on the node by the length of the arm, per mm; `along` is the undeformed direction of lengthening.
+    /// Derivative of an arm load's forces on its node, per mm of the arm's length. `along` is the undeformed direction in which the arm grows.
     pub(crate) fn arm_load_slope(
         &self,
         motion: &FrameMotion,
@@ -142,11 +142,11 @@ impl PlaneFrame {
         ElementVector::new(0.0, 0.0, along.perp(&force), 0.0, 0.0, 0.0)
     }
 
-    /// Displacement of the loaded point, mm, with co-rotational kinematics.
+    /// Displacement of the loaded point, mm, in a motion of the frame with co-rotational kinematics.
     pub(crate) fn displacement_at(&self, motion: &FrameMotion, load: &FrameLoad) -> Vector {
         match *load {
             FrameLoad::Interior { member, xi, .. } => {
-                // The work of a unit force equals the displacement in its direction.
+                // The work of a unit force equals the displacement in the direction of the force.
                 let moved = |way: Vector| {
                     self.inside(motion, member, Kinematics::Corotational, |beam, motions| {
                         beam.interior_work(Kinematics::Corotational, xi, way, motions)
@@ -161,7 +161,7 @@ impl PlaneFrame {
         }
     }
 
-    /// Rotation of the loaded cross-section or node, rad, with co-rotational kinematics.
+    /// Rotation of the loaded cross-section or node, rad, in a motion of the frame with co-rotational kinematics.
     pub(crate) fn rotation_at(&self, motion: &FrameMotion, load: &FrameLoad) -> f64 {
         match *load {
             FrameLoad::Interior { member, xi, .. } => {

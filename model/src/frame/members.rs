@@ -1,4 +1,4 @@
-//! Members by the coordinates of the frame: the chain rule over rigid arms and rigid links.
+//! Members in the coordinates of the frame: the chain rule over rigid arms and rigid links.
 
 use super::equations::{MEMBER_COORDINATES, NODE_COORDINATES};
 use super::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame};
@@ -7,7 +7,7 @@ use crate::element::{Beam, EndMotion, Kinematics, Response, Station, quarter_tur
 use crate::number::{Number, sine_and_versine};
 use nalgebra::{SMatrix, SVector, Vector2};
 
-/// Displacement of the end of a lever that rotates by `rotation`: (R - 1) lever, mm. Free of cancellation for small rotations.
+/// Displacement (R - 1) lever of the end of a lever that rotates by `rotation`, mm. Free of cancellation for small rotations; first order if `linear`.
 #[inline(always)]
 pub(crate) fn swing<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) -> Vector2<R> {
     let quarter = quarter_turn(lever);
@@ -18,7 +18,7 @@ pub(crate) fn swing<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) -> 
     Vector2::new(sine * quarter.x - versine * lever.x, sine * quarter.y - versine * lever.y)
 }
 
-/// Whether a beam end has an arm in any lane.
+/// Whether a beam end has an arm in any SIMD lane.
 #[inline(always)]
 fn has_arm<R: Number>(end: &BeamEnd<R>) -> bool {
     let zero = end.arm.x.zero();
@@ -37,13 +37,13 @@ fn end_motion<R: Number>(motion: &FrameMotion<R>, end: &BeamEnd<R>, linear: bool
     EndMotion { displacement, rotation }
 }
 
-/// A vector in the number type of `like`.
+/// The vector in the number type of `like`.
 #[inline(always)]
 pub(super) fn vector_of<R: Number>(vector: Vector, like: R) -> Vector2<R> {
     Vector2::new(like.constant(vector.x), like.constant(vector.y))
 }
 
-/// The lever rotated by `rotation`, mm; unchanged if `linear`.
+/// The vector of a lever after its rotation, mm; unchanged if `linear`.
 #[inline(always)]
 pub(super) fn turned<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) -> Vector2<R> {
     if linear {
@@ -53,14 +53,14 @@ pub(super) fn turned<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) ->
     Vector2::new(swung.x + lever.x, swung.y + lever.y)
 }
 
-/// Motions of the two ends of an elastic part.
+/// Motions of both ends of a member's elastic part (the beam without its rigid arms).
 #[inline(always)]
 pub(crate) fn end_motions<R: Number>(
     motion: &FrameMotion<R>,
     ends: &[BeamEnd<R>; 2],
     linear: bool,
 ) -> [EndMotion<R>; 2] {
-    // `map` would go through memory.
+    // `map` would pass the array through memory.
     [end_motion(motion, &ends[0], linear), end_motion(motion, &ends[1], linear)]
 }
 
@@ -90,13 +90,13 @@ impl Member {
 }
 
 impl<R: Number> Member<R> {
-    /// Motions of the elastic part's two ends.
+    /// Motions of both ends of the elastic part.
     #[inline(always)]
     pub(crate) fn end_motions(&self, motion: &FrameMotion<R>, linear: bool) -> [EndMotion<R>; 2] {
         end_motions(motion, &self.ends, linear)
     }
 
-    /// Energy, nodal forces and tangent stiffness by the motions of the two nodes, including the rigid arms.
+    /// Elastic energy (N mm) with the nodal forces and the tangent stiffness by the motions of the two nodes, over the rigid arms.
     #[inline(always)]
     pub(crate) fn response(&self, motion: &FrameMotion<R>, kinematics: Kinematics) -> Response<R> {
         let linear = kinematics == Kinematics::Linear;
@@ -118,7 +118,7 @@ impl<R: Number> Member<R> {
         Vector2::new(to.x - from.x + undeformed.x, to.y - from.y + undeformed.y)
     }
 
-    /// Energy (N mm) and nodal forces (N, N mm) for small displacements, including the rigid arms.
+    /// Energy (N mm) and forces on the two nodes (N, N mm) for small displacements, over the rigid arms.
     #[inline(always)]
     pub(crate) fn linear_forces(&self, motion: &FrameMotion<R>) -> (R, SVector<R, 6>) {
         let (energy, mut gradient) = self.beam.linear_forces(&self.end_motions(motion, true));
@@ -131,7 +131,7 @@ impl<R: Number> Member<R> {
 }
 
 impl PlaneFrame {
-    /// Axial strain and curvature of a member with loads at fractions of its length: [`Beam::stations`](crate::element::Beam).
+    /// Axial strain and curvature along a member with loads, each a fraction of the length and a force (N); see [`Beam::stations`](crate::element::Beam).
     pub(crate) fn stations(
         &self,
         motion: &FrameMotion,
@@ -144,7 +144,7 @@ impl PlaneFrame {
         member.beam.stations(kinematics, &motions, loads)
     }
 
-    /// Chain rule from two nodes to the frame's coordinates over rigid links. [`carry_over_arms`] explains the second derivatives.
+    /// Chain rule from the two nodes to the frame's coordinates over rigid links. [`carry_over_arms`] explains the second derivatives.
     pub(crate) fn carry_over_links(
         &self,
         motion: &FrameMotion,
@@ -175,7 +175,7 @@ impl PlaneFrame {
 
 /// Chain rule from the ends of the elastic part to the nodes over rigid arms; `rotations` are the ends' rotations, rad.
 ///
-/// The end of an arm v moves on a circle, so the second derivative by the rotation gains -f . v, with f the gradient by displacement.
+/// The end of an arm v moves on a circle. The second derivative by its rotation therefore gains -f . v, with f the gradient by the end's displacement.
 #[inline(always)]
 pub(crate) fn carry_over_arms<R: Number>(
     ends: &[BeamEnd<R>; 2],
@@ -191,7 +191,7 @@ pub(crate) fn carry_over_arms<R: Number>(
         let (x, y, theta) = (3 * i, 3 * i + 1, 3 * i + 2);
         let (force_x, force_y) = (response.gradient[x], response.gradient[y]);
         response.gradient[theta] += arm.x * force_y - arm.y * force_x;
-        // The node's rotation adds -arm.y times row x and arm.x times row y; the same for columns.
+        // The node's rotation adds -arm.y times row x and arm.x times row y to its row; the same holds for columns.
         let tangent = &mut response.tangent;
         for k in 0..6 {
             let turning = arm.x * tangent[(y, k)] - arm.y * tangent[(x, k)];

@@ -1,31 +1,32 @@
-//! Effect of the linkage's errors on the undeformed nodes, from which displacements are measured.
+//! Effect of errors in the linkage on the undeformed positions of the nodes, from which displacements are measured.
 
 use super::{Gripper, GripperDescription, ImpossibleLinkage};
 use crate::{Finger, NodeId, Vector};
 
-/// Uncertainty of the linkage: standard deviations, and the backlash of the screw.
+/// Uncertainty of the linkage: standard deviations of angle and lengths, and the backlash of the screw.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinkageErrors {
     /// Standard deviation of the motor's angle, degrees.
     pub motor_deg: f64,
-    /// Backlash of the nut on the screw, mm. The position within it is uniformly distributed: a standard deviation of backlash / sqrt(12).
+    /// Backlash of the nut on the screw, mm. The position within the backlash is assumed uniformly distributed, with the standard deviation backlash /
+    /// sqrt(12).
     pub backlash_mm: f64,
-    /// Standard deviation of each length, mm: rocker, link, and distance of the fixed joint from the screw's axis.
+    /// Standard deviation of each of three lengths, mm: rocker, link, and distance of the fixed joint from the screw's axis.
     pub length_mm: f64,
 }
 
-/// Largest error of an undeformed key node from each cause, as standard deviations in mm; the causes are independent.
+/// Largest error of an undeformed key node from each cause, as a standard deviation in mm. The causes are independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeErrors {
-    /// From the motor's angle, mm.
+    /// Error from the motor's angle, mm.
     pub motor_mm: f64,
-    /// From the backlash of the screw, mm.
+    /// Error from the backlash of the screw, mm.
     pub backlash_mm: f64,
-    /// From the rocker's length, mm.
+    /// Error from the rocker's length, mm.
     pub rocker_mm: f64,
-    /// From the link's length, mm.
+    /// Error from the link's length, mm.
     pub link_mm: f64,
-    /// From the fixed joint's position, mm.
+    /// Error from the distance of the fixed joint from the screw's axis, mm.
     pub fixed_joint_mm: f64,
 }
 
@@ -33,10 +34,10 @@ pub struct NodeErrors {
 const STEP: f64 = 1e-6;
 
 impl Gripper {
-    /// First-order errors of the undeformed key nodes at a motor angle in degrees; `None` out of reach.
+    /// First-order errors of the undeformed key nodes at a motor angle in degrees. `None` if the linkage cannot reach that angle.
     pub fn node_errors(&self, finger: &Finger, motor_deg: f64, errors: &LinkageErrors) -> Option<NodeErrors> {
         let step = STEP * self.description.link_mm[1];
-        // Largest movement of a node per change of a length, mm per mm.
+        // Largest displacement of a node per change of a length, mm per mm.
         let largest = |change: &dyn Fn(&mut GripperDescription, f64)| -> Option<f64> {
             let [back, ahead] = [-step, step].map(|by| {
                 let mut description = self.description;
@@ -59,7 +60,7 @@ impl Gripper {
     }
 }
 
-/// Undeformed key nodes of the left finger in the gripper's frame, mm; `None` out of reach.
+/// Undeformed key nodes of the left finger in the gripper's frame, mm. `None` if the linkage cannot reach the motor angle.
 fn description_nodes(
     description: GripperDescription,
     finger: &Finger,

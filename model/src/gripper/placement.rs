@@ -3,14 +3,14 @@
 use crate::Vector;
 use nalgebra::{Matrix2, Rotation2};
 
-/// Transform of a plane frame into an outer frame: mirrored about its x axis if `mirrored`, then rotated, then translated.
+/// Transform from a plane frame to an outer frame: mirroring about the x axis if `mirrored`, then rotation, then translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
-    /// Position of the origin in the outer frame, mm.
+    /// Position of the frame's origin in the outer frame, mm.
     pub origin: Vector,
-    /// Angle of the x axis in the outer frame, rad.
+    /// Angle of the frame's x axis in the outer frame, rad.
     pub angle_rad: f64,
-    /// Whether the y axis lies to the right of the x axis.
+    /// Whether the frame is mirrored, so that its y axis lies to the right of its x axis.
     pub mirrored: bool,
 }
 
@@ -18,23 +18,23 @@ impl Placement {
     /// The identity transform.
     pub const IDENTITY: Placement = Placement { origin: Vector::new(0.0, 0.0), angle_rad: 0.0, mirrored: false };
 
-    /// Matrix that transforms directions to the outer frame: orthogonal, with determinant -1 if mirrored.
+    /// Matrix that transforms directions to the outer frame. It is orthogonal, with determinant -1 if mirrored.
     pub fn axes(&self) -> Matrix2<f64> {
         let sign = if self.mirrored { -1.0 } else { 1.0 };
         Rotation2::new(self.angle_rad).into_inner() * Matrix2::new(1.0, 0.0, 0.0, sign)
     }
 
-    /// Outer coordinates of a point of the frame, mm.
+    /// Coordinates in the outer frame of a point of this frame, mm.
     pub fn outwards(&self, point: Vector) -> Vector {
         self.origin + self.axes() * point
     }
 
-    /// Coordinates in the frame of a point of the outer frame, mm.
+    /// Coordinates in this frame of a point of the outer frame, mm.
     pub fn inwards(&self, point: Vector) -> Vector {
         self.axes().transpose() * (point - self.origin)
     }
 
-    /// The placement in the frame that contains `outer`; `outer` must not be mirrored.
+    /// This placement, given in the frame that `outer` places, expressed in the outer frame of `outer`. `outer` must not be mirrored.
     pub fn within(&self, outer: &Placement) -> Placement {
         Placement {
             origin: outer.outwards(self.origin),

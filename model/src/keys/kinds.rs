@@ -1,4 +1,4 @@
-//! Kinds of values: reading from TOML, range, and description in words.
+//! Kinds of values that keys take: reading from TOML, range, and description in words.
 
 mod numbers;
 
@@ -9,30 +9,30 @@ pub use numbers::{
 use std::fmt::Debug;
 use toml::de::DeValue;
 
-/// A value outside the type or range of its key.
+/// Error for a value of the wrong type, or outside the range of its key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("expected {expected}, found {found}")]
 pub struct Refused {
-    /// Description of valid values.
+    /// Description of the valid values, in words.
     pub expected: String,
-    /// Description of the value in the scene.
+    /// Description of the value in the scene, in words.
     pub found: String,
 }
 
-/// A kind of value that a key takes.
+/// A kind of value that a key accepts.
 pub trait Kind {
-    /// Type of the value in memory.
+    /// Type of the value after reading.
     type Value: Clone + Debug;
 
-    /// Quantity and unit, as in the error for a missing value.
+    /// Name of the quantity with its unit, for the error about a missing value.
     fn noun(&self) -> String;
 
-    /// Quantity, unit and range, as in the error for a value outside the range.
+    /// Name of the quantity with its unit and range, for the error about a value outside the range.
     fn expected(&self) -> String {
         self.noun()
     }
 
-    /// Quantity, unit and range, as in the reference.
+    /// Name of the quantity with its unit and range, for the reference.
     fn described(&self) -> String {
         self.expected()
     }
@@ -43,18 +43,18 @@ pub trait Kind {
     /// [`Refused`] for a value of another type.
     fn parse(&self, value: &DeValue) -> Result<Self::Value, Refused>;
 
-    /// Text of the part of a value that lies outside the range; `None` if all lies within.
+    /// Text of that part of a value that lies outside the range; `None` if the whole value lies within.
     fn outside(&self, _value: &Self::Value) -> Option<String> {
         None
     }
 
-    /// The value in TOML notation.
+    /// The value written in TOML notation.
     fn written(&self, value: &Self::Value) -> String {
         format!("{value:?}")
     }
 }
 
-/// A whole number between two limits; the text names the counted things.
+/// A whole number between two limits, both included. The text names the things that are counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Count(pub &'static str, pub usize, pub usize);
 
@@ -87,7 +87,7 @@ impl Kind for Count {
     }
 }
 
-/// A text in quotes.
+/// A text in quotation marks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Text();
 
@@ -106,11 +106,11 @@ impl Kind for Text {
     }
 }
 
-/// One of `N` words, in quotes except `true` and `false`. The value is the index of the word in the list.
+/// One of `N` words, in quotation marks except `true` and `false`. The value is the index of the word in this list.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Word<const N: usize>(pub [&'static str; N]);
 
-/// A word in TOML notation.
+/// A word written in TOML notation.
 fn literal(word: &str) -> String {
     if ["true", "false"].contains(&word) { word.to_owned() } else { format!("{word:?}") }
 }
@@ -140,7 +140,7 @@ fn refused(expected: String, found: &DeValue) -> Refused {
     Refused { expected, found: described(found) }
 }
 
-/// Description of a TOML value, on one line.
+/// Description of a TOML value, in words on one line.
 pub(crate) fn described(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("the text {text:?}"),

@@ -1,17 +1,17 @@
-//! The reference of scene files, as text.
+//! The reference of scene files, printed as text.
 
 use super::{Entry, Occurs, SceneTable, TABLES};
 
-/// Width of the text, characters.
+/// Width of the printed lines, characters.
 const COLUMNS: usize = 100;
 
-/// The reference in Markdown: quantity, unit, range, default and meaning of every table and key of a scene.
+/// The reference in Markdown. It lists quantity, unit, range, default and meaning of every key of every table.
 pub fn reference() -> String {
     let sections = TABLES.chunk_by(|one, next| one.says() == next.says());
     sections.map(section).collect::<Vec<_>>().join("\n")
 }
 
-/// Section for tables that share their keys.
+/// Text of one section, for tables that share their keys.
 fn section(tables: &[&dyn SceneTable]) -> String {
     let Some(first) = tables.first() else { return String::new() };
     let names: Vec<_> = tables.iter().filter(|table| !table.path().is_empty()).map(|table| heading(*table)).collect();
@@ -32,7 +32,7 @@ fn line(entry: &Entry) -> String {
     wrapped(&format!("- {}: {}; {}. {}", entry.name, entry.values, entry.need, entry.says), "  ")
 }
 
-/// Wraps a paragraph into lines; all but the first are indented.
+/// Wraps a paragraph into lines. All lines but the first are indented.
 fn wrapped(text: &str, indent: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {

@@ -1,5 +1,5 @@
-//! Every key of every table of a scene: kind of value, range, default and meaning.
-// Sentences name tables of a scene in brackets; these are not links.
+//! Every key of every table of a scene: kind and range of its values, default, and meaning.
+// The texts name tables of a scene in brackets, which are not links.
 #![allow(rustdoc::broken_intra_doc_links)]
 
 use super::Need::{Of, Optional, Or, Required, RequiredIf};
@@ -9,26 +9,26 @@ use super::{
     RibNumbers, Rows, SceneTable, SideLengths, Table, Text, Word,
 };
 
-/// Default radius of the rods, mm: those of Xu et al. (2021), sec. II, have a diameter of 3 mm.
+/// Default radius of the rods on the front plate, mm. The rods of Xu et al. (2021), sec. II, have a diameter of 3 mm.
 pub const ROD_RADIUS_MM: f64 = 1.5;
 
 const NOT_NEGATIVE: Range = Range::NOT_NEGATIVE;
 const POSITIVE: Range = Range::POSITIVE;
-/// Upper limit of lengths of a linkage, object or path, mm, and of forces, rates and gravity in their units.
+/// Upper limit of lengths of a linkage, object or path (mm), and of forces, rates and gravity in their units.
 const LARGEST: f64 = 1e4;
-/// Upper limit of the distance of the finger from the camera, mm.
+/// Upper limit of the distance between finger and camera, mm.
 const FARTHEST_MM: f64 = 1e5;
 /// Upper limit of the size of a marker, mm.
 const LARGEST_MARKER_MM: f64 = 1e3;
 /// Upper limit of the focal length, px.
 const LONGEST_FOCUS_PX: f64 = 1e7;
-/// Upper limit of a coefficient of friction; rubber on rubber reaches 2.
+/// Upper limit of a coefficient of friction, dimensionless; rubber on rubber reaches 2.
 const LARGEST_FRICTION: f64 = 10.0;
-/// Upper limit of the base's rotation per force, degrees per N; a softer base does not hold a finger.
+/// Upper limit of the base's rotation per force, degrees per N. A softer base does not hold a finger.
 const LARGEST_TURN: f64 = 10.0;
-/// Upper limit of the standard deviation of a joint's position, mm; a larger one does not describe the same finger.
+/// Upper limit of the standard deviation of a joint's position, mm. With a larger one, the description does not fit the finger.
 const LARGEST_JOINT_SIGMA_MM: f64 = 10.0;
-/// Upper limit of the number of steps.
+/// Upper limit of numbers of steps and of camera frames.
 const MOST_STEPS: usize = 10_000;
 
 const BELOW_RADIUS: Range = ByOthers("zero or more and below radius_mm");
@@ -36,7 +36,7 @@ const LENGTH: Quantity = Quantity("length", "mm");
 const POSITION: Quantity = Quantity("position", "mm");
 const MODULUS: Quantity = Quantity("modulus", "MPa");
 const ANGLE: Quantity = Quantity("angle", "degrees");
-const TURN: Quantity = Quantity("angle", "degrees a newton");
+const TURN: Quantity = Quantity("angle", "degrees per newton");
 const FORCE: Quantity = Quantity("force", "N");
 const STRAIN: Quantity = Quantity("strain", "");
 const FRICTION: Quantity = Quantity("coefficient of friction", "");
@@ -44,7 +44,7 @@ const SIGMA: &str = "standard deviation";
 const TRUE_FALSE: [&str; 2] = ["true", "false"];
 const COLOUR: Quantity = Quantity("red, green and blue", "");
 
-/// Defines tables that share their keys: a static per table with its path, and the struct of keys.
+/// Defines tables: a static per table with its path, and a struct with the keys that these tables share.
 macro_rules! tables {
     ($($name:ident = $path:literal),+: $keys:ident, $occurs:ident, $about:literal;
      $($key:ident: $kind:ident $(<$n:literal>)? ($($value:tt)*), $need:expr, $says:literal;)*) => {
@@ -318,8 +318,8 @@ tables! {
          touch; false: none, and its weight acts once it is grasped. Without this key true, or false if gravity is zero.";
     gravity_m_s2: Numbers<2>(Quantity("gravity", "m/s^2"), AtMost(LARGEST)), Or([0.0, 9.81]),
         "Acceleration of gravity in the frame of this table; the default is Earth's for a gripper that points down.";
-    motor_deg_per_s: Number(Quantity("speed", "degrees a second"), Positive(LARGEST)), Or(30.0), "Speed of the motor, for frames_per_s.";
-    frames_per_s: Number(Quantity("rate", "frames a second"), Positive(LARGEST)), Optional,
+    motor_deg_per_s: Number(Quantity("speed", "degrees per second"), Positive(LARGEST)), Or(30.0), "Speed of the motor, for frames_per_s.";
+    frames_per_s: Number(Quantity("rate", "frames per second"), Positive(LARGEST)), Optional,
         "Instead of step_deg: one settled step per frame of the camera.";
     delay_frames: Count("", 0, MOST_STEPS), Or(0), "Delay of sensing in frames; only with frames_per_s.";
     camera_on_gripper: Word<2>(TRUE_FALSE), Or(1),

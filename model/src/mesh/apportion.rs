@@ -1,9 +1,9 @@
-//! Distribution of elements over lines.
+//! Distribution of elements over the lines of a mesh: plate members, ribs and base line.
 
-/// Distributes `total` elements over the lines in proportion to their lengths, by largest remainder (Hamilton's method), at least one
-/// each. Equal remainders favour the earlier line. `total` is at least the number of lines.
+/// Distributes `total` elements over lines in proportion to their lengths, by largest remainder (Hamilton's method), at least one element per line. Equal
+/// remainders favour the earlier line. `total` must be at least the number of lines.
 pub(super) fn by_largest_remainder(total: usize, lengths: &[f64]) -> Vec<usize> {
-    // A line with a quota below one gets one. The others share the rest, which may push further quotas below one.
+    // A line with a quota below one element gets one. The others share the rest, which may push further quotas below one.
     let mut shares = vec![1; lengths.len()];
     let mut sharing: Vec<usize> = (0..lengths.len()).collect();
     loop {
@@ -16,7 +16,7 @@ pub(super) fn by_largest_remainder(total: usize, lengths: &[f64]) -> Vec<usize> 
                 shares[i] = (quota(i).floor() as usize).max(1);
             }
             let mut by_remainder = sharing.clone();
-            // Rounding makes lengths of equal plates differ, so remainders this close count as equal.
+            // Equal plates may differ in length by rounding, so remainders that are this close count as equal.
             let remainder = |i: usize| (quota(i).fract() * 1e9).round() as i64;
             by_remainder.sort_by_key(|&i| (-remainder(i), i));
             let given: usize = sharing.iter().map(|&i| shares[i]).sum();

@@ -23,11 +23,11 @@ impl Mesh {
                 frame.add_node(finger.hinge(node));
             }
         }
-        // Links come first: they determine the rotation slot of each node.
+        // Links must come first, because they determine the rotation slot of each node.
         for rib in 0..finger.rib_count() {
             link_rib(&mut frame, finger, rib);
         }
-        // A line between ribs that share a junction has no length to divide.
+        // A plate member between ribs that share a junction has no length to divide.
         let one_of_none = |(elements, length_mm)| if length_mm > 0.0 { elements } else { 1 };
         let elements: Vec<usize> = elements.iter().copied().zip(line_lengths(finger)).map(one_of_none).collect();
         let mut mesh = Mesh {
@@ -108,7 +108,7 @@ impl Mesh {
         self.add_line(Part::Ribs, ends, &vec![section; elements]);
     }
 
-    /// Adds a straight chain of equal elements between two ends, one per section.
+    /// Adds a straight chain of equal elements between two ends, one element per section.
     fn add_line(&mut self, part: Part, ends: [BeamEnd; 2], sections: &[Section]) {
         let [from, to] = ends.map(|end| self.frame.position(end.node) + end.arm);
         let first_member = self.frame.members().len();
@@ -129,7 +129,7 @@ impl Mesh {
     }
 }
 
-/// See [`Mesh::alike_lines`].
+/// Groups the lines; see [`Mesh::alike_lines`].
 fn alike(lines: &[Line]) -> Vec<Vec<usize>> {
     let mut alike: Vec<Vec<usize>> = Vec::new();
     let is_rib = |line: &Line| line.part == Part::Ribs;
@@ -143,12 +143,12 @@ fn alike(lines: &[Line]) -> Vec<Vec<usize>> {
     alike
 }
 
-/// See [`Mesh::hinge_node`].
+/// Frame node of a joint between bracket and rib; see [`Mesh::hinge_node`].
 pub(super) fn hinge_node(finger: &Finger, node: NodeId) -> NodeIndex {
     let key_nodes = finger.key_node_count();
     let has_rib = node.0 > 1 && node.0 < key_nodes && node != finger.tip();
     match finger.has_brackets() && has_rib {
-        // Order of [`Mesh::build`]: front then back, from base to tip.
+        // Joints are numbered as [`Mesh::build`] adds them: for each rib from base to tip, front then back.
         true if node < finger.tip() => key_nodes + 2 * (node.0 - 2) + 1,
         true => key_nodes + 2 * (key_nodes - 1 - node.0),
         false => node.0 - 1,

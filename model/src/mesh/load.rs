@@ -3,10 +3,10 @@
 use crate::Vector;
 use crate::finger::NodeId;
 
-/// A dead load on a finger, in the finger frame: it keeps its direction as the finger deforms.
+/// A dead load on a finger, finger frame: it keeps its direction while the finger deforms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
-    /// Force (N) and moment (N mm) on a key node.
+    /// A force (N) and a moment (N mm) on a key node.
     Node {
         /// The node.
         node: NodeId,
@@ -15,7 +15,7 @@ pub enum Load {
         /// Moment, N mm, positive from x to y.
         moment_nmm: f64,
     },
-    /// Force (N) at a position of the front plate.
+    /// A force (N) at a position on the front plate.
     Front {
         /// Position along the plate from the front base, mm.
         s_mm: f64,
@@ -25,18 +25,18 @@ pub enum Load {
 }
 
 impl Load {
-    /// A force (N) on a key node, without moment.
+    /// A load by a force (N) on a key node, without moment.
     pub fn at_node(node: NodeId, force: Vector) -> Load {
         Load::Node { node, force, moment_nmm: 0.0 }
     }
 
-    /// A force (N) at a position along the front plate, mm from the base.
+    /// A load by a force (N) at a position along the front plate, mm from the base.
     pub fn at_position(s_mm: f64, force: Vector) -> Load {
         Load::Front { s_mm, force }
     }
 }
 
-/// A load at an invalid point of the finger.
+/// Error for a load at an invalid point of the finger.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum LoadError {
     /// The node does not exist.
@@ -44,11 +44,11 @@ pub enum LoadError {
     NodeMissing {
         /// The requested node.
         node: NodeId,
-        /// Number of key nodes.
+        /// Number of key nodes of the finger.
         key_nodes: usize,
     },
     /// The node is clamped.
-    #[error("node {node} is clamped: a load there moves nothing and is not identifiable")]
+    #[error("node {node} is clamped: a load on it moves nothing and is not identifiable")]
     NodeClamped {
         /// The requested node.
         node: NodeId,

@@ -7,17 +7,17 @@ use crate::frame::swing;
 /// Motion of one key node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeMotion {
-    /// The node.
+    /// The key node.
     pub node: NodeId,
-    /// Undeformed position, mm, finger frame.
+    /// Undeformed position of the node, mm, finger frame.
     pub position: Vector,
-    /// Displacement, mm, finger frame.
+    /// Displacement of the node, mm, finger frame.
     pub displacement: Vector,
-    /// Rotation, rad; at a hinged rib, that of the plate.
+    /// Rotation of the node, rad; at a hinged rib, the rotation of the plate.
     pub rotation: f64,
-    /// Undeformed position of the joint with its rib, mm; that of the node without bracket.
+    /// Undeformed position of the joint between rib and bracket, mm, finger frame. Equals the node's position if it has no bracket.
     pub hinge_position: Vector,
-    /// Displacement of that joint, mm.
+    /// Displacement of the joint between rib and bracket, mm, finger frame.
     pub hinge_displacement: Vector,
 }
 
@@ -36,24 +36,24 @@ impl NodeMotion {
     }
 }
 
-/// Motions of all key nodes of a finger, in order.
+/// Motions of all key nodes of a finger, in ascending order of the nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerShape {
     motions: Vec<NodeMotion>,
 }
 
 impl FingerShape {
-    /// The shape with the given motions, one per key node in order.
+    /// The shape with the given motions, one per key node in ascending order.
     pub(super) fn of_motions(motions: Vec<NodeMotion>) -> FingerShape {
         FingerShape { motions }
     }
 
-    /// The shape with the displacement (mm) and rotation (rad) of every key node given by `motion`; brackets rotate exactly.
+    /// The shape in which `motion` returns the displacement (mm) and rotation (rad) of each key node. Brackets rotate without linearisation.
     pub fn new(finger: &Finger, motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
         FingerShape::turning(finger, motion, false)
     }
 
-    /// The shape for small rotations: as [`new`](FingerShape::new), with linearised rotation of brackets.
+    /// Same as [`new`](FingerShape::new) for small rotations: the rotation of brackets is linearised.
     pub fn of_linear(finger: &Finger, motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
         FingerShape::turning(finger, motion, true)
     }
@@ -74,17 +74,20 @@ impl FingerShape {
         FingerShape { motions: motions.collect() }
     }
 
-    /// Motions of all key nodes, in order.
+    /// Motions of all key nodes, in ascending order.
     pub fn motions(&self) -> &[NodeMotion] {
         &self.motions
     }
 
-    /// Motion of one key node. Panics if the finger does not have it.
+    /// Motion of one key node.
+    ///
+    /// # Panics
+    /// If the finger does not have this node.
     pub fn motion(&self, node: NodeId) -> &NodeMotion {
         &self.motions[node.0 - 1]
     }
 
-    /// Deformed position of a point, mm, finger frame.
+    /// Deformed position of a point of the finger, mm, finger frame.
     pub fn point(&self, point: FingerPoint) -> Vector {
         match point {
             FingerPoint::Node(node) => self.motion(node).position + self.motion(node).displacement,
@@ -92,7 +95,7 @@ impl FingerShape {
         }
     }
 
-    /// Largest displacement of a key node, mm.
+    /// Largest magnitude of a key node's displacement, mm.
     pub fn largest_displacement_mm(&self) -> f64 {
         self.motions.iter().map(|m| m.displacement.norm()).fold(0.0, f64::max)
     }

@@ -1,4 +1,4 @@
-//! Sections of elements in tapered plates and in zones with a different modulus.
+//! Cross-sections of elements in tapered plates and in zones with a different modulus.
 
 use super::Mesh;
 use crate::finger::{Finger, Part, Plate, Zone};
@@ -11,17 +11,18 @@ pub(super) struct ElementPositions {
 }
 
 impl ElementPositions {
-    /// Equal elements between the rigid arms of a member.
+    /// Positions of equal elements between the rigid arms of a member. `positions` and `arms_mm` hold both ends, in mm.
     pub(super) fn new(positions: [f64; 2], arms_mm: [f64; 2], elements: usize) -> ElementPositions {
         ElementPositions { free: [positions[0] + arms_mm[0], positions[1] - arms_mm[1]], elements }
     }
 
-    /// Start and end of the elastic part, mm from the base.
+    /// Start and end of the elastic part of the member, mm from the base.
     pub(super) fn free(&self) -> [f64; 2] {
         self.free
     }
 
-    /// Start of element `i`, mm from the base. The end of the last element is exact, without rounding, so that a load at the tip is found.
+    /// Start of element `i`, mm from the base. For `i` after the last element, this is the end of the last element, exact without rounding, so that a load at
+    /// the tip lies on the plate.
     pub(super) fn start(&self, i: usize) -> f64 {
         let [from, to] = self.free;
         if i == self.elements { to } else { from + (to - from) * i as f64 / self.elements as f64 }
@@ -29,7 +30,7 @@ impl ElementPositions {
 }
 
 impl Finger {
-    /// Section with the mean compliances of a plate segment, including those of its zones.
+    /// Section with the mean compliances of a plate segment, including the effect of zones.
     pub(super) fn plate_section(&self, plate: Plate, from_mm: f64, to_mm: f64) -> Section {
         let d = self.description();
         let zones: Vec<Zone> = d.zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
@@ -44,14 +45,15 @@ impl Finger {
         }
     }
 
-    /// Mean of t_0 / t over a plate segment: t_0 ln(b / a) / (b - a) for a thickness t linear from a to b, with t_0 at the base. Dimensionless.
+    /// Mean of t_0 / t over a plate segment, dimensionless: t_0 ln(b / a) / (b - a) for a thickness t that varies linearly from a to b. t_0 is the thickness
+    /// at the base.
     fn stretching(&self, plate: Plate, from_mm: f64, to_mm: f64) -> f64 {
         let [base_mm, a, b] = self.thicknesses_mm(plate, from_mm, to_mm);
         let growth = (b - a) / a;
         base_mm / a * if growth == 0.0 { 1.0 } else { growth.ln_1p() / growth }
     }
 
-    /// Mean of (t_0 / t)^3 over a plate segment: (a + b) / (2 a^2 b^2) for linear t / t_0 from a to b. Dimensionless.
+    /// Mean of (t_0 / t)^3 over a plate segment, dimensionless: (a + b) / (2 a^2 b^2) for t / t_0 that varies linearly from a to b.
     fn bending(&self, plate: Plate, from_mm: f64, to_mm: f64) -> f64 {
         let [base_mm, a, b] = self.thicknesses_mm(plate, from_mm, to_mm);
         let (a, b) = (a / base_mm, b / base_mm);
@@ -63,8 +65,8 @@ impl Finger {
     }
 }
 
-/// Integral of the relative compliance over a plate segment, mm. `relative` is its mean between two positions, divided by the product of the zones'
-/// factors. Only sections whose middle is `counted` contribute.
+/// Integral over a plate segment of the compliance relative to the base section, mm. `relative` is the mean relative compliance between two positions without
+/// zones; the product of the zones' factors divides it. Only sections whose middle satisfies `counted` contribute.
 fn compliance(
     zones: &[Zone],
     from_mm: f64,
@@ -92,8 +94,9 @@ fn covers(zone: &Zone, position_mm: f64) -> bool {
 }
 
 impl Mesh {
-    /// Sensitivity of the members' stiffness to the factor of a zone, numbered from 0: pairs of a member and its d ln(stiffness) / d ln(factor), 0..1. This is
-    /// the zone's share of the member's compliance, in bending if the plate is tapered. Members outside the zone are omitted.
+    /// Sensitivity of the members' stiffness to the modulus factor of a zone; zones are numbered from 0. Returns pairs of a member's index and its d
+    /// ln(stiffness) / d ln(factor), 0..1. The sensitivity equals the zone's share of the member's compliance (in bending, if the plate is tapered). Members
+    /// outside the zone are omitted.
     pub fn zone_shares(&self, zone: usize) -> Vec<(usize, f64)> {
         let description = self.finger.description();
         let Some(chosen) = description.zones.get(zone) else { return Vec::new() };
@@ -102,7 +105,7 @@ impl Mesh {
         let positions = self.finger.plate_positions_mm(plate);
         let lines = self.lines.iter().filter(|line| line.part == chosen.part).enumerate();
         let shares = lines.flat_map(|(nth, line)| {
-            // The share of a rib does not depend on arms along a plate.
+            // The share for a rib does not depend on arms along a plate.
             let arms_mm = if chosen.part == Part::Ribs { [0.0; 2] } else { self.finger.member_arms_mm(plate, nth) };
             let elements = ElementPositions::new([positions[nth], positions[nth + 1]], arms_mm, line.members.len());
             let share = |i: usize| match chosen.part {

@@ -1,4 +1,4 @@
-//! The camera and the markers: `[camera]`, `[markers]` and `[base]`.
+//! Reading of the camera and the markers: the tables `[camera]`, `[markers]` and `[base]`.
 
 use super::SceneError;
 use super::reader::TableReader;
@@ -17,40 +17,40 @@ pub struct CameraDescription {
     pub pose: Option<Pose>,
 }
 
-/// A colour as red, green and blue, 0 to 255 each, as stored in an image file.
+/// A colour as red, green and blue, 0 to 255 each, as an image file stores it.
 pub type Rgb = [u8; 3];
 
-/// Discs or rings on the key nodes.
+/// Markers on the finger: discs or rings centred on key nodes or joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Markers {
-    /// Radius, mm; for rings, the outer radius.
+    /// Radius of the markers, mm; for rings, the outer radius.
     pub radius_mm: f64,
-    /// Height above the plane of the beams, mm, along z = x cross y of the finger frame.
+    /// Height of the markers above the plane of the beams, mm, along z = x cross y of the finger frame.
     pub height_mm: f64,
-    /// How markers are distinguished from the background.
+    /// Appearance that distinguishes the markers from the background.
     pub look: MarkerLook,
 }
 
 /// Appearance that distinguishes markers from the background.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MarkerLook {
-    /// Two colours that occur nowhere else in the image.
+    /// Two colours, which occur nowhere else in the image.
     Coloured {
-        /// Colour on the front plate, including the tip and the clamped node.
+        /// Colour of the markers on the front plate, including the tip and the clamped node.
         front_rgb: Rgb,
-        /// Colour on the back plate.
+        /// Colour of the markers on the back plate.
         back_rgb: Rgb,
     },
-    /// A rim between the marker and darker or brighter surroundings.
+    /// A rim between a bright marker and dark surroundings, or the reverse.
     Grey {
         /// Brightness of the marker relative to its surroundings.
         shade: Shade,
-        /// Inner radius of a ring, mm; zero for discs. The area inside a ring may have any appearance.
+        /// Inner radius of a ring, mm; zero for discs. The area inside this radius may have any appearance.
         inner_radius_mm: f64,
     },
 }
 
-/// Brightness relative to the surroundings.
+/// Brightness of a mark relative to its surroundings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shade {
     /// Brighter than the surroundings.
@@ -59,7 +59,7 @@ pub enum Shade {
     Dark,
 }
 
-/// Reads the standard deviation of a measured coordinate, mm, and the camera.
+/// Reads the standard deviation of a measured marker coordinate (mm) and the camera; each is `None` if it is not stated.
 pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<CameraDescription>), SceneError> {
     let noise_mm = table.optional(&CAMERA.noise_mm)?;
     let pose = [CAMERA.rotation_vector_rad.name, CAMERA.translation_mm.name];
@@ -85,7 +85,7 @@ pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<Ca
     Ok((noise_mm, Some(CameraDescription { lens, pose })))
 }
 
-/// Contents of `[markers]`: positions, errors and, for images, appearance.
+/// Contents of `[markers]`: positions, errors and, if the markers are seen in images, their appearance.
 #[derive(Default)]
 pub(super) struct MarkersRead {
     pub on: MarkerPoints,
@@ -97,7 +97,7 @@ pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneErro
     let on = table.word(&MARKERS.on, [MarkerPoints::Junctions, MarkerPoints::Hinges])?;
     let errors =
         MarkerErrors { noise_factor: table.get(&MARKERS.noise_factor)?, model_mm: table.get(&MARKERS.model_error_mm)? };
-    // An empty table lacks the required keys, too.
+    // An empty table also lacks the required keys.
     let lookless = [MARKERS.on.name, MARKERS.noise_factor.name, MARKERS.model_error_mm.name];
     let of_look: Vec<_> =
         MARKERS.entries().iter().map(|entry| entry.name).filter(|name| !lookless.contains(name)).collect();
@@ -126,7 +126,7 @@ fn read_look(table: &TableReader, radius_mm: f64) -> Result<MarkerLook, SceneErr
     Ok(MarkerLook::Grey { shade: table.word(&MARKERS.shade, SHADES)?, inner_radius_mm })
 }
 
-/// Shades in the order of the key's words.
+/// Shades in the order of the words that the key accepts.
 const SHADES: [Shade; 2] = [Shade::Bright, Shade::Dark];
 
 fn inner_radius_mm(table: &TableReader, key: &Key<Number>, radius_mm: f64) -> Result<f64, SceneError> {
@@ -138,26 +138,26 @@ fn inner_radius_mm(table: &TableReader, key: &Key<Number>, radius_mm: f64) -> Re
     Err(table.wrong(key.name, &expected, &format!("{inner_radius_mm:?}")))
 }
 
-/// A mark on the finger's base.
+/// A reference mark on the finger's base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reference {
-    /// Position of its centre, mm, finger frame.
+    /// Position of the mark's centre, mm, finger frame.
     pub at: Vector,
-    /// Appearance, size and height above the plane of the beams.
+    /// Appearance, radius and height of the mark.
     pub markers: Markers,
 }
 
-/// A base that moves between images, so that the camera's pose does not determine its position.
+/// A base that moves between images, so that the camera's pose does not determine where it is.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Base {
-    /// Marks that move with the base; two or more determine its pose.
+    /// Reference marks that move with the base. Two or more marks determine the pose of the base.
     pub references: Vec<Reference>,
-    /// Uncertainty of the base relative to the references or, without references, to the camera's pose; `None` if the scene does not state it.
+    /// Uncertainty of the base's pose relative to the reference marks or, without marks, to the camera's pose; `None` if the scene does not state it.
     pub uncertainty: Option<BaseUncertainty>,
 }
 
 impl Base {
-    /// Whether only the camera's pose, with an uncertainty, determines the base, because there are no references.
+    /// Whether the base has no reference marks but an uncertainty, so that only the camera's pose determines it.
     pub fn is_of_pose(&self) -> bool {
         self.references.is_empty() && self.uncertainty.is_some()
     }

@@ -1,4 +1,4 @@
-//! Contact between objects and the finger: `[contact]`.
+//! Reading of the contacts between objects and the finger: the table `[contact]`.
 
 use super::SceneError;
 use super::reader::TableReader;
@@ -6,18 +6,18 @@ use crate::finger::{Finger, Plate};
 use crate::keys::{CONTACT, Key, Number, ROD_RADIUS_MM};
 use crate::sensing::{Lean, Normal, Pad};
 
-/// Geometry and friction of contacts with the finger.
+/// Properties of contacts between objects and the finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactDescription {
-    /// Radius of the rods that objects touch, mm.
+    /// Radius of the rods on the front plate that objects touch, mm.
     pub rod_radius_mm: f64,
-    /// Angle of sensed forces from the normal, caused by friction; `None` if the scene states no friction.
+    /// Lean of sensed forces: their angle from the plate normal, caused by friction. `None` if the scene states no friction.
     pub lean: Option<Lean>,
-    /// The normal from which forces deviate by friction; also used while friction is calibrated.
+    /// The plate normal from which the lean is measured; also used while friction is calibrated.
     pub normal: Normal,
-    /// Relative standard deviation of sensed forces beyond all other causes, dimensionless.
+    /// Relative standard deviation of a sensed force from causes that are not modelled otherwise, dimensionless.
     pub force_error: f64,
-    /// Pad between objects and the front plate, for sensed forces.
+    /// Pad between objects and the front plate; it affects sensed forces.
     pub pad: Pad,
 }
 
@@ -37,7 +37,7 @@ pub(super) fn read_contact(table: &TableReader, finger: &Finger) -> Result<Conta
     let length_mm = finger.plate_length_mm(Plate::Front);
     let on_plate_mm = |key: &Key<Number>| match table.get(key)? {
         too_long if too_long > length_mm => {
-            let expected = format!("a length in mm, no more than the front plate's {length_mm}");
+            let expected = format!("a length in mm, at most the front plate's {length_mm}");
             Err(table.wrong(key.name, &expected, &format!("{too_long:?}")))
         }
         pad_mm => Ok(pad_mm),
@@ -58,7 +58,7 @@ fn read_lean(table: &TableReader, from: Normal) -> Result<Option<Lean>, SceneErr
         (Some(_), Some(_)) => return Err(table.wrong(range_name, "either friction or friction_range", "both")),
         (Some(friction), None) => Lean::of_friction(friction, table.get(&CONTACT.friction_sigma)?),
         (None, Some(range)) if range[0] > range[1] => {
-            let expected = "two coefficients of friction in rising order";
+            let expected = "two coefficients of friction in ascending order";
             return Err(table.wrong(range_name, expected, &format!("{range:?}")));
         }
         (None, Some(range)) => Lean::within(range),
@@ -81,7 +81,7 @@ fn read_normal(table: &TableReader) -> Result<Normal, SceneError> {
     match table.word(&CONTACT.normal, [true, false])? {
         true => Ok(Normal::Deformed { over_mm }),
         false if table.has(&CONTACT.normal_over_mm) => {
-            let expected = "no value with normal = \"undeformed\", which is not averaged";
+            let expected = "no value with normal = \"undeformed\", because only the deformed normal is averaged";
             Err(table.wrong(CONTACT.normal_over_mm.name, expected, &format!("{over_mm:?}")))
         }
         false => Ok(Normal::Undeformed),

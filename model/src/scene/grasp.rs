@@ -1,4 +1,4 @@
-//! How a gripper grasps: `[grasp]`.
+//! Reading of the settings of a grasp: the table `[grasp]`.
 
 use super::SceneError;
 use super::reader::TableReader;
@@ -6,43 +6,43 @@ use crate::Vector;
 use crate::gripper::Gripper;
 use crate::keys::GRASP;
 
-/// Support of an object before it is grasped.
+/// Support on which an object lies before it is grasped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Support {
-    /// Rails before and behind the fingers, which pass between them.
+    /// Rails in front of and behind the fingers, which pass between the rails.
     Rails,
     /// A table that the fingers must not touch.
     Table,
 }
 
-/// How a gripper grasps a free object.
+/// Settings of a grasp of a free object by a gripper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspDescription {
-    /// Motor angles at the start and at the latest stop, degrees.
+    /// Motor angles at the start and at the last possible stop, degrees.
     pub motor_deg: [f64; 2],
-    /// Motor angle between two settled steps, degrees, above zero.
+    /// Motor angle between two steps of the simulation, degrees, above zero. Each step is settled to equilibrium.
     pub step_deg: f64,
-    /// Sensed total force of a finger at which closing stops, N; `None` to close up to the last motor angle.
+    /// Sensed total force of a finger at which closing stops, N. `None` to close until the last motor angle.
     pub until_force_n: Option<f64>,
-    /// Whether the motor keeps that force along the path.
+    /// Whether the motor keeps this force along the path.
     pub holds: bool,
-    /// Corners of the gripper's path from its start, mm, in the frame of the gripper at the start.
+    /// Corners of the path of the gripper relative to its start, mm, in the gripper's frame at the start.
     pub path_mm: Vec<Vector>,
-    /// Number of settled steps along the path.
+    /// Number of steps along the path; each is settled to equilibrium.
     pub path_steps: usize,
     /// Whether the gripper opens at the end.
     pub opens: bool,
-    /// Support of the object at the start; `None` for an object in mid-air.
+    /// Support on which the object lies at the start; `None` if the object starts in mid-air.
     pub support: Option<Support>,
-    /// Acceleration of gravity, m/s^2, in the frame of the gripper at the start.
+    /// Acceleration of gravity (vector), m/s^2, in the gripper's frame at the start.
     pub gravity_m_s2: Vector,
     /// Speed of the motor, degrees/s.
     pub motor_deg_per_s: f64,
-    /// Frame rate of the camera, 1/s, if steps follow the camera instead of the motor angle.
+    /// Frame rate of the camera, 1/s, if each frame is a step. `None` if motor angles determine the steps.
     pub frames_per_s: Option<f64>,
-    /// Delay of sensing, in frames.
+    /// Delay between an image and the force sensed from it, in frames.
     pub delay_frames: usize,
-    /// Whether the scene's camera is fixed to the gripper and its pose refers to the gripper's frame, rather than to each finger's.
+    /// Whether the scene's camera is fixed to the gripper. If so, its pose refers to the gripper's frame, else to each finger's frame.
     pub camera_on_gripper: bool,
 }
 
@@ -56,7 +56,7 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
     }
     let [least_deg, most_deg] = gripper.reach_deg();
     if let Some(beyond) = motor_deg.iter().find(|angle| gripper.pose(**angle).is_none()) {
-        let expected = format!("motor angles in reach, {least_deg:.1} to {most_deg:.1} degrees");
+        let expected = format!("motor angles within reach of the linkage, {least_deg:.1} to {most_deg:.1} degrees");
         return Err(table.wrong(GRASP.motor_deg.name, &expected, &format!("{beyond:?}")));
     }
     let until_force_n = table.optional(&GRASP.until_force_n)?;

@@ -1,4 +1,4 @@
-//! Linkage of the gripper: `[gripper]`.
+//! Reading of the gripper's linkage: the table `[gripper]`.
 
 use super::SceneError;
 use super::reader::TableReader;

@@ -1,4 +1,4 @@
-//! The object that is pressed onto the finger or grasped: `[object]`.
+//! Reading of the object that is pressed onto the finger or grasped: the table `[object]`.
 
 use super::SceneError;
 use super::reader::TableReader;
@@ -6,72 +6,73 @@ use crate::Vector;
 use crate::finger::{Finger, Plate};
 use crate::keys::{Kind, OBJECT};
 
-/// Outline of an object relative to its reference point, which the motion refers to.
+/// Outline of an object, relative to the object's reference point. Motions of the object refer to this point.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outline {
-    /// A disc about its centre.
+    /// A disc; its reference point is its centre.
     Disc {
         /// Radius, mm.
         radius_mm: f64,
     },
-    /// A rectangle about its centre.
+    /// A rectangle; its reference point is its centre.
     Box {
         /// Side along x before rotation, mm.
         width_mm: f64,
         /// Side along y before rotation, mm.
         height_mm: f64,
     },
-    /// A polygon about the origin of its coordinates.
+    /// A polygon; its reference point is the origin of its coordinates.
     Polygon {
-        /// Name of the CSV file with its corners in order, as in the scene.
+        /// Name of the CSV file with the corners in order, as the scene states it.
         points_csv: String,
     },
 }
 
-/// Motion of the object. A prescribed motion does not rotate it.
+/// Motion of an object. A prescribed motion does not rotate the object.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ObjectMotion {
-    /// Free motion, for a gripper to grasp the object.
+    /// Free motion, for an object that a gripper grasps.
     Free {
         /// Mass, g.
         mass_g: f64,
-        /// Initial position of its reference point, mm, in the frame of the gripper at the start. Its centre of mass is the centroid of its area.
+        /// Initial position of the object's reference point, mm, in the gripper's frame at the start. The centre of mass is the centroid of the outline's
+        /// area.
         centre_mm: Vector,
     },
-    /// Motion along a straight line from first touch of the undeformed finger.
+    /// Motion along a straight line, which starts when the object touches the undeformed finger.
     Press {
-        /// Position on the front plate that the line meets, mm from its base.
+        /// Position on the front plate at which the line meets the plate, mm from the base.
         at_mm: f64,
         /// Direction of the line, degrees from the undeformed inward normal, positive towards the tip.
         direction_deg: f64,
-        /// End of the motion.
+        /// Condition that ends the motion.
         until: Until,
     },
-    /// Motion through points of the finger frame, mm.
+    /// Motion of the reference point through points of the finger frame, mm.
     Path(Vec<Vector>),
 }
 
 /// Condition that ends a press.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Until {
-    /// Travel from first touch, mm.
+    /// The object has moved by this distance since first touch, mm.
     Travel(f64),
-    /// Force along the line, N; the object is guided across the line.
+    /// The force along the line has reached this value, N. The object is guided across the line.
     Force(f64),
 }
 
 /// An object that is pressed onto the finger or grasped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectDescription {
-    /// Outline.
+    /// Outline of the object.
     pub outline: Outline,
     /// Rotation of the outline, degrees, positive from x to y.
     pub rotation_deg: f64,
     /// Coefficient of Coulomb friction against fingers and support, dimensionless.
     pub friction: f64,
-    /// Motion.
+    /// Motion of the object.
     pub motion: ObjectMotion,
-    /// Number of equal steps of a press.
+    /// Number of equal steps into which a press is divided.
     pub steps: usize,
 }
 
@@ -85,7 +86,7 @@ pub(super) fn read_object(table: &TableReader, finger: &Finger) -> Result<Object
     })
 }
 
-/// Function that reads the keys of one shape.
+/// Function that reads the keys of one type of outline.
 type OutlineReader = fn(&TableReader) -> Result<Outline, SceneError>;
 
 fn read_outline(table: &TableReader) -> Result<Outline, SceneError> {
@@ -121,7 +122,7 @@ fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, Sce
         return Ok(ObjectMotion::Path(points.into_iter().map(Vector::from).collect()));
     }
     let Some(at_mm) = table.optional(&OBJECT.at_mm)? else {
-        return Err(table.missing(OBJECT.at_mm.name, "the position on the front plate to press on, in mm (or path_mm)"));
+        return Err(table.missing(OBJECT.at_mm.name, "the position on the front plate to press at, in mm (or path_mm)"));
     };
     let length_mm = finger.plate_length_mm(Plate::Front);
     if !(0.0..=length_mm).contains(&at_mm) {
@@ -132,7 +133,7 @@ fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, Sce
         (Some(travel_mm), None) => Until::Travel(travel_mm),
         (None, Some(force_n)) => Until::Force(force_n),
         (Some(_), Some(_)) => return Err(table.wrong(OBJECT.force_n.name, "either travel_mm or force_n", "both")),
-        (None, None) => return Err(table.missing(OBJECT.travel_mm.name, "how far to press, in mm (or force_n)")),
+        (None, None) => return Err(table.missing(OBJECT.travel_mm.name, "the travel of the object in mm (or force_n)")),
     };
     Ok(ObjectMotion::Press { at_mm, direction_deg: table.get(&OBJECT.direction_deg)?, until })
 }

@@ -1,4 +1,4 @@
-//! Typed values from TOML, with errors that name line, key and expected value.
+//! Reading of typed values from TOML. Errors name line, key and expected value.
 
 use super::SceneError;
 use crate::keys::{Key, Kind, SceneTable, TOP, Word, described, joined, with_article};
@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A parsed text with the line of each of its keys.
+/// A parsed scene text, with the line of each key.
 pub(super) struct Document<'t> {
     root: Spanned<DeTable<'t>>,
     lines: BTreeMap<String, usize>,
@@ -28,7 +28,7 @@ impl<'t> Document<'t> {
         TableReader::open(self, String::new(), self.root.get_ref(), &TOP)
     }
 
-    /// Line of a key, from 1; that of the nearest table around it if the key is missing.
+    /// Line of a key, counted from 1. If the key is missing, the line of the innermost table that should contain it.
     pub(super) fn line_of(&self, key: &str) -> usize {
         let mut key = key;
         loop {
@@ -67,14 +67,14 @@ fn note_lines(text: &str, path: &str, table: &DeTable, lines: &mut BTreeMap<Stri
     }
 }
 
-/// Similarity of an unknown key to a known one: by letters in order and edits (typing errors), and by pairs of letters (missing parts).
+/// Similarity of an unknown key to a known one: by common letters in order and by edits (for typing errors), and by pairs of letters (for missing parts).
 fn likeness(known: &str, key: &str) -> f64 {
     strsim::jaro_winkler(known, key)
         + strsim::normalized_damerau_levenshtein(known, key)
         + strsim::sorensen_dice(known, key)
 }
 
-/// A table in which every key is known.
+/// A table whose keys are all known; unknown keys have been rejected.
 pub(super) struct TableReader<'d, 't> {
     document: &'d Document<'t>,
     path: String,
@@ -111,29 +111,29 @@ impl<'d, 't> TableReader<'d, 't> {
         self.value(key.name).is_some()
     }
 
-    /// The first of several names that the table contains.
+    /// The first of the given names that the table contains; `None` if it contains none.
     pub(super) fn first_of(&self, names: &[&'static str]) -> Option<&'static str> {
         names.iter().find(|name| self.value(name).is_some()).copied()
     }
 
-    /// The error for a wrong value.
+    /// Makes the error for a wrong value.
     pub(super) fn wrong(&self, name: &str, expected: &str, found: &str) -> SceneError {
         self.at(name, &format!("expected {expected}, found {found}"))
     }
 
-    /// An error about a key; the message states the expected value.
+    /// Makes an error about a key; `message` states the expected value.
     pub(super) fn at(&self, name: &str, message: &str) -> SceneError {
         let path = joined(&self.path, name);
         SceneError { line: self.document.line_of(&path), message: format!("{path}: {message}") }
     }
 
-    /// The error for a missing value.
+    /// Makes the error for a missing value.
     pub(super) fn missing(&self, name: &str, expected: &str) -> SceneError {
         let path = joined(&self.path, name);
         SceneError { line: self.document.line_of(&path), message: format!("{path} is missing: expected {expected}") }
     }
 
-    /// A required table within this one.
+    /// Reads a required table within this table.
     pub(super) fn table(&self, of: &dyn SceneTable) -> Result<TableReader<'d, 't>, SceneError> {
         self.optional_table(of)?.ok_or_else(|| self.missing(of.name(), "a table"))
     }
@@ -148,7 +148,7 @@ impl<'d, 't> TableReader<'d, 't> {
         }
     }
 
-    /// An array of tables, `[[name]]`; empty if missing.
+    /// Reads an array of tables, `[[name]]`; empty if the scene has none.
     pub(super) fn tables(&self, of: &dyn SceneTable) -> Result<Vec<TableReader<'d, 't>>, SceneError> {
         let path = joined(&self.path, of.name());
         let wrong = |found: &DeValue| self.wrong(of.name(), &format!("tables [[{path}]]"), &described(found));
@@ -164,7 +164,7 @@ impl<'d, 't> TableReader<'d, 't> {
         items.iter().enumerate().map(open).collect()
     }
 
-    /// The value of a key, or its default.
+    /// Reads the value of a key, or returns the key's default.
     pub(super) fn get<K: Kind>(&self, key: &Key<K>) -> Result<K::Value, SceneError> {
         match (self.optional(key)?, key.default()) {
             (Some(value), _) => Ok(value),
@@ -173,24 +173,24 @@ impl<'d, 't> TableReader<'d, 't> {
         }
     }
 
-    /// The value of a key, if present.
+    /// Reads the value of a key; `None` if the table does not contain the key.
     pub(super) fn optional<K: Kind>(&self, key: &Key<K>) -> Result<Option<K::Value>, SceneError> {
         let Some(value) = self.value(key.name) else { return Ok(None) };
         let value = key.kind.parse(value).and_then(|value| key.check(&value).map(|()| value));
         value.map(Some).map_err(|refused| self.at(key.name, &refused.to_string()))
     }
 
-    /// The thing that a word stands for; `things` has one per word of the key.
+    /// Reads a word and returns what it stands for; `things` has one entry per word of the key.
     pub(super) fn word<T: Copy, const N: usize>(&self, key: &Key<Word<N>>, things: [T; N]) -> Result<T, SceneError> {
         self.get(key).map(|word| things[word])
     }
 
-    /// Whether the word of a key is `true` rather than `false`.
+    /// Reads a word and returns whether it is `true` rather than `false`.
     pub(super) fn is_true(&self, key: &Key<Word<2>>) -> Result<bool, SceneError> {
         self.word(key, [true, false])
     }
 
-    /// The shape of the table. Rejects keys of other shapes.
+    /// Reads the shape that the table describes, and rejects keys that belong to other shapes.
     pub(super) fn shape<T: Copy, const N: usize>(
         &self,
         of: &dyn SceneTable,
@@ -207,8 +207,8 @@ impl<'d, 't> TableReader<'d, 't> {
         }
     }
 
-    /// The error for a value that has no meaning beside another key.
+    /// Makes the error for a key that is not allowed together with another key.
     pub(super) fn not_of(&self, name: &str, whose: &str) -> SceneError {
-        self.wrong(name, "nothing", &format!("a key that {whose} does not have"))
+        self.wrong(name, "no such key", &format!("a key that {whose} does not have"))
     }
 }

@@ -1,4 +1,4 @@
-//! An object of known shape that touches the plate while forces are sensed: `[contact.object]`.
+//! Reading of the object of known shape that touches the plate while forces are sensed: the table `[contact.object]`.
 
 use super::SceneError;
 use super::reader::TableReader;
@@ -7,40 +7,40 @@ use crate::keys::TOUCHED;
 use crate::sensing::{ObjectShape, TouchedObject};
 use nalgebra::Isometry2;
 
-/// An object of known shape that touches the plate.
+/// An object of known shape that touches the front plate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TouchedDescription {
-    /// Outline.
+    /// Outline of the object.
     pub shape: ObjectShape,
-    /// Pose with its uncertainty; `None` if the scene does not state it.
+    /// Pose of the object with its uncertainty; `None` if the scene does not state it.
     pub place: Option<ObjectPlace>,
 }
 
 /// Pose of an object with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectPlace {
-    /// Pose of the outline: position of its origin, mm, and rotation.
+    /// Pose of the outline: position of its origin (mm) and rotation (rad).
     pub pose: Isometry2<f64>,
     /// Standard deviation of each coordinate of the origin, mm.
     pub sd_mm: f64,
     /// Standard deviation of the rotation, rad.
     pub sd_rad: f64,
-    /// Frame of the pose.
+    /// Frame to which the pose refers.
     pub frame: ObjectFrame,
 }
 
-/// Frame of an object's pose.
+/// Frame to which an object's pose refers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObjectFrame {
-    /// The finger frame at the base's position in the image.
+    /// The finger frame, moved with the base to its position in the image.
     Base,
-    /// The frame of the camera's pose, in which bases move between images.
+    /// The frame of the camera's pose; bases move within this frame between images.
     Plane,
 }
 
 impl TouchedDescription {
-    /// The object in the finger frame of a measurement with the given pose of the base in the frame of the camera's pose; `None` if the object's pose is
-    /// unknown.
+    /// Expresses the object in the finger frame of one measurement. `base` is the pose of the base in the frame of the camera's pose. Returns `None` if the
+    /// object's pose is unknown.
     pub fn seen_from(&self, base: &Isometry2<f64>) -> Option<TouchedObject> {
         let ObjectPlace { pose, sd_mm, sd_rad, frame } = self.place?;
         let pose = match frame {
@@ -65,7 +65,7 @@ pub(super) fn read_touched(table: &TableReader) -> Result<TouchedDescription, Sc
     Ok(TouchedDescription { shape, place })
 }
 
-/// Function that reads the keys of one shape.
+/// Function that reads the keys of one type of outline.
 type ShapeReader = fn(&TableReader) -> Result<ObjectShape, SceneError>;
 
 fn read_shape(table: &TableReader) -> Result<ObjectShape, SceneError> {

@@ -5,48 +5,49 @@ use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::{Kinematics, Vector};
 use finray_numerics::linear::{Bordered, Direction, IndefiniteFactor};
 
-/// Length of the first step, in the norm of [`ArcLength`] (dimensionless): about one degree of rotation.
+/// Length of the first step in the norm of [`ArcLength`], dimensionless; it corresponds to about one degree of rotation.
 const FIRST_STEP: f64 = 0.02;
-/// Longest step, in the same norm: the points of a path are then close enough to draw it.
+/// Longest step in the norm of [`ArcLength`], dimensionless. The points of a path are then close enough to draw it.
 const LONGEST_STEP: f64 = 0.1;
-/// Shortest step, in the same norm: a path that needs a shorter one is lost.
+/// Shortest step in the norm of [`ArcLength`], dimensionless. If a path needs a shorter step, the search ends with an error.
 const SHORTEST_STEP: f64 = 1e-10;
-/// Turn of the tangent per step, rad, that the step length is adapted to.
+/// Angle between the tangents at both ends of a step, rad, for which the step length is chosen.
 const INTENDED_TURN: f64 = 0.15;
-/// Largest turn of the tangent per step, rad; a larger one may mean another branch, so the step is shortened.
+/// Largest angle between the tangents at both ends of a step, rad. A step with a larger one may have reached another branch, so it is repeated with a shorter
+/// length.
 const LARGEST_TURN: f64 = 0.5;
-/// Newton's method has converged when the predicted norm of its next correction is below this. The last two corrections predict it.
+/// Newton's method has converged when the predicted norm of its next correction is below this. The prediction uses the last two corrections.
 const CORRECTION_TOLERANCE: f64 = 1e-12;
-/// Largest correction, in norm, from which the next one is predicted.
+/// The next correction is predicted only from corrections with a norm up to this.
 const QUADRATIC_RANGE: f64 = 1e-3;
-/// A correction below this norm, and below [`STAGNATION_SHARE`] of the step, that no longer shrinks counts as rounding noise.
+/// A correction counts as rounding noise if it no longer shrinks, and is below this norm and below [`STAGNATION_SHARE`] of the step.
 const STAGNATION_TOLERANCE: f64 = 1e-8;
-/// Largest share of the step that counts as rounding noise; see [`STAGNATION_TOLERANCE`].
+/// Largest correction that may count as rounding noise, as a share of the step; see [`STAGNATION_TOLERANCE`].
 const STAGNATION_SHARE: f64 = 1e-2;
-/// Largest number of Newton iterations in a step; a step that needs more is shortened.
+/// Largest number of Newton iterations in a step. A step that needs more is repeated with a shorter length.
 const MAX_ITERATIONS: usize = 10;
-/// A limit point is accepted when the load's component of the unit tangent is below this. The error of the limit load is of the order
-/// of its square.
+/// A limit point is accepted when the load component of the unit tangent is below this. The error of the limit load is of the order of the square of that
+/// component.
 const LIMIT_TOLERANCE: f64 = 1e-7;
-/// Largest number of iterations that locate a limit point between two points of the path.
+/// Largest number of iterations for locating a limit point between two points of the path.
 const MAX_LIMIT_TRIALS: usize = 40;
-/// Largest sum of Newton corrections, as a share of the step; a larger one may lead to another branch.
+/// Largest sum of Newton corrections, as a share of the step. A larger sum may lead to another branch.
 const LARGEST_DEPARTURE: f64 = 0.5;
-/// If negative pivots and slope of the load disagree, the path has met a bifurcation or left its branch. A bifurcation is accepted
-/// when the steps have shrunk until the load multiple changes by at most this share.
+/// If the number of negative pivots and the sign of the load's slope disagree, the path has met a bifurcation or left its branch. Steps are then shortened. A
+/// bifurcation is accepted when the load multiple changes by at most this share in a step.
 const BIFURCATION_SHARE: f64 = 1e-3;
-/// Several bifurcations between two points are accepted when the load multiple changes by at most this share.
+/// Several bifurcations in one step are accepted when the load multiple changes by at most this share in the step.
 const MULTIPLE_BIFURCATION_SHARE: f64 = 1e-6;
 
-/// An equilibrium on a path, stable or unstable.
+/// An equilibrium on a path; it may be stable or unstable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathPoint {
-    /// Factor on the loads, dimensionless.
+    /// Load multiple: common factor on all loads, dimensionless.
     pub multiple: f64,
-    /// Displacements (mm) and rotations (rad).
+    /// Displacements (mm) and rotations (rad) of the frame.
     pub motion: FrameMotion,
-    /// Number of negative eigenvalues of the tangent stiffness, 0 for a stable equilibrium. Changes by one at a simple limit point and at a
-    /// simple bifurcation.
+    /// Number of negative eigenvalues of the tangent stiffness; 0 for a stable equilibrium. It changes by one at a simple limit point and at a simple
+    /// bifurcation.
     pub negative_pivots: usize,
 }
 
@@ -57,18 +58,18 @@ impl PathPoint {
     }
 }
 
-/// A limit point: the load multiple is a local maximum or minimum along the path.
+/// A limit point, at which the load multiple is a local maximum or minimum along the path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitPoint {
-    /// Factor on the loads, dimensionless.
+    /// Load multiple: common factor on all loads, dimensionless.
     pub multiple: f64,
-    /// Displacements (mm) and rotations (rad).
+    /// Displacements (mm) and rotations (rad) of the frame.
     pub motion: FrameMotion,
-    /// Index of the last point of the path before the limit point.
+    /// Index of the last point of the path before this limit point.
     pub after: usize,
 }
 
-/// An equilibrium path that starts at rest.
+/// An equilibrium path that starts at the unloaded frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EquilibriumPath {
     /// Points in the order of the path; the first is the frame at rest.
@@ -77,22 +78,21 @@ pub struct EquilibriumPath {
     pub limits: Vec<LimitPoint>,
 }
 
-/// Follows equilibria of any plane frame from rest through limit points, on stable and unstable branches. At a limit point the load falls
-/// (snap-through) or the loaded point turns back (snap-back).
+/// Follows equilibria of any plane frame from rest through limit points, on stable and unstable branches. At a limit point the load starts to fall
+/// (snap-through), or the loaded point turns back (snap-back).
 ///
-/// A step leaves along the tangent of the path. Newton's method then returns to the path within the plane normal to that tangent; its
-/// unknowns include the load multiple, so limit points need no special treatment. The turn of the tangent sets the step length. A limit
-/// point has a tangent without a load component. The regula falsi (Illinois) on the step length finds it between two points.
+/// A step starts along the tangent of the path. Newton's method then returns to the path within the plane normal to that tangent. Its unknowns include the
+/// load multiple, so limit points need no special treatment. The change of the tangent's direction sets the step length. At a limit point the tangent has no
+/// load component. The regula falsi (Illinois) on the step length finds the limit point between two points of the path.
 ///
-/// The length of a step does not depend on units or mesh. It is the root mean square over all unknowns: displacements divided by the
-/// frame's size (half the diagonal of its outline), and rotations in rad. The load multiple is scaled by the motion it causes at rest.
-/// An energy norm would be free of units, too. But measured by the stiffness at rest, a slender beam that only rotates seems to
-/// elongate and dominates one that bends.
+/// The length of a step does not depend on units or mesh. It is the root mean square over all unknowns: displacements divided by the frame's size (half the
+/// diagonal of its outline), and rotations in rad. The load multiple is scaled by the motion it causes at rest. An energy norm would also be free of units.
+/// But for a slender beam that only rotates, the stiffness at rest predicts a large elongation, whose energy would dominate that of bending beams.
 ///
 /// # Requirements
-/// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple. At a bifurcation the path keeps
-/// its branch, and [`PathPoint::negative_pivots`] shows the change of stability. No element bends by much more than a radian: at half a
-/// turn of an end against its chord the energy has a kink.
+/// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple. At a bifurcation the path keeps its branch, and
+/// [`PathPoint::negative_pivots`] shows the change of stability. No element bends by much more than a radian, because the energy has a kink when an end
+/// rotates by half a turn against its chord.
 ///
 /// # Reference
 /// E. Riks, Int. J. Solids Struct. 15 (1979) 529-551; H. B. Keller, Numerical solution of bifurcation and nonlinear
@@ -129,7 +129,9 @@ pub struct ArcLength<'f> {
 /// Weights of the squared components in the norm of a [`Direction`].
 #[derive(Debug, Clone)]
 struct Measure {
+    /// Weight of each unknown.
     unknowns: Vec<f64>,
+    /// Weight of the load multiple.
     multiple: f64,
 }
 
@@ -137,11 +139,12 @@ struct Measure {
 #[derive(Debug, Clone)]
 struct Station {
     point: PathPoint,
+    /// Tangent of the path, of unit norm, in the direction in which the path is followed.
     tangent: Direction,
 }
 
 impl<'f> ArcLength<'f> {
-    /// Prepares the equations of a frame; the path is found with the given kinematics.
+    /// Prepares the equations of a frame; the path is followed with the given kinematics.
     pub fn new(frame: &'f PlaneFrame, kinematics: Kinematics) -> ArcLength<'f> {
         let assembly = Assembly::new(frame, kinematics);
         let size = half_diagonal(frame);
@@ -150,8 +153,7 @@ impl<'f> ArcLength<'f> {
         ArcLength { assembly, factor: IndefiniteFactor::default(), measure: Measure { unknowns, multiple: 1.0 } }
     }
 
-    /// Follows the path from rest, with the load multiple growing at first. Stops at the first point that `until` accepts, or after
-    /// `most_points` points.
+    /// Follows the path from rest; the load multiple grows at first. Stops at the first point that `until` accepts, or after `most_points` points.
     ///
     /// # Errors
     /// [`StaticsError::NotHeld`] if the frame can move without deforming; [`StaticsError::LoadNotFinite`] for a load that is not finite;
@@ -196,7 +198,7 @@ impl<'f> ArcLength<'f> {
         Ok(path)
     }
 
-    /// The frame at rest. Sets the weight of the load multiple from the linear motion; `None` if the stiffness is not positive definite.
+    /// Returns the frame at rest and sets the weight of the load multiple from the linear motion. `None` if the stiffness is not positive definite.
     fn at_rest(&mut self, loads: &[FrameLoad]) -> Option<Station> {
         let motion = FrameMotion::at_rest(self.assembly.frame());
         self.assembly.evaluate(&motion, loads, 0.0);
@@ -208,13 +210,14 @@ impl<'f> ArcLength<'f> {
         self.measure.multiple = 0.0;
         let mut tangent = Direction { unknowns, multiple: 1.0 };
         let moved = self.measure.product(&tangent, &tangent);
-        // Loads that cause no motion: the multiple alone measures the path.
+        // If the loads cause no motion, the load multiple alone measures the length of the path.
         self.measure.multiple = if moved > 0.0 { moved } else { 1.0 };
         tangent = tangent.scaled(1.0 / self.measure.length(&tangent));
         Some(Station { point: PathPoint { multiple: 0.0, motion, negative_pivots: 0 }, tangent })
     }
 
-    /// Finds the point where the path crosses the plane normal to the tangent at distance `length`; `None` without convergence.
+    /// Finds the point where the path crosses the plane normal to the tangent, at the distance `length` from `from`. `None` if Newton's method does not
+    /// converge.
     fn step(&mut self, from: &Station, loads: &[FrameLoad], length: f64) -> Option<Station> {
         let constraint = self.measure.dual(&from.tangent);
         let mut point = from.point.clone();
@@ -251,7 +254,7 @@ impl<'f> ArcLength<'f> {
         None
     }
 
-    /// Adds a change of unknowns and load multiple to a point.
+    /// Adds a change of the unknowns and of the load multiple to a point.
     fn advance(&self, point: &mut PathPoint, by: &Direction) {
         let linear = self.assembly.kinematics() == Kinematics::Linear;
         self.assembly.equations().advance(self.assembly.frame(), &mut point.motion, &by.unknowns, linear);
@@ -305,20 +308,20 @@ impl Measure {
         self.product(direction, direction).sqrt()
     }
 
-    /// The direction whose unweighted product with another direction equals their weighted inner product.
+    /// The direction whose unweighted product with any direction equals the weighted inner product of `of` with that direction.
     fn dual(&self, of: &Direction) -> Direction {
         let unknowns = self.unknowns.iter().zip(&of.unknowns).map(|(w, u)| w * u).collect();
         Direction { unknowns, multiple: self.multiple * of.multiple }
     }
 }
 
-/// Whether the load grows at one point and falls at the other, so that a limit point lies between them.
+/// Whether the load grows at one point and falls at the other. A limit point then lies between the two points.
 fn turns_back(from: &Station, to: &Station) -> bool {
     from.tangent.multiple * to.tangent.multiple < 0.0
 }
 
-/// Whether the stability of two neighbours agrees with a path without bifurcation between them. The bordered matrix then keeps the sign of
-/// its determinant, so one eigenvalue of the tangent stiffness changes sign at a limit point and none elsewhere.
+/// Whether the stability of two neighbouring points agrees with a path without bifurcation between them. On such a path, the bordered matrix keeps the sign
+/// of its determinant. One eigenvalue of the tangent stiffness then changes sign at a limit point, and none elsewhere.
 fn is_regular(from: &Station, to: &Station) -> bool {
     let changed = from.point.negative_pivots.abs_diff(to.point.negative_pivots);
     changed == usize::from(turns_back(from, to))

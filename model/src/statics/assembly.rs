@@ -5,20 +5,25 @@ use crate::element::{Kinematics, Response};
 use crate::frame::{BeamEnd, Equations, FrameLoad, FrameMotion, MEMBER_COORDINATES, PlaneFrame};
 use sprs::{CsMat, TriMat};
 
-/// Index of each entry of a member's matrix in the sparse value array; `ABSENT` for a fixed coordinate.
+/// Index of each entry of a member's matrix in the array of sparse values; `ABSENT` for a fixed coordinate.
 type Slots = [[u32; MEMBER_COORDINATES]; MEMBER_COORDINATES];
 const ABSENT: u32 = u32::MAX;
 
-/// Energy, residual and tangent stiffness of a frame. The sparsity pattern is computed once.
+/// Energy, residual and tangent stiffness of a frame. The sparsity pattern is computed only once.
 #[derive(Debug, Clone)]
 pub struct Assembly<'f> {
     frame: &'f PlaneFrame,
     kinematics: Kinematics,
     equations: Equations,
+    /// Tangent stiffness, n x n for n unknowns.
     stiffness: CsMat<f64>,
+    /// Slots of each member's matrix.
     slots: Vec<Slots>,
+    /// Residual, one entry per equation; N or N mm.
     gradient: Vec<f64>,
+    /// Forces of the loads at factor 1, one entry per equation; N or N mm.
     load_vector: Vec<f64>,
+    /// Elastic energy, N mm.
     energy: f64,
 }
 
@@ -51,7 +56,7 @@ impl<'f> Assembly<'f> {
         self.frame
     }
 
-    /// The kinematics of the elements.
+    /// The kinematics with which the elements are evaluated.
     pub fn kinematics(&self) -> Kinematics {
         self.kinematics
     }
@@ -61,18 +66,18 @@ impl<'f> Assembly<'f> {
         &self.equations
     }
 
-    /// Tangent stiffness of the last [`evaluate`](Assembly::evaluate), n x n for n unknowns, full and symmetric; entries in N/mm, N or N mm.
+    /// Tangent stiffness of the last [`evaluate`](Assembly::evaluate). It is n x n for n unknowns, with both triangles; entries in N/mm, N or N mm.
     pub fn stiffness(&self) -> &CsMat<f64> {
         &self.stiffness
     }
 
-    /// Internal minus external forces of the last [`evaluate`](Assembly::evaluate), by equation; N or N mm.
+    /// Internal minus external forces of the last [`evaluate`](Assembly::evaluate), one per equation; N or N mm.
     pub fn residual(&self) -> &[f64] {
         &self.gradient
     }
 
-    /// Forces of the loads at factor 1 and at the motion of the last [`evaluate`](Assembly::evaluate), by equation; N or N mm. The residual
-    /// falls by them when the factor grows by one.
+    /// Forces of the loads at factor 1 and at the motion of the last [`evaluate`](Assembly::evaluate), one per equation; N or N mm. If the factor grows by
+    /// one, the residual falls by these forces.
     pub fn load_vector(&self) -> &[f64] {
         &self.load_vector
     }
@@ -86,7 +91,7 @@ impl<'f> Assembly<'f> {
         self.kinematics == Kinematics::Linear
     }
 
-    /// Evaluates elastic energy, residual and tangent stiffness at a motion, under `factor` times the loads.
+    /// Computes elastic energy, residual and tangent stiffness at a motion, under `factor` times the loads.
     pub fn evaluate(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
         self.gradient.fill(0.0);
         self.stiffness.data_mut().fill(0.0);
@@ -127,7 +132,7 @@ impl<'f> Assembly<'f> {
         let potential = self.frame.end_load(motion, end, force, moment_nmm, self.linear());
         let nodes = ends.map(|end| end.node);
         let (gradient, tangent) = self.frame.carry_over_links(motion, nodes, &potential, self.linear());
-        // The point moves on circles, so the tangent has diagonal entries only.
+        // The end of the arm moves on a circle, so the tangent has only diagonal entries.
         for (k, equation) in self.equations.of_ends(self.frame, &ends).iter().enumerate() {
             if let Some(e) = *equation {
                 self.gradient[e] += gradient[k];

@@ -1,11 +1,11 @@
 //! Equilibria of one finger under many loads, computed several at a time in SIMD lanes.
 //!
-//! All loads share the mesh and hence the sequence of operations, so each goes through Newton's method in a lane of the SIMD registers. A
-//! lane that has converged takes the next load. Lanes do not depend on each other, and each repeats [`Statics::equilibrium`] operation
-//! by operation. A result is therefore bitwise the same alone or in any batch, for any number of threads and on any machine.
+//! All loads share the mesh and hence the sequence of operations, so Newton's method handles one load per lane of the SIMD registers. A lane whose load has
+//! converged starts with the next load. Lanes do not depend on each other, and each lane repeats [`Statics::equilibrium`] operation by operation. The result
+//! of a load is therefore bitwise the same in any batch, for any number of threads and on any machine.
 //!
-//! Lanes apply the whole load in one step. The scalar solver handles loads that need more steps or have no equilibrium. It also makes the
-//! first correction, because from rest the stored stiffness of the mesh suffices.
+//! Lanes apply the whole load in one step. The scalar solver handles loads that need more steps or have no equilibrium. It also makes the first correction of
+//! each load, because the stiffness at rest, which the mesh stores, suffices for it.
 
 use super::ladder::{Balance, Factor};
 use super::load_step::{CORRECTION_TOLERANCE, LoadStep};
@@ -18,15 +18,15 @@ use crate::number::{Lanes, Number};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Loads per thread and piece: enough to keep the lanes full until near the end, few compared with the loads of a study.
+/// Number of loads per thread and piece. It keeps the lanes full until near the end of a piece, and is small compared with the number of loads in a study.
 const LOADS_A_PIECE: usize = 256;
 
-/// Equilibria under dead loads, each followed from rest, in the order of the loads. Equal to those of [`Statics::equilibrium`].
+/// Equilibria under dead loads, each followed from rest, in the order of the loads. The results equal those of [`Statics::equilibrium`].
 ///
-/// Co-rotational equilibria are computed several at a time in SIMD lanes, and in pieces on rayon's threads.
+/// Co-rotational equilibria are computed several at a time in SIMD lanes, and divided into pieces for rayon's threads.
 ///
 /// # Errors
-/// Each load has its own result, with the [`StaticsError`] of [`Statics::equilibrium`].
+/// Each load has its own result, which may be the [`StaticsError`] of [`Statics::equilibrium`].
 pub fn equilibria<L: AsRef<[FrameLoad]>>(
     mesh: &Mesh,
     kinematics: Kinematics,
@@ -42,7 +42,7 @@ fn in_pieces(mesh: &Mesh, kinematics: Kinematics, loads: &[&[FrameLoad]]) -> Vec
     found.collect()
 }
 
-/// The loads of one thread.
+/// The loads that one thread solves.
 struct Piece<'a> {
     mesh: &'a Mesh,
     kinematics: Kinematics,
@@ -56,7 +56,7 @@ impl WithSimd for Piece<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Piece { mesh, kinematics, loads } = self;
         let mut single = Statics::ladder(mesh, kinematics);
-        // Lanes bring nothing to a single load, nor to linear loads, which share one factor.
+        // Lanes are no faster for a single load, or for linear equilibria, which share one factor.
         if kinematics == Kinematics::Linear || loads.len() == 1 {
             return loads.iter().map(|loads| single.equilibrium(loads)).collect();
         }
@@ -68,31 +68,31 @@ impl WithSimd for Piece<'_> {
             batch.judge(&mut waiting);
             batch.fill(&mut waiting);
         }
-        // Every load has a result here.
+        // All loads now have a result.
         waiting.results.into_iter().flatten().collect()
     }
 }
 
 type Found = Result<Equilibrium, StaticsError>;
 
-/// Loads that wait for a lane, and the results so far.
+/// Loads that wait for a lane, and the results of the finished loads.
 struct PendingLoads<'a, I> {
-    /// The scalar solver, for everything that lanes do not compute.
+    /// The scalar solver, for loads that lanes do not solve.
     single: Statics<Ladder<'a>>,
     loads: I,
     results: Vec<Option<Found>>,
 }
 
-/// A load in a lane, after its first correction.
+/// A load in a lane, after its first Newton correction.
 struct Path<'a> {
-    /// Index of the load in the batch.
+    /// Index of the load in the list of loads.
     index: usize,
     loads: &'a [FrameLoad],
     step: LoadStep,
 }
 
 impl<'a, I: Iterator<Item = (usize, &'a &'a [FrameLoad])>> PendingLoads<'a, I> {
-    /// Takes the next load that needs more than one correction from rest; `motion` then holds the corrected motion.
+    /// The next load that needs more than one correction from rest. `motion` then holds the motion after the first correction.
     fn next(&mut self, motion: &mut FrameMotion, at_rest: &FrameMotion) -> Option<Path<'a>> {
         while let Some((index, &loads)) = self.loads.next() {
             if !loads.iter().all(FrameLoad::is_finite) {
@@ -115,27 +115,31 @@ impl<'a, I: Iterator<Item = (usize, &'a &'a [FrameLoad])>> PendingLoads<'a, I> {
         None
     }
 
-    /// Solves a load with the scalar solver.
+    /// Solves a load with the scalar solver and stores its result.
     fn leave(&mut self, index: usize, loads: &[FrameLoad]) {
         self.results[index] = Some(self.single.equilibrium(loads));
     }
 }
 
-/// The loads in the lanes, at most one each.
+/// The loads in the lanes, at most one per lane.
 struct Batch<'a, R: Number> {
     balance: Balance<'a, R>,
     stiffness: Factor<R>,
     /// The load of each lane; `None` for an idle lane.
     paths: Vec<Option<Path<'a>>>,
+    /// Motion in each lane.
     motion: FrameMotion<R>,
-    /// Rotations that the first correction predicts, rad.
+    /// Rotations that the first correction of each load predicts, rad.
     predicted: Vec<R>,
-    /// Work of the last correction, N mm; with scale and turn as in [`LoadStep::judge`].
+    /// Work of the last correction in each lane, N mm: an argument of [`LoadStep::judge`].
     work: R,
+    /// Squared energy norm of the solution in each lane, N mm: an argument of [`LoadStep::judge`].
     scale: R,
+    /// Largest rotation, or deviation of a rotation from its prediction, in each lane, rad: an argument of [`LoadStep::judge`].
     turn: R,
+    /// The motion of the undeformed frame.
     at_rest: FrameMotion,
-    /// Buffer for the motion of one lane.
+    /// Buffer that receives the motion in one lane.
     of_lane: FrameMotion,
 }
 
@@ -166,7 +170,7 @@ impl<'a, R: Number> Batch<'a, R> {
         for (lane, path) in self.paths.iter_mut().enumerate().filter(|(_, path)| path.is_none()) {
             *path = waiting.next(&mut self.of_lane, &self.at_rest);
             if path.is_none() {
-                // An idle lane rests, so that its numbers do not slow the others down.
+                // An idle lane stays at rest, because special numbers in it could slow down the other lanes.
                 self.of_lane.clone_from(&self.at_rest);
             }
             self.motion.set_lane(lane, &self.of_lane);
@@ -176,7 +180,7 @@ impl<'a, R: Number> Batch<'a, R> {
         }
     }
 
-    /// Makes one Newton correction in each lane.
+    /// Makes one Newton correction in each busy lane.
     #[inline(always)]
     fn iterate(&mut self) {
         self.apply_loads();
@@ -194,7 +198,7 @@ impl<'a, R: Number> Batch<'a, R> {
         self.balance.take_off_loads();
         for (lane, path) in self.paths.iter().enumerate() {
             let Some(path) = path else { continue };
-            // The forces of a load on a node do not depend on the motion.
+            // Forces of loads on nodes do not depend on the motion.
             if path.loads.iter().any(|load| !matches!(load, FrameLoad::Node { .. })) {
                 self.motion.copy_lane(lane, &mut self.of_lane);
             }
@@ -202,7 +206,7 @@ impl<'a, R: Number> Batch<'a, R> {
         }
     }
 
-    /// Decides how each lane continues. Stores the result of a lane that has ended and frees the lane.
+    /// Decides for each lane whether it continues. Stores the result of a lane that has finished, and frees the lane.
     fn judge(&mut self, waiting: &mut PendingLoads<'a, impl Iterator<Item = (usize, &'a &'a [FrameLoad])>>) {
         for (lane, place) in self.paths.iter_mut().enumerate() {
             let Some(path) = place else { continue };

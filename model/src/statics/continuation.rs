@@ -1,7 +1,7 @@
 //! Continuation from one equilibrium to another in adaptive load steps.
 //!
-//! Each step is as long as the previous one would have been allowed to be. Near the predicted end of the stable branch, the prediction
-//! limits the steps ([`limit`](super::limit)).
+//! The length of a step follows from the previous step: from the largest length that its rotations would have allowed. Near the predicted end of the stable
+//! branch, the prediction limits the length ([`limit`](super::limit)).
 
 use super::limit::Approach;
 use super::load_path::{LoadPath, LoadTransition, ProportionalLoading, TrialTransition};
@@ -11,19 +11,19 @@ use super::{EquilibriumEquations, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// Share of the allowed step length that a step aims at.
+/// Intended length of a load step, as a share of the largest allowed length.
 const AIM: f64 = 0.75;
-/// Largest ratio of a step to the previous step.
+/// Largest ratio of the length of a load step to that of the previous step.
 const GROWTH: f64 = 3.0;
-/// Smallest ratio of a shortened step to the rejected one, if the rejection states the excess.
+/// Smallest ratio of a shortened step to the rejected step, if the rejection states by how much the step was too long.
 const LEAST_SHARE: f64 = 0.01;
-/// Share of the path below which a failed step may be caused by rounding in too fine a mesh.
+/// If a failed step is shorter than this share of the path, rounding in too fine a mesh may be the cause.
 const SHORT_STEP: f64 = 1e-3;
-/// Shortest step while the end of the branch is unknown, as a share of the path.
+/// Shortest step while the end of the branch is not predicted, as a share of the path.
 const LEAST_STEP: f64 = 1e-7;
-/// Shortest step of a trial path, as a share of the path.
+/// Shortest step of a trial path, as a share of the path. A trial that needs a shorter step fails.
 const LEAST_TRIED_STEP: f64 = 0.02;
-/// Largest number of load steps along a path.
+/// Largest number of load steps along a path; more end it with an error.
 const MOST_STEPS: usize = 2000;
 
 impl<E: EquilibriumEquations> Statics<E> {
@@ -35,9 +35,9 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.continued(&self.equations.at_rest(), loads, 0.0, 1.0)
     }
 
-    /// Equilibria under the given multiples of the loads. Each is followed from the previous one, the first from rest.
+    /// Equilibria under the given multiples of the loads. Each equilibrium is followed from the previous one, the first from rest.
     ///
-    /// Stops at the first multiple without an equilibrium and returns its error beside the equilibria before it.
+    /// Stops at the first multiple without an equilibrium. Returns the equilibria found before, and the error.
     pub fn path(&mut self, loads: &[FrameLoad], multiples: &[f64]) -> (Vec<Equilibrium>, Option<StaticsError>) {
         let mut found: Vec<Equilibrium> = Vec::with_capacity(multiples.len());
         let mut motion = self.equations.at_rest();
@@ -55,10 +55,10 @@ impl<E: EquilibriumEquations> Statics<E> {
         (found, None)
     }
 
-    /// Equilibrium under `to` times the loads, followed from `start`, an equilibrium under `from` times the loads.
+    /// Equilibrium under `to` times the loads. It is followed from `start`, an equilibrium under `from` times the loads.
     ///
     /// # Errors
-    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium); its converged fraction is a fraction of `to`.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). Its converged fraction is a fraction of `to`.
     pub fn continued(
         &mut self,
         start: &FrameMotion,
@@ -75,10 +75,10 @@ impl<E: EquilibriumEquations> Statics<E> {
         Err(StaticsError::NoEquilibrium { converged_fraction: loading.multiple(converged_fraction) / to })
     }
 
-    /// Equilibrium under the loads `to`, followed from `start`, an equilibrium under `from`, while `from` fades and `to` grows linearly.
+    /// Equilibrium under the loads `to`. It is followed from `start`, an equilibrium under the loads `from`, while `from` fades and `to` grows linearly.
     ///
     /// # Errors
-    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium); its converged fraction is the share of the path.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). Its converged fraction is the share of the path, 0..1.
     pub fn shifted(
         &mut self,
         start: &FrameMotion,
@@ -91,11 +91,11 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.follow(start, LoadTransition { from, to, loads: Vec::with_capacity(from.len() + to.len()) })
     }
 
-    /// Follows the path of [`shifted`](Statics::shifted) as a trial, for a caller who shortens the path if it fails. The end of a branch
-    /// is not located exactly. The path is given up after `most_rejected` rejected steps, or at an equilibrium that `goes_on` rejects.
+    /// Follows the path of [`shifted`](Statics::shifted) as a trial, for a caller that shortens the path if the trial fails. The end of a branch is not
+    /// located exactly. The trial ends without result after `most_rejected` rejected steps, or at an equilibrium that `goes_on` rejects.
     ///
     /// # Errors
-    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium); its converged fraction is the share of the path.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). Its converged fraction is the share of the path, 0..1.
     pub(crate) fn tried(
         &mut self,
         start: &FrameMotion,
@@ -115,11 +115,11 @@ impl<E: EquilibriumEquations> Statics<E> {
         let linear = self.equations.kinematics() == Kinematics::Linear;
         let least_step = if path.is_trial() { LEAST_TRIED_STEP } else { LEAST_STEP };
         let mut motion = start.clone();
-        // The last equilibrium on the path; `None` at the start.
+        // The last equilibrium on the path; `None` before the first step.
         let mut before: Option<FrameMotion> = None;
         let (mut done, mut step) = (0.0, 1.0);
         let (mut iterations, mut load_steps) = (0, 0);
-        // Created at the first rejected step: only then does the predicted end matter.
+        // Predicts the end of the branch. It is created only at the first rejected step, because only then does the prediction matter.
         let mut approach: Option<Approach> = None;
         let (mut failed_since, mut digits_checked, mut rejected) = (false, false, 0);
         while done < 1.0 {

@@ -1,7 +1,7 @@
-//! Correct digits of a solution after rounding.
+//! Number of correct digits of a solution after rounding.
 //!
-//! The stiffness of an element grows as 1 / h^3 with its length h, and its deformation shrinks with h. Finer meshes therefore lose more
-//! digits to cancellation. Newton's corrections recover the digits lost in the factored tangent, but not those lost in the residual.
+//! The stiffness of an element grows as 1 / h^3 with its length h, and its deformation shrinks with h. Finer meshes therefore lose more digits to
+//! cancellation. Newton's corrections recover the digits that the factored tangent loses, but not those that the residual loses.
 
 use super::load_step::FEWEST_DIGITS;
 use super::newton::share;
@@ -9,18 +9,18 @@ use super::{Equilibrium, EquilibriumEquations, Statics, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// A last correction below this leaves one digit more than required, since the error may exceed the correction.
+/// A last correction below this, relative to the solution, shows one digit more than required. The margin exists because the error may exceed the correction.
 const SMALL_CORRECTION: f64 = 1e-5;
-/// Decimal digits of a number in double precision.
+/// Number of decimal digits of a number in double precision.
 const ALL_DIGITS: f64 = 15.65;
-/// Digits below which no Newton correction falls below the threshold of rounding noise, 1e-6 of the solution.
+/// With fewer digits than this, no Newton correction falls below the threshold of rounding noise, 1e-6 of the solution.
 const FEWEST_NEWTON_DIGITS: f64 = 5.0;
-/// Load factor at which every frame is linear to all digits. At 1e-12 times 1 N, a plate of 0.01 mm is not.
+/// Load factor at which every frame is linear to all digits. With 1e-12 times a load of 1 N, a plate of 0.01 mm thickness is not yet linear.
 const HARDLY_ANY_LOAD: f64 = 1e-20;
 
 impl<E: EquilibriumEquations> Statics<E> {
-    /// Equilibrium under dead loads, followed from rest, with at least four correct digits. Linearises once more than
-    /// [`equilibrium`](Statics::equilibrium) unless the solution already shows its digits.
+    /// Equilibrium under dead loads, followed from rest, with at least four correct digits. It linearises once more than
+    /// [`equilibrium`](Statics::equilibrium), unless the last correction already shows enough digits.
     ///
     /// # Errors
     /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium), and [`StaticsError::TooFewDigits`] for fewer than four digits.
@@ -34,17 +34,18 @@ impl<E: EquilibriumEquations> Statics<E> {
         if digits < FEWEST_DIGITS { Err(StaticsError::TooFewDigits { digits }) } else { Ok(found) }
     }
 
-    /// Correct decimal digits of an equilibrium, 0 to 15.65, from the relative change that one more correction makes in energy norm or displacement.
+    /// Number of correct decimal digits of an equilibrium, 0 to 15.65. It follows from the relative change that one more correction makes, in energy norm or
+    /// displacement.
     ///
-    /// This is an estimate. For linear solutions with known error it is at most 0.3 digits too high. The energy norm includes noise of single
-    /// elements that barely moves any node, so it may be three or four digits too low.
+    /// This is an estimate. For linear solutions with known error it is at most 0.3 digits too high. It may be three or four digits too low, because the
+    /// energy norm includes noise of single elements that barely moves any node.
     ///
     /// Source: corrections as error estimates, Higham, Accuracy and Stability of Numerical Algorithms, ch. 12.
     pub fn digits_left(&mut self, motion: &FrameMotion, loads: &[FrameLoad]) -> f64 {
         self.digits_under(motion, loads, 1.0)
     }
 
-    /// Fails if rounding leaves Newton's method too few digits to converge even under a load at which the frame is linear.
+    /// Fails if rounding leaves too few digits for Newton's method to converge, even under a load at which the frame is linear.
     pub(super) fn require_digits_at_rest(&mut self, loads: &[FrameLoad]) -> Result<(), StaticsError> {
         let mut motion = self.equations().at_rest();
         if !self.equations_mut().linearise(&motion, loads, HARDLY_ANY_LOAD) {

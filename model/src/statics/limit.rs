@@ -1,37 +1,39 @@
-//! Prediction of the end of a branch of stable equilibria from the determinant of the tangent stiffness.
+//! Prediction of the end of a branch of stable equilibria, from the determinant of the tangent stiffness.
 //!
-//! At the end of the branch one pivot of the tangent reaches zero, and so does its determinant D. Along the share s of the path, D falls as
-//! (1 - s / s*)^p. The exponent p is 1/2 at a fold (limit load, snap-through) and 1 at a bifurcation (a straight rib that buckles). A path that
-//! only passes close to a fold shows p = 2/3 for a while. Three equilibria determine s* and p.
+//! At the end of the branch one pivot of the tangent reaches zero, and so does its determinant D. With the share s of the load path, D falls as (1 - s /
+//! s*)^p. The exponent p is 1/2 at a fold (limit load, snap-through) and 1 at a bifurcation (a straight rib that buckles). A path that only passes close to a
+//! fold shows p = 2/3 for a while. Three equilibria determine s* and p.
 
-/// Exponents p of the determinant at the end of a branch.
+/// Exponent p of the determinant of a branch that ends in a fold (limit load, snap-through).
 const FOLD: f64 = 0.5;
+/// Exponent p of the determinant of a branch that ends in a bifurcation (buckling of a straight member).
 const BIFURCATION: f64 = 1.0;
-/// Bisections of the interval of exponents, to 1e-3, which is finer than the predictions.
+/// Number of bisections of the interval of exponents p. It gives p to 1e-3, finer than the predictions.
 const HALVINGS: usize = 9;
-/// Share of the remaining distance to a fold that a step covers. Displacements follow the square root of that distance. Over 8/9 of it the
+/// Share of the remaining distance to a fold that a step covers. Displacements follow the square root of that distance. If a step covers 8/9 of it, the
 /// tangent's prediction is off by half, the limit for a load step.
 const REACH_AT_FOLD: f64 = 0.8;
-/// Share of the remaining distance to a bifurcation that a step covers; the path is smooth there.
+/// Share of the remaining distance to a bifurcation that a step covers; displacements are smooth functions of the load there.
 const REACH_AT_BIFURCATION: f64 = 0.95;
-/// Shortest step as a share of the last one: a determinant that falls by powers of ten gives no useful prediction.
+/// Shortest step as a share of the last step. If the determinant falls by powers of ten, predictions are useless, and this limit applies.
 const LEAST_REACH: f64 = 0.01;
-/// Largest exponent that counts as a fold. The other exponents, 2/3 and 1, exceed it by more than rounding and secants cause.
+/// Largest exponent p of the determinant that counts as a fold. The other exponents, 2/3 and 1, exceed it by more than rounding and secants can cause.
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;
-/// A fold counts as reached when the remaining distance is below this share of the predicted end.
+/// A fold counts as reached when the remaining distance is below this share of the predicted end of the branch.
 const GAP_TO_FOLD: f64 = 1e-4;
-/// The same share for other exponents, where the branch may still turn and continue.
+/// The end of a branch that is not a fold counts as reached when the remaining distance is below this share of the predicted end. The branch may still turn
+/// there and continue.
 const GAP_TO_OTHERS: f64 = 1e-6;
-/// Largest difference between the last two predictions, as a share of the remaining distance, at which they agree.
+/// The last two predictions agree if they differ by at most this share of the remaining distance.
 const AGREEMENT: f64 = 0.5;
 
 /// The last three equilibria on the path, and the predicted end of the branch.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Approach {
-    /// Share of the path and logarithm of the determinant, oldest first.
+    /// Share of the path and natural logarithm of the determinant at each equilibrium, oldest first.
     points: [Option<[f64; 2]>; 3],
     predicted: Option<End>,
-    /// Prediction before the last equilibrium was added.
+    /// The prediction before the last equilibrium was added.
     predicted_before: Option<End>,
 }
 
@@ -43,12 +45,12 @@ struct End {
 }
 
 impl Approach {
-    /// Whether the equilibrium at a share of the path has not been added yet.
+    /// Whether the equilibrium at a share of the path is still to be added.
     pub(super) fn asks_for(&self, share: f64) -> bool {
         self.points[2].is_none_or(|[known, _]| known != share)
     }
 
-    /// Adds the next equilibrium and predicts the end; ignores an equilibrium without determinant.
+    /// Adds the next equilibrium and predicts the end. Ignores an equilibrium without determinant.
     pub(super) fn add(&mut self, share: f64, log_determinant: Option<f64>) {
         let Some(log) = log_determinant else { return };
         self.points = [self.points[1], self.points[2], Some([share, log])];
@@ -56,7 +58,8 @@ impl Approach {
         self.predicted = self.end();
     }
 
-    /// Target of the next step, a share of the path: before the predicted end, unless the last step was long against the remaining distance.
+    /// Target of the next step, a share of the path. It lies before the predicted end, unless the remaining distance is shorter
+    /// than a hundredth of the last step. `None` without a prediction.
     pub(super) fn near(&self) -> Option<f64> {
         let End { share: end, power } = self.predicted?;
         let [_, Some([before, _]), Some([at, _])] = self.points else { return None };
@@ -69,7 +72,7 @@ impl Approach {
         self.predicted.is_some_and(|end| share > end.share)
     }
 
-    /// Whether the last two predictions agree that the branch ends before a share of the path, with a margin of the remaining distance.
+    /// Whether the last two predictions agree that the branch ends before a share of the path, by a margin relative to the remaining distance.
     pub(super) fn ends_before(&self, share: f64) -> bool {
         let (Some(End { share: end, .. }), Some(at)) = (self.predicted, self.at()) else { return false };
         self.predictions_agree() && end + (end - at) < share
@@ -82,8 +85,8 @@ impl Approach {
         (before.share - end.share).abs() <= AGREEMENT * (end.share - at)
     }
 
-    /// Share of the path as far beyond the predicted end as the last equilibrium is before it; `None` while the end is not close. The branch should
-    /// not reach that share.
+    /// Share of the path as far beyond the predicted end as the last equilibrium is before the end. The branch should not reach this share. `None` while the
+    /// end is not close.
     pub(super) fn beyond(&self) -> Option<f64> {
         let (End { share: end, power }, at) = (self.predicted?, self.at()?);
         let left = end - at;
@@ -98,7 +101,7 @@ impl Approach {
     fn end(&self) -> Option<End> {
         let [first, Some(second), Some(third)] = self.points else { return None };
         let end = |power: f64| end_of_interval(second, third, power);
-        // Excess fall of the log determinant between the first two equilibria over the fall that the exponent implies.
+        // Difference between the actual and the implied fall of the determinant's logarithm between the first two equilibria, for an exponent.
         let excess = |power: f64| {
             let ([first, log_first], [second, log_second]) = (first?, second);
             let end = end(power)?;
@@ -106,7 +109,7 @@ impl Approach {
         };
         let [mut low, mut high] = [FOLD, BIFURCATION];
         let power = match (excess(low), excess(high)) {
-            // A single interval does not determine the exponent.
+            // One interval between equilibria does not determine the exponent.
             (None, _) | (_, None) => BIFURCATION,
             (Some(at_low), Some(at_high)) if at_low * at_high > 0.0 => {
                 if at_low.abs() < at_high.abs() {
@@ -128,7 +131,7 @@ impl Approach {
     }
 }
 
-/// Share at which a determinant that falls as (1 - s / s*)^p between two equilibria becomes zero; `None` if it does not fall.
+/// Share of the path at which the determinant becomes zero, if it falls as (1 - s / s*)^p between two equilibria. `None` if it does not fall.
 fn end_of_interval([from, log_from]: [f64; 2], [to, log_to]: [f64; 2], power: f64) -> Option<f64> {
     let ratio = ((log_from - log_to) / power).exp();
     let left = (to - from) / (ratio - 1.0);

@@ -3,24 +3,24 @@
 use super::load_step::CORRECTION_TOLERANCE;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// Convergence tolerance at intermediate equilibria. The next step corrects the remaining error, which must be small against a short step.
+/// Convergence tolerance at intermediate equilibria. The next step corrects the remaining error, which must be small compared with a short step.
 const STATION_TOLERANCE: f64 = 1e-8;
-/// Convergence tolerance at all equilibria of a trial path. Newton's quadratic convergence makes these accurate to 1e-9.
+/// Convergence tolerance at all equilibria of a trial path. Because Newton's method converges quadratically, the equilibria are accurate to 1e-9.
 const TRIED_TOLERANCE: f64 = 1e-6;
-/// Smallest number of rejected steps before a trial path without any accepted step ends.
+/// A trial path without any accepted step ends only after at least this many rejected steps.
 const MOST_REJECTED_AT_START: usize = 4;
 
-/// Loads that vary along a path, from share 0 to share 1.
+/// Loads that vary along a path. A share of 0 is the start of the path, a share of 1 its end.
 pub(super) trait LoadPath {
-    /// The loads at a share of the path, and the factor common to all of them.
+    /// The loads at a share of the path, and a factor that multiplies all of them.
     fn at(&mut self, share: f64) -> (&[FrameLoad], f64);
 
-    /// Whether the path continues from an intermediate equilibrium at the given share.
+    /// Whether the path continues after the intermediate equilibrium at the given share.
     fn goes_on(&mut self, _share: f64, _motion: &FrameMotion) -> bool {
         true
     }
 
-    /// Whether to repeat a rejected step with a shorter one; `rejected` counts all rejected steps of the path.
+    /// Whether to repeat a rejected step with a shorter length. `rejected` is the number of all rejected steps of the path.
     fn tries_again(&self, _share: f64, _rejected: usize) -> bool {
         true
     }
@@ -30,13 +30,13 @@ pub(super) trait LoadPath {
         if share < 1.0 { STATION_TOLERANCE } else { CORRECTION_TOLERANCE }
     }
 
-    /// Whether the path is a trial: its caller shortens it if it fails, so the exact share of failure does not matter.
+    /// Whether the path is a trial, which the caller shortens if it fails. The exact share at which it fails then does not matter.
     fn is_trial(&self) -> bool {
         false
     }
 }
 
-/// The same loads between two multiples.
+/// Loads that keep their ratios while their common factor changes.
 #[derive(Clone, Copy)]
 pub(super) struct ProportionalLoading<'l> {
     pub loads: &'l [FrameLoad],
@@ -58,7 +58,7 @@ impl LoadPath for ProportionalLoading<'_> {
     }
 }
 
-/// Loads that fade linearly while others grow.
+/// Loads of which one set fades linearly while another grows.
 pub(super) struct LoadTransition<'l> {
     pub from: &'l [FrameLoad],
     pub to: &'l [FrameLoad],
@@ -77,11 +77,11 @@ impl LoadPath for LoadTransition<'_> {
     }
 }
 
-/// A [`LoadTransition`] as a trial path: its caller shortens it if it fails.
+/// A [`LoadTransition`] as a trial path, which the caller shortens if it fails.
 pub(super) struct TrialTransition<'l, W> {
     pub transition: LoadTransition<'l>,
     pub goes_on: W,
-    /// Number of rejected steps at which the path ends.
+    /// Number of rejected steps after which the path ends.
     pub most_rejected: usize,
 }
 

@@ -1,40 +1,40 @@
-//! Decisions of Newton's method in one load step: convergence, acceptance, rejection.
+//! Decisions of Newton's method in one load step: convergence, acceptance and rejection.
 //!
-//! They are separate from the equations so that the scalar solver and each lane of a [batch](super::equilibria) share them.
+//! They are separate from the equations, so that the scalar solver and each SIMD lane of a [batch](super::equilibria) share them.
 
-/// Smallest number of correct decimal digits of an accepted solution: the finest results are compared to 0.01 %.
+/// Smallest number of correct decimal digits of an accepted solution. Four digits suffice, because the finest results are compared to 0.01 %.
 pub(super) const FEWEST_DIGITS: f64 = 4.0;
-/// Newton has converged when the predicted energy norm of its *next* correction is below this share of the solution's. The last two
-/// corrections predict it, since Newton's method squares the error near the solution, e' = c e^2.
+/// Newton's method has converged when the predicted energy norm of its *next* correction is below this share of the solution's. The last two corrections
+/// predict it, because Newton's method squares the error near the solution: e' = c e^2.
 pub(super) const CORRECTION_TOLERANCE: f64 = 1e-11;
-/// A linear solution whose last correction is below this share of it has all its digits after that correction.
+/// If the last correction of a linear solution is below this share of the solution, the solution has all its digits.
 const LINEAR_TOLERANCE: f64 = 1e-8;
-/// Largest correction, as a share of the solution, from which the next one is predicted.
+/// The next correction is predicted only from corrections up to this share of the solution.
 const QUADRATIC_RANGE: f64 = 1e-2;
-/// Two successive corrections below this count as rounding noise if each exceeds a quarter of the previous one. Very fine meshes and needle
-/// shapes show such noise. A single one may be large by chance and leave an error of 1e-7 where noise is 1e-9.
+/// Two successive corrections below this share of the solution count as rounding noise if each exceeds a quarter of the previous correction. Very fine
+/// meshes and needle shapes show such noise. One correction alone may be large by chance and leave an error of 1e-7, although the noise is 1e-9.
 const STAGNATION_TOLERANCE: f64 = 1e-6;
-/// Largest number of Newton iterations in a load step; a step that needs more is rejected as too long.
+/// Largest number of Newton iterations in a load step. A step that needs more is rejected as too long.
 const MAX_ITERATIONS: usize = 20;
-/// Largest rotation of a node in one load step, rad; a larger one may lead to another branch.
+/// Largest rotation of a node in one load step, rad. A larger one may lead to another branch, so the step is rejected.
 const MAX_STEP_ROTATION: f64 = 0.8;
-/// Largest deviation of a rotation from the prediction of the tangent at the start, as a share of the largest predicted rotation. On a
-/// smooth path every sufficiently short step meets this limit; a snap to another branch rarely does. For random fingers under random
-/// loads, arc length finds 22 of 9715 accepted equilibria beyond a limit load.
+/// Largest deviation of a rotation from the prediction by the tangent at the start of the step, as a share of the largest predicted rotation. On a smooth
+/// path every sufficiently short step satisfies this limit; a snap to another branch rarely does. For random fingers under random loads, the arc-length
+/// method finds 22 of 9715 accepted equilibria beyond a limit load.
 const MAX_PREDICTION_ERROR: f64 = 0.5;
-/// Rotations below this, rad, count as zero: a frame that only elongates rotates by rounding alone.
+/// Rotations up to this, rad, count as zero, because a frame that only elongates rotates by rounding.
 const ROTATION_NOISE: f64 = 1e-9;
-/// Ratio of prediction error to its limit beyond which an iteration is abandoned.
+/// An iteration is abandoned if the prediction error exceeds its limit by more than this factor.
 const HOPELESS: f64 = 1.25;
 
 /// Result of an accepted load step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Taken {
-    /// Number of Newton corrections.
+    /// Number of Newton corrections in the step.
     pub iterations: usize,
-    /// Largest of rotation and prediction error, each divided by its limit; 0..1.
+    /// Largest of the rotation and the prediction error, each divided by its limit; 0..1, dimensionless.
     pub used: f64,
-    /// Energy norm of the last correction, as a share of the solution's; `None` if the iterations ran out.
+    /// Energy norm of the last correction, as a share of the solution's norm. `None` if the iteration limit was reached.
     pub correction: Option<f64>,
 }
 
@@ -42,25 +42,25 @@ pub(super) struct Taken {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rejected {
     NotPositiveDefinite,
-    /// The step is too long. Holds the ratio of its rotation or prediction error to the limit, if known.
+    /// The step is too long. Holds the ratio of its rotation or prediction error to the limit; `None` if it is unknown.
     TooFar(Option<f64>),
-    /// Linear corrections do not shrink. Holds the number of correct digits, which is too small.
+    /// Linear corrections do not shrink. Holds the number of correct digits, which is below the required number.
     Rounding(f64),
 }
 
-/// Newton's iteration at one load level.
+/// State of Newton's iteration at one load level.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoadStep {
     linear: bool,
-    /// Convergence tolerance for the predicted next correction, as a share of the solution.
+    /// Tolerance of the energy norm of the predicted next correction, as a share of the solution's norm.
     tolerance: f64,
     /// Number of corrections judged so far.
     iterations: usize,
-    /// Energy norm of the last correction, as a share of the solution's.
+    /// Energy norm of the last correction, as a share of the solution's norm.
     previous: f64,
-    /// Whether the last correction was small enough and shrank too little, as rounding noise does.
+    /// Whether the last correction was small but shrank too little, as rounding noise does.
     stagnated: bool,
-    /// Largest rotation of a node by the first correction, rad: the prediction of the tangent at the start.
+    /// Largest rotation of a node by the first correction, rad. This correction is the prediction by the tangent at the start.
     predicted_turn: f64,
 }
 
@@ -69,14 +69,14 @@ impl LoadStep {
         LoadStep { linear, tolerance, iterations: 0, previous: f64::INFINITY, stagnated: false, predicted_turn: 0.0 }
     }
 
-    /// Whether the next correction is the first of the step.
+    /// Whether the next correction is the first one of the step.
     pub(super) fn is_first(&self) -> bool {
         self.iterations == 0
     }
 
-    /// Judges a correction: `None` to continue, else the end of the step. `work` is the correction's squared energy norm and `scale` the
-    /// solution's, both N mm. `turn` is the largest rotation of a node, rad: from the start for the first correction, from the prediction for
-    /// later ones. `keeps_digits` states whether a linear correction loses no digits.
+    /// Judges a correction. Returns `None` to continue, else the result of the step. `work` is the squared energy norm of the correction, and `scale` that of
+    /// the solution, both in N mm. `turn` is the largest rotation of a node, rad: for the first correction measured from the start, for later ones from the
+    /// prediction. `keeps_digits` returns whether a linear correction loses no digits.
     #[inline(always)]
     pub(super) fn judge(
         &mut self,
@@ -105,7 +105,7 @@ impl LoadStep {
         let relative = (work / scale).max(0.0).sqrt();
         let next = relative.powi(3) / (previous * previous);
         let converges = previous.max(relative) <= QUADRATIC_RANGE && next <= self.tolerance;
-        // A linear solution needs at most one correction by the residual.
+        // For a linear solution, at most one correction by the residual is needed.
         let converges = converges || (linear && (relative <= LINEAR_TOLERANCE || keeps_digits()));
         let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
         if work <= 0.0 || converges || (stagnates && self.stagnated) {

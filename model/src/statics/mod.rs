@@ -28,7 +28,7 @@ use crate::mesh::{FingerShape, Load, LoadError, Mesh};
 /// Reasons why a solver returns no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum StaticsError {
-    /// The frame has a motion without deformation, or its stiffness is not a finite number.
+    /// The frame can move without deforming, or its stiffness is not finite.
     #[error(
         "the linear equations have no solution in double precision: the frame can move without deforming, its mesh is too fine, or its stiffness or \
          displacements overflow"
@@ -38,9 +38,9 @@ pub enum StaticsError {
     #[error(transparent)]
     Load(#[from] LoadError),
     /// A load is infinite or not a number.
-    #[error("a load is not a finite number")]
+    #[error("expected finite loads, found a load that is infinite or not a number")]
     LoadNotFinite,
-    /// Rounding leaves too few correct digits.
+    /// Rounding leaves too few correct digits of the solution.
     #[error(
         "rounding leaves {digits:.1} digits of the solution, expected at least 4 (5 with co-rotational kinematics): use a coarser mesh, or parts \
          that differ less in stiffness"
@@ -55,42 +55,42 @@ pub enum StaticsError {
         100.0 * converged_fraction
     )]
     NoEquilibrium {
-        /// Share of the load, 0..1, at the last equilibrium found.
+        /// Share of the load at the last equilibrium that was found, 0..1.
         converged_fraction: f64,
     },
 }
 
-/// The equilibrium equations of a structure in the form that Newton's method needs.
+/// The equilibrium equations of a structure, in the form that Newton's method needs.
 pub trait EquilibriumEquations {
-    /// The undeformed motion: all displacements and rotations zero.
+    /// The motion of the undeformed structure: all displacements and rotations are zero.
     fn at_rest(&self) -> FrameMotion;
 
-    /// The kinematic relation between displacements and strains.
+    /// The kinematic relation between displacements and strains that the equations use.
     fn kinematics(&self) -> Kinematics;
 
-    /// Evaluates energy and residual under `factor` times the loads and factors the tangent stiffness. Returns `false` if the tangent is not positive
+    /// Evaluates energy and residual under `factor` times the loads, and factors the tangent stiffness. Returns `false` if the tangent is not positive
     /// definite.
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool;
 
-    /// Whether every pivot of the last factorisation lost at most three digits to cancellation; a correction by the residual then changes
-    /// nothing significant. `false` if unknown.
+    /// Whether every pivot of the last factorisation lost at most three digits to cancellation. Another correction by the residual then changes nothing
+    /// significant. `false` if this is unknown.
     fn keeps_digits(&self) -> bool {
         false
     }
 
-    /// Natural logarithm of the determinant of the last factored tangent, up to an additive constant; `None` if unknown.
+    /// Natural logarithm of the determinant of the last factored tangent, up to an additive constant. `None` if it is unknown.
     fn log_determinant(&mut self) -> Option<f64>;
 
-    /// Drops the factor that the solver keeps between loads; only the linear stiffness keeps one, since it never changes.
+    /// Drops the factor of the linear stiffness, which the solver keeps between loads because this stiffness never changes.
     fn forget_factor(&mut self);
 
     /// Elastic energy at the last linearised motion, N mm.
     fn elastic_energy(&self) -> f64;
 
-    /// Adds Newton's correction -K^-1 r to the linearised motion. Returns the correction's squared energy norm r K^-1 r, N mm.
+    /// Adds Newton's correction -K^-1 r to the linearised motion, with the residual r. Returns r K^-1 r, the squared energy norm of the correction, N mm.
     fn correct(&mut self, motion: &mut FrameMotion) -> f64;
 
-    /// Largest displacement of a key node in the last correction, mm; infinite if unknown.
+    /// Largest magnitude of a key node's displacement in the last correction, mm; infinite if unknown.
     fn largest_correction(&self) -> f64 {
         f64::INFINITY
     }
@@ -106,7 +106,7 @@ pub fn solve(mesh: &Mesh, loads: &[Load], kinematics: Kinematics) -> Result<Fing
     Ok(mesh.shape(&equilibrium.motion))
 }
 
-/// Solves for the motion of any plane frame under dead loads, accurate to at least four digits; [`solve`] does this for a finger.
+/// Solves for the motion of any plane frame under dead loads, accurate to at least four digits. [`solve`] does this for a finger.
 ///
 /// # Errors
 /// [`StaticsError`] if a load is not finite, no stable equilibrium exists on the path, or rounding leaves fewer than four digits.

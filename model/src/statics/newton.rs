@@ -1,7 +1,7 @@
 //! Newton's method for the equilibrium under one load, from a nearby equilibrium.
 //!
-//! Every load step keeps the rotations small and ends in a stable equilibrium (positive definite tangent). The solution therefore stays on the branch
-//! that starts at rest. [`LoadStep`] accepts or rejects steps; [`continuation`](super::continuation) sets their length.
+//! Every load step keeps the rotations small and ends in a stable equilibrium (positive definite tangent). The solution therefore stays on the branch that
+//! starts at rest. [`LoadStep`] accepts or rejects steps; [`continuation`](super::continuation) sets their length.
 
 use super::load_step::{LoadStep, Rejected, Taken};
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};
@@ -9,10 +9,10 @@ use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::mesh::Mesh;
 
-/// Equilibrium of a frame.
+/// An equilibrium of a frame, and the effort of finding it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
-    /// Displacements (mm) and rotations (rad).
+    /// Displacements (mm) and rotations (rad) of the frame.
     pub motion: FrameMotion,
     /// Number of Newton iterations over all load steps.
     pub iterations: usize,
@@ -20,13 +20,13 @@ pub struct Equilibrium {
     pub load_steps: usize,
 }
 
-/// Solver for one structure and one kinematics. It keeps everything that does not depend on the loads.
+/// Solver for one structure with one kind of kinematics. It keeps all data that do not depend on the loads.
 #[derive(Debug, Clone)]
 pub struct Statics<E> {
     pub(super) equations: E,
-    /// Rotations that the tangent at the start of a load step predicts for its end, rad.
+    /// Rotations at the end of a load step as predicted by the tangent at its start, rad.
     predicted: Vec<f64>,
-    /// Ratio of the last correction to the solution, by energy norm or displacement, whichever is larger.
+    /// Ratio of the last correction to the solution, dimensionless: by energy norm or by displacement, whichever is larger.
     pub(super) last_correction: f64,
 }
 
@@ -49,17 +49,18 @@ impl<E: EquilibriumEquations> Statics<E> {
         Statics { equations, predicted: Vec::new(), last_correction: f64::INFINITY }
     }
 
-    /// The equilibrium equations.
+    /// The equilibrium equations that this solver solves.
     pub fn equations(&self) -> &E {
         &self.equations
     }
 
-    /// The equilibrium equations, mutable because sensitivities use their buffers.
+    /// The equilibrium equations, mutable because the computation of sensitivities uses their buffers.
     pub fn equations_mut(&mut self) -> &mut E {
         &mut self.equations
     }
 
-    /// Makes the next linear solution factorise again, for timing. Otherwise the factor is kept, since the linear stiffness never changes.
+    /// Drops the linear factor, so that the next linear solution factorises again; used for timing. The factor is otherwise kept, because the linear
+    /// stiffness never changes.
     pub fn forget_factor(&mut self) {
         self.equations.forget_factor();
     }
@@ -69,8 +70,8 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.equations.linearise(motion, loads, 1.0)
     }
 
-    /// Makes one Newton correction of a motion near the equilibrium under loads. Returns the largest rotation of a node, rad, or `None` if the
-    /// shape is not stable. The factored tangent of the uncorrected motion remains available.
+    /// Makes one Newton correction to a motion near the equilibrium under the loads. Returns the largest rotation of a node by the correction, rad, or `None`
+    /// if the tangent is not positive definite. The factored tangent of the uncorrected motion remains available.
     pub fn corrected(&mut self, motion: &mut FrameMotion, loads: &[FrameLoad]) -> Option<f64> {
         if !self.equations.linearise(motion, loads, 1.0) {
             return None;
@@ -80,8 +81,8 @@ impl<E: EquilibriumEquations> Statics<E> {
         work.is_finite().then(|| largest_difference(&motion.rotations, &self.predicted))
     }
 
-    /// Iterates Newton's method at one load level, from the previous equilibrium, until the predicted next correction is below `tolerance`. The
-    /// factored tangent of the last iterate remains available. After a rejected step `motion` is undefined.
+    /// Iterates Newton's method at one load level, starting from the previous equilibrium, until the predicted next correction is below `tolerance`. The
+    /// factored tangent of the last iterate remains available. After a rejected step, the value of `motion` is undefined.
     pub(super) fn load_step(
         &mut self,
         motion: &mut FrameMotion,
@@ -103,7 +104,7 @@ impl<E: EquilibriumEquations> Statics<E> {
             let work = self.equations.correct(motion);
             let turn = if linear { 0.0 } else { largest_difference(&motion.rotations, &self.predicted) };
             if step.is_first() && !linear {
-                // The first correction is the prediction of the tangent at the start.
+                // The first correction is the prediction by the tangent at the start.
                 self.predicted.clone_from(&motion.rotations);
             }
             let Some(end) = step.judge(work, scale, turn, || self.equations.keeps_digits()) else { continue };
@@ -115,7 +116,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         }
     }
 
-    /// Motions of the structure under each load alone; with linear kinematics and unit loads, columns of its compliance.
+    /// Motions of the structure under each load alone. With linear kinematics and unit loads, these are columns of its compliance matrix.
     ///
     /// # Errors
     /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium), for instance [`StaticsError::NotHeld`] if the structure is a mechanism.
@@ -128,7 +129,7 @@ pub(super) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Ratio of a part to a whole: 0 if the part is 0, even of 0 as in an unloaded frame; 1 if the ratio is not a number.
+/// Ratio of a part to a whole. Returns 0 if the part is 0, even if the whole is 0 too, as in an unloaded frame; 1 if the ratio is NaN.
 pub(super) fn share(part: f64, whole: f64) -> f64 {
     match part / whole {
         _ if part == 0.0 => 0.0,

@@ -5,7 +5,7 @@ use crate::Vector;
 use crate::element::{ElementVector, Kinematics};
 use crate::frame::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame};
 
-/// Elastic energy of a frame in a motion, N mm.
+/// Elastic energy of a frame with a given motion, N mm.
 pub fn elastic_energy(frame: &PlaneFrame, motion: &FrameMotion, kinematics: Kinematics) -> f64 {
     frame.members().iter().map(|member| member.response(motion, kinematics).energy).sum()
 }
@@ -21,9 +21,9 @@ pub struct Reaction {
     pub moment_nmm: f64,
 }
 
-/// Force and moment that a node needs for equilibrium beside the loads: the reaction of a support, zero at a free node.
+/// Force and moment on a node that equilibrium needs in addition to the loads. This is the reaction of a support; it is zero at a free node.
 ///
-/// Sums the beams of the node and of nodes tied to it, so the node must not belong to a rigid link.
+/// Sums the forces of the beams at the node and at nodes tied to it. The node must not belong to a rigid link.
 pub fn reaction(
     frame: &PlaneFrame,
     motion: &FrameMotion,
@@ -54,7 +54,7 @@ pub fn reaction(
         } else {
             let (end, force, moment_nmm) = load.at_end(frame);
             let potential = frame.end_load(motion, end, force, moment_nmm, kinematics == Kinematics::Linear);
-            // The potential has no gradient at the second end.
+            // The potential has no gradient by the second end.
             add(&[end, end], &potential.gradient);
         }
     }

@@ -1,4 +1,4 @@
-//! Assumptions of the beam model that an equilibrium violates, in words.
+//! Assumptions of the beam model that an equilibrium violates, and their description in words.
 
 use super::{FibreStrain, FingerMember, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits, Validity};
 use crate::finger::Part;
@@ -7,36 +7,36 @@ use std::fmt;
 /// A violated assumption of the beam model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Doubt {
-    /// Strains are not small.
+    /// A strain exceeds its limit.
     Strain {
-        /// The strain that is closest to, or furthest above, its limit.
+        /// The strain with the largest ratio to its limit.
         strain: FibreStrain,
         /// The limit, dimensionless.
         limit: f64,
-        /// Whether the scene states the limit.
+        /// Whether the scene states the limit, rather than the default.
         stated: bool,
     },
     /// Shear, which Euler-Bernoulli beams neglect, is significant.
     Shear {
-        /// Shear energy over strain energy.
+        /// Shear energy divided by strain energy, dimensionless.
         share: f64,
-        /// Member with the most shear energy.
+        /// Member with the largest shear energy.
         member: FingerMember,
     },
     /// The finger bends more easily out of its plane than in it.
     OutOfPlane {
-        /// Depth over thickness of the thickest part.
+        /// Out-of-plane depth divided by the thickness of the thickest element, dimensionless.
         depth_ratio: f64,
     },
 }
 
 impl Validity {
-    /// The violated assumptions, given the limits of the material.
+    /// The assumptions that this equilibrium violates, given the strain limits of the materials.
     pub fn doubts(&self, limits: &StrainLimits) -> Vec<Doubt> {
         let strain = self.largest_strain(limits).and_then(|strain| {
             let part = strain.member.part;
             let limit = limits.of(part);
-            // A strain that is not a number is not small either.
+            // Written so that a NaN strain counts as not small.
             let small = strain.strain <= limit;
             (!small).then(|| Doubt::Strain { strain: *strain, limit, stated: limits.stated(part).is_some() })
         });
@@ -113,7 +113,7 @@ fn in_words(part: Part) -> &'static str {
     }
 }
 
-/// A share in per cent with two or three digits; limits like these justify no more.
+/// A share in per cent with two or three digits, which suffices because such limits are only approximate.
 fn percent(share: f64) -> String {
     match 100.0 * share {
         p if p >= 1000.0 => format!("{p:.1e}"),

@@ -166,7 +166,7 @@ fn bad_scenes_are_refused() {
         (&[("link_mm = [25.0, 40.0]", "link_mm = [5.0, 10.0]")], "gripper.link_mm: "),
         (
             &[("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, 99999.0]")],
-            "grasp.motor_deg: expected motor angles in reach",
+            "grasp.motor_deg: expected motor angles within reach",
         ),
         (
             &[("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, 0.0]")],
@@ -174,7 +174,7 @@ fn bad_scenes_are_refused() {
         ),
         (&[("path_steps = 12", "hold = true")], "grasp.hold: expected until_force_n in the same table"),
         (&[("path_steps = 12", "path_stepz = 12")], "unknown key `grasp.path_stepz`"),
-        (&[("mass_g = 60.0\n", "mass_g = 60.0\nat_mm = 70.0\n")], "object.at_mm: expected nothing"),
+        (&[("mass_g = 60.0\n", "mass_g = 60.0\nat_mm = 70.0\n")], "object.at_mm: expected no such key"),
         (&[("path_steps = 12", "support = true\ngravity_m_s2 = [0.0, 0.0]")], "grasp.support: expected a gravity"),
         (
             &[("path_steps = 12", "support = \"rails\"")],

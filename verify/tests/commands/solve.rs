@@ -149,7 +149,7 @@ fn loads_that_the_finger_cannot_take_are_refused() {
         (["--load-at", "80"], "expected S_MM:FORCE,ANGLE_DEG"),
         (["--load-at", "80:1,normal"], "expected a finite number, found \"normal\""),
         (["--load-at", "80:1,0,0"], "expected a finite number, found \"0,0\""),
-        (["--mesh-nodes", "24"], "--mesh-nodes: expected 25 (one element a member) to 200000 mesh nodes, found 24"),
+        (["--mesh-nodes", "24"], "--mesh-nodes: expected 25 (one element per member) to 200000 mesh nodes, found 24"),
         (["--mesh-nodes", "200001"], "found 200001"),
         (["--mesh-nodes", "many"], "many"),
         (["--kinematics", "quadratic"], "corotational-chord"),

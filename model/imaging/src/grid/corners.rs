@@ -1,8 +1,8 @@
-//! The inner corners of a chessboard, where two dark and two light squares meet.
+//! Detection of the inner corners of a chessboard, at which two dark and two light squares meet.
 //!
-//! On a ring about such a corner the light changes four times, opposite pixels are equal, and the centre has the mean light of the ring. This distinguishes
-//! a corner from an edge, a line and the gap between two dots. The corner's centre is the point at which the directions to nearby pixels are
-//! perpendicular to their gradients.
+//! Around a ring about such a corner, the light changes four times, opposite pixels are equal, and the centre has the mean light of the ring. These
+//! properties distinguish a corner from an edge, a line, and the gap between two dots. The centre of the corner is the point from which the directions to
+//! nearby pixels are perpendicular to the gradients there.
 //!
 //! # Reference
 //! S. Bennett, J. Lasenby, ChESS: quick and robust detection of chess-board features, Computer Vision and Image Understanding 118 (2014); W. Foerstner,
@@ -15,31 +15,34 @@ use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::Matrix2;
 
-/// Longer side of the image in which corners are searched for, px; larger images are reduced.
+/// Longer side of the image in which corners are searched for, px. Larger images are reduced to it.
 const LONGER_SIDE: u32 = 1100;
-/// Largest angle between an edge and the direction to the next corner along it, degrees.
+/// Largest angle between an edge of a square and the direction to the next corner along that edge, degrees.
 const OFF_EDGE_DEG: f64 = 15.0;
-/// Smallest share of neighbouring squares that must alternate between dark and light.
+/// Smallest share of neighbouring squares that must alternate between dark and light for a chessboard.
 const LEAST_IN_TURN: f64 = 0.9;
-/// Radius of the window for gradients about a corner, as a share of the distance to the nearest other corner, and its limits, px.
+/// Radius of the window in which gradients about a corner are used, as a share of the distance to the nearest other corner.
 const WINDOW: f64 = 0.4;
+/// Smallest and largest radius of the window in which gradients about a corner are used, px.
 const WINDOW_PX: [f64; 2] = [3.0, 15.0];
-/// Largest number of iterations of a corner's centre, and step size at which they end, px.
+/// Largest number of iterations for a corner's centre.
 const STEPS: usize = 20;
+/// The iterations for a corner's centre end when a step is below this, px.
 const STILL_PX: f64 = 1e-4;
-/// Range of the light at a corner's centre, relative to dark (0) and light (1).
+/// Range of the light that a corner's centre may have; 0 is the light of the dark squares, 1 that of the light squares.
 const MIDDLE: std::ops::Range<f64> = 0.25..0.75;
-/// Distance from a corner at which the light of its squares is sampled, as a share of the distance to their centres, and at least in px.
+/// Distance from a corner at which the light of the adjacent squares is sampled, as a share of the distance to their centres.
 const BESIDE: f64 = 0.25;
+/// Smallest distance from a corner at which the light of the adjacent squares is sampled, px.
 const BESIDE_PX: f64 = 2.0;
-/// Approximate number of dots that are tested for being squares.
+/// Approximate number of dots for which it is tested whether they are squares.
 const MOST_LOOKED: usize = 60;
 
-/// The corners of the largest chessboard in an image, with their column and row.
+/// The corners of the largest chessboard in an image, each with column and row, and pixel.
 pub(super) fn board(grey: &GrayImage) -> Vec<([i32; 2], Pixel)> {
     let first = grey.width().max(grey.height()).div_ceil(LONGER_SIDE).max(1);
     let mut best: Vec<([i32; 2], Pixel)> = Vec::new();
-    // Defocused corners are sharp only in a reduced image, squares of a few pixels only in the full image.
+    // Defocused corners are sharp only in a reduced image. Squares of a few pixels are visible only in the full image.
     for shrunk in [first, 2 * first, 1] {
         let found = board_in(grey, shrunk);
         if found.len() > best.len() {
@@ -70,12 +73,12 @@ fn board_in(grey: &GrayImage, shrunk: u32) -> Vec<([i32; 2], Pixel)> {
     board
 }
 
-/// Indices of the four neighbours in the lattice.
+/// Indices of the corners at the four neighbouring positions of the lattice.
 fn neighbours(lattice: &Lattice, [i, k]: [i32; 2]) -> impl Iterator<Item = usize> {
     [[i + 1, k], [i - 1, k], [i, k + 1], [i, k - 1]].into_iter().filter_map(|index| lattice.get(&index).copied())
 }
 
-/// Whether the dots of a lattice are squares that meet at their corners: light between diagonal neighbours is then that of a corner.
+/// Whether the dots of a lattice are squares that meet at their corners. The light between diagonal neighbours is then that of a chessboard corner.
 pub(super) fn are_squares(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
     let is_corner = |number: usize, next: [i32; 2], aside: [[i32; 2]; 2]| {
         let next = lattice.get(&next)?;
@@ -85,7 +88,7 @@ pub(super) fn are_squares(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> 
         let window = WINDOW * along.norm().min(across.norm());
         let corner = centre(grey, (from + to) / 2.0, window.clamp(WINDOW_PX[0], WINDOW_PX[1]))?;
         let [along, across] = [along, across].map(|way| way * BESIDE.max(BESIDE_PX / way.norm()));
-        // Mean light of two opposite squares, and the difference between them.
+        // Mean light of two opposite squares, and the difference between the two.
         let both = |step: Pixel| {
             let lights = (light(grey, &(corner + step))?, light(grey, &(corner - step))?);
             Some(((lights.0 + lights.1) / 2.0, (lights.0 - lights.1).abs()))
@@ -106,7 +109,7 @@ pub(super) fn are_squares(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> 
     2 * looked.iter().filter(|is_corner| **is_corner).count() > looked.len()
 }
 
-/// Whether the squares of a lattice of corners alternate between dark and light.
+/// Whether the squares between the corners of a lattice alternate between dark and light.
 fn is_in_turn(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
     let square = |[i, k]: [i32; 2]| {
         let corners = [[i, k], [i + 1, k], [i + 1, k + 1], [i, k + 1]].map(|index| lattice.get(&index));
@@ -114,7 +117,7 @@ fn is_in_turn(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
         let middle = [a, b, c, d].iter().map(|dot| dots[**dot].pixel).sum::<Pixel>() / 4.0;
         light(grey, &middle)
     };
-    // Difference in light between a square and the next one, with the sign of the chessboard pattern.
+    // Difference in light between a square and the next square, with the sign that a chessboard pattern would give it.
     let lighter = |&[i, k]: &[i32; 2], next: [i32; 2]| {
         let difference = square([i, k])? - square(next)?;
         Some(if (i + k).rem_euclid(2) == 0 { difference } else { -difference })
@@ -126,7 +129,7 @@ fn is_in_turn(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
     !differences.is_empty() && lighter.max(darker) as f64 >= LEAST_IN_TURN * differences.len() as f64
 }
 
-/// Corners with neighbours along both edges, on both sides, as seeds of a lattice.
+/// Seeds of a lattice: corners with neighbours along both edges, on both sides.
 fn seeds(corners: &[Corner]) -> Vec<Seed> {
     let widest = OFF_EDGE_DEG.to_radians().cos();
     let seed = |(number, corner): (usize, &Corner)| {
@@ -143,7 +146,7 @@ fn seeds(corners: &[Corner]) -> Vec<Seed> {
     corners.iter().enumerate().filter_map(seed).collect()
 }
 
-/// Centre of a corner by weighted least squares of the gradients in a window, px; `None` if it lies outside the window.
+/// Centre of a corner by weighted least squares of the gradients in a window, px. `None` if it lies outside the window.
 fn centre(grey: &GrayImage, from: Pixel, window: f64) -> Option<Pixel> {
     let mut centre = from;
     let reach = window.ceil();
@@ -166,7 +169,8 @@ fn centre(grey: &GrayImage, from: Pixel, window: f64) -> Option<Pixel> {
                 if far2 >= 1.0 {
                     continue;
                 }
-                // A Gaussian of half the window's radius that falls to zero at its border, so that the centre changes smoothly as pixels enter.
+                // The weight is a Gaussian of half the window's radius, lowered to zero at the window's border. The centre then changes smoothly as pixels
+                // enter the window.
                 let weight = (-2.0 * far2).exp() - (-2.0_f64).exp();
                 let gradient = Pixel::new(value(u + 1, v) - value(u - 1, v), value(u, v + 1) - value(u, v - 1));
                 let product = gradient * gradient.transpose() * weight;

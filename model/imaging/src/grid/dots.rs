@@ -1,25 +1,26 @@
-//! Centres and radii of the dots of a lattice, from their light.
+//! Centres and radii of the dots of a lattice, from the light of the pixels about each dot.
 //!
-//! The light of a dot is that of the pixels nearer to its rim than to any other dot's. If neighbours are so close that their blurred edges overlap, a dot
-//! gains as much light from its neighbour's edge as it loses of its own. Pixels away from all dots show the background.
+//! A pixel's light is assigned to the dot whose rim is nearest. If neighbours are so close that their blurred edges overlap, a dot gains as much light from
+//! its neighbour's edge as it loses from its own. Pixels away from all dots show the background.
 
 use super::patches::Dot;
 use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::{Matrix3, Vector3};
 
-/// Extent of a dot's light beyond its rim, and extent of the background, each in radii plus px. The first pair suits an isolated dot, the others dots that
-/// lie close together.
+/// Extent of a dot's light beyond its rim, and extent of the background, each as a multiple of the radius plus px. The first pair is for isolated dots, the
+/// others for dots that lie close together.
 const ABOUT: [[(f64, f64); 2]; 3] = [[(0.15, 2.5), (0.35, 4.5)], [(0.0, 2.0), (0.5, 6.0)], [(0.0, 1.0), (1.0, 8.0)]];
-/// Smallest number of pixels of the background.
+/// Smallest number of pixels that must show the background.
 const LEAST_GROUND: usize = 24;
-/// Inner part of a dot, with even light, in radii.
+/// Radius of the inner part of a dot, in which the light is even, in radii of the dot.
 const INNER: f64 = 0.6;
-/// Largest distance of the centre of a dot's light from that of its patch, in radii; and range of the ratio of their areas.
+/// A dot is rejected if the centre of its light is farther than this from the centre of its patch, in radii.
 const LARGEST_SHIFT: f64 = 0.5;
+/// A dot is rejected if the area of its light, divided by the area of its patch, is outside this range.
 const AREAS: std::ops::Range<f64> = 0.5..2.0;
 
-/// Centre of a dot's light, px, and radius of a disc of equal area, px; `None` if its surroundings are outside the image or hidden by other dots.
+/// Centre of a dot's light (px), and radius of a disc of equal area (px). `None` if the dot's surroundings are outside the image or hidden by other dots.
 pub(super) fn measured(grey: &GrayImage, dot: &Dot, others: &[Dot]) -> Option<(Pixel, f64)> {
     ABOUT.iter().find_map(|[own, ground]| {
         let px = |(radii, px): (f64, f64)| radii * dot.radius_px + px;
@@ -27,12 +28,12 @@ pub(super) fn measured(grey: &GrayImage, dot: &Dot, others: &[Dot]) -> Option<(P
     })
 }
 
-/// Same as [`measured`], with the dot's light up to `own` px beyond the rim and the background from there to `reach` px.
+/// Same as [`measured`], for given extents: the dot's light reaches `own` px beyond the rim, and the background from there to `reach` px.
 fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2]) -> Option<(Pixel, f64)> {
     let half = dot.longer_px() + reach;
     let middle = dot.pixel;
     let (width, height) = (f64::from(grey.width()) - 1.0, f64::from(grey.height()) - 1.0);
-    // A dot at the image border lacks part of its surroundings, which would bias its centre.
+    // At the image border, part of a dot's surroundings is missing, which would bias the dot's centre.
     if middle.x < half || middle.y < half || middle.x > width - half || middle.y > height - half {
         return None;
     }
@@ -70,7 +71,7 @@ fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2])
     let (mut mass, mut moment) = (0.0, Pixel::zeros());
     let (mut inner, mut depth) = (0.0, 0.0);
     for (step, light) in of_dot {
-        // Relative to the local background: uneven light would otherwise shift the centre to the darker side.
+        // Light is measured relative to the local background, because uneven light would otherwise shift the centre to the darker side.
         let ground = plane.dot(&Vector3::new(1.0, step.x, step.y));
         let lacking = light / ground.max(1.0) - 1.0;
         mass += lacking;
@@ -81,7 +82,7 @@ fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2])
         }
     }
     let shift = moment / mass;
-    // The threshold's position on the blurred edge is arbitrary; missing light over its central depth gives the area.
+    // The position of the threshold on the blurred edge is arbitrary. The area therefore follows from the missing light divided by its depth at the centre.
     let radius_px = (mass * inner / depth / std::f64::consts::PI).sqrt();
     let is_good = shift.norm() < LARGEST_SHIFT * dot.radius_px && AREAS.contains(&(radius_px / dot.radius_px).powi(2));
     is_good.then(|| (middle + shift, radius_px))

@@ -1,31 +1,31 @@
-//! Neighbourhood of dots: a lattice that grows from one dot in steps that adapt to perspective.
+//! Arrangement of dots in columns and rows: a lattice that grows from one dot in steps that adapt to perspective.
 
 use super::patches::Dot;
 use finray_model::camera::Pixel;
 use std::collections::{HashMap, VecDeque};
 
-/// Largest number of dots from which a lattice is grown, those with the most regular surroundings first.
+/// Largest number of dots from which a lattice is grown; dots with the most regular surroundings come first.
 const SEEDS: usize = 40;
-/// Share of the dots in a lattice at which the search for a larger one ends.
+/// The search for a larger lattice ends when this share of the dots is in one lattice.
 const ENOUGH: f64 = 0.8;
-/// Largest distance of a dot from its predicted position, as a share of the step.
+/// Largest distance of a dot from its predicted position, as a share of the step between neighbours.
 const OFF: f64 = 0.2;
-/// Largest ratio of the two steps of a square grid, and smallest sine of the angle between them, in coordinates in which the dots are round. The ratio
-/// excludes diagonal steps, which are sqrt(2) times as long.
+/// Largest ratio of the two steps of a square grid, in coordinates in which the dots are round. It excludes diagonal steps, which are sqrt(2) times as long.
 const STEPS: f64 = 1.25;
+/// Smallest sine of the angle between the two steps of a square grid, in coordinates in which the dots are round.
 const LEAST_SINE: f64 = 0.9;
-/// Largest ratio of the radii of neighbours.
+/// Largest ratio of the radii of two neighbours.
 const ALIKE: f64 = 1.6;
-/// Distance from the image border that a dot needs to be detected, in longer half axes plus px.
+/// A dot is detected only at this distance from the image border or farther: a multiple of its longer half axis, plus px.
 const ROOM: (f64, f64) = (1.2, 4.0);
 
-/// Index of the dot at each column and row, relative to an arbitrary dot.
+/// Index of the dot at each column and row, counted from an arbitrary dot.
 pub(super) type Lattice = HashMap<[i32; 2], usize>;
 
-/// A seed: irregularity of a dot's surroundings (0 is regular), its index, and the steps to two of its neighbours, px.
+/// A dot from which a lattice may grow: irregularity of its surroundings (0 is regular), its index, and the steps to two of its neighbours, px.
 pub(super) type Seed = (f64, usize, [Pixel; 2]);
 
-/// The largest lattice among the dots.
+/// The lattice with the most dots.
 pub(super) fn largest(dots: &[Dot], mut seeds: Vec<Seed>) -> Lattice {
     seeds.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best = Lattice::new();
@@ -44,14 +44,14 @@ pub(super) fn largest(dots: &[Dot], mut seeds: Vec<Seed>) -> Lattice {
     best
 }
 
-/// Dots that a lattice can grow from.
+/// Dots from which a lattice may grow.
 pub(super) fn seeds(dots: &[Dot]) -> Vec<Seed> {
     let seed = |seed| steps_at(dots, seed).map(|(off, steps)| (off, seed, steps));
     (0..dots.len()).filter_map(seed).collect()
 }
 
-/// Irregularity of a dot's surroundings, and the steps to two neighbours that have counterparts on the opposite side, px. The shape of the dot
-/// corrects for its slant.
+/// Irregularity of a dot's surroundings, and the steps to two neighbours, px. Both neighbours have counterparts on the opposite side. The shape of the dot
+/// corrects the steps for the slant of the grid.
 fn steps_at(dots: &[Dot], seed: usize) -> Option<(f64, [Pixel; 2])> {
     let Dot { pixel: from, upright, .. } = dots[seed];
     let mut near: Vec<(f64, Pixel)> = dots
@@ -69,7 +69,7 @@ fn steps_at(dots: &[Dot], seed: usize) -> Option<(f64, [Pixel; 2])> {
     near.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0));
     near.truncate(count);
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Distance of the nearest dot from the mirrored step, relative to the step.
+    // Distance between the mirrored step and the nearest dot, relative to the length of the step.
     let off =
         |step: &Pixel| near.iter().map(|(_, other)| (other + step).norm()).fold(f64::INFINITY, f64::min) / step.norm();
     let first = near.iter().map(|(_, step)| *step).find(|step| off(step) < OFF)?;
@@ -87,7 +87,7 @@ fn is_alike(a: &Dot, b: &Dot) -> bool {
     a.radius_px < ALIKE * b.radius_px && b.radius_px < ALIKE * a.radius_px
 }
 
-/// Grows a lattice from a dot and its two steps.
+/// Grows a lattice from a dot and the steps to two of its neighbours.
 fn grown(dots: &[Dot], seed: usize, steps: [Pixel; 2]) -> Lattice {
     let mut at = Lattice::from([([0, 0], seed)]);
     let mut is_taken = vec![false; dots.len()];
@@ -115,8 +115,8 @@ fn grown(dots: &[Dot], seed: usize, steps: [Pixel; 2]) -> Lattice {
     at
 }
 
-/// Counts the dots on the outline of a lattice whose missing neighbours would lie in the image. The first count is of dots that lack one neighbour, as along
-/// a row; the second of those that lack two adjacent neighbours, as along a diagonal.
+/// Numbers of dots on the outline of a lattice whose missing neighbours would lie in the image. The first number counts dots that lack one neighbour, as
+/// along a row. The second number counts dots that lack two adjacent neighbours, as along a diagonal.
 pub(super) fn outline(dots: &[Dot], lattice: &Lattice, size_px: [u32; 2]) -> [usize; 2] {
     let mut counts = [0; 2];
     for (&[i, k], &number) in lattice {
@@ -124,7 +124,8 @@ pub(super) fn outline(dots: &[Dot], lattice: &Lattice, size_px: [u32; 2]) -> [us
         let room = ROOM.0 * dot.longer_px() + ROOM.1;
         let is_inside =
             |at: Pixel| (0..2).all(|axis| (room..f64::from(size_px[axis]) - 1.0 - room).contains(&at[axis]));
-        // Whether one of two opposite neighbours is missing although the image would show it, judged by the other one; `None` if unknown.
+        // Whether one of two opposite neighbours is missing although the image would show it. The other neighbour predicts its position. `None` if
+        // both are missing, or if the image would not show the missing one.
         let lacks_one = |ends: [[i32; 2]; 2]| match ends.map(|end| lattice.get(&end)) {
             [Some(_), Some(_)] => Some(false),
             [Some(&other), None] | [None, Some(&other)] => {

@@ -5,41 +5,41 @@ use crate::lens_fit::{LensFit, LensFitError, fit_lens};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Lens, Pixel, Pose};
 
-/// Residuals beyond this multiple of their median size are outliers.
+/// Residuals larger than this multiple of the median residual are outliers.
 const OUTLIER: f64 = 6.0;
-/// Largest root mean square residual of a plane grid, as a share of the distance between neighbours.
+/// Largest root mean square residual of a plane grid, as a share of the distance between neighbours. Larger residuals are reported as an error.
 const LARGEST_RESIDUAL: f64 = 0.1;
-/// Number of rounds that correct the centres of the dots' images for perspective.
+/// Number of rounds that correct the centres of the dots' images for perspective; each round fits the lens again.
 const ROUNDS: usize = 3;
-/// Number of points on a dot's projected outline.
+/// Number of points on the projected outline of a dot.
 const OUTLINE: usize = 48;
 
 /// Reason why grids do not determine a lens.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LensOfGridsError {
-    /// No lens fits.
+    /// No lens fits the dots.
     #[error(transparent)]
     Fit(#[from] LensFitError),
-    /// The dots of one image do not lie on a plane grid for any lens.
+    /// The dots of one image do not lie on a plane grid with any lens.
     #[error(
-        "image {image}: expected a plane grid, found dots that are off it by {residual_px:.1} px (root mean square) where neighbours are \
+        "image {image}: expected a plane grid, found dots that deviate from it by {residual_px:.1} px (root mean square) with neighbours \
          {pitch_px:.0} px apart"
     )]
     Uneven {
-        /// Number of the image, from 1.
+        /// Number of the image, counted from 1.
         image: usize,
         /// Root mean square distance of the dots from their projected positions, px.
         residual_px: f64,
-        /// Distance of neighbouring dots, px.
+        /// Distance between neighbouring dots, px.
         pitch_px: f64,
     },
-    /// Some images show a chessboard and others a grid of dots.
+    /// Some images show a chessboard, others a grid of dots.
     #[error("expected images of one board, found some of a chessboard and some of dots")]
     Kinds,
 }
 
-/// Fits a lens to grids in images of one size; `pitch_mm` as in [`GridKind`](super::GridKind). The centre of a slanted disc's image differs from the image
-/// of its centre; the fit corrects this. Returns the fit and the number of dots that were dropped as outliers.
+/// Fits a lens to grids in images of one size; `pitch_mm` is the pitch of [`GridKind`](super::GridKind). The centre of a slanted disc's image differs from
+/// the image of the disc's centre; the fit corrects this difference. Returns the fit and the number of dots that were dropped as outliers.
 ///
 /// # Errors
 /// [`LensOfGridsError`] for grids of different kinds, dots off a plane grid, or no lens that fits.
@@ -85,12 +85,12 @@ pub fn lens_of_grids(size_px: [u32; 2], pitch_mm: f64, grids: &[Grid]) -> Result
     Ok((fit, left_out))
 }
 
-/// Distance of a dot from the projection of its position in the plane, px; infinite if it has no projection.
+/// Distance of a dot from the projection of its position in the plane, px; infinite if the position has no projection.
 fn residual_px(camera: &Camera, dot: &GridDot, position: Vector) -> f64 {
     camera.project(&position.push(0.0)).map_or(f64::INFINITY, |pixel| (pixel - dot.pixel).norm())
 }
 
-/// Mean distance of neighbours along the rows, px; infinite without neighbours.
+/// Mean distance between neighbours along the rows, px; infinite if no dot has a neighbour.
 fn pitch_px(grid: &[GridDot]) -> f64 {
     let at: std::collections::HashMap<[i32; 2], Pixel> = grid.iter().map(|dot| (dot.index, dot.pixel)).collect();
     let next = |dot: &GridDot| Some((at.get(&[dot.index[0] + 1, dot.index[1]])? - dot.pixel).norm());
@@ -109,7 +109,7 @@ fn drop_outliers(grid: &mut Vec<GridDot>, lens: &Lens, pose: &Pose, position: im
     before - grid.len()
 }
 
-/// Offset of the centre of a disc's image from the image of the disc's centre, px; `None` for a corner, which has no extent.
+/// Offset from the image of a disc's centre to the centre of the disc's image, px. `None` for a corner, which has no extent.
 fn shift_of_middle(lens: &Lens, pose: &Pose, centre: &Vector, radius_px: f64) -> Option<Pixel> {
     if radius_px == 0.0 {
         return None;

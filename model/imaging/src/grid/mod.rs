@@ -1,6 +1,6 @@
-//! Detection of a plane grid in an image without initial guess: dots, holes or chessboard corners, and their neighbourhood.
+//! Detection of a plane grid in an image without an initial guess: dots, holes or chessboard corners, and their columns and rows.
 //!
-//! Dots may be dark or light, unevenly lit and partly hidden. The grid may be slanted and the lens distorted.
+//! Dots may be dark or light, unevenly lit and partly hidden. The grid may be slanted, and the lens may distort the image.
 
 mod corners;
 mod dots;
@@ -17,29 +17,31 @@ use image::{GrayImage, RgbImage};
 use lattice::Lattice;
 use patches::{Dot, Patches, patches};
 
-/// Smallest number of dots of a grid.
+/// A grid needs at least this number of dots.
 const LEAST_DOTS: usize = 12;
-/// Half the side of the blocks that average brightness for the threshold, px; the sizes suit small to large dots with their surroundings.
+/// Half the side of the blocks over which brightness is averaged for the threshold, px. The sizes suit small to large dots.
 const BLOCKS_PX: [u32; 4] = [10, 25, 60, 120];
 
-/// Smallest number of dots on outlines along the diagonals, and smallest ratio of that number to the one along rows and columns, for an asymmetric
-/// grid. A rectangle already has four diagonal dots, at its corners.
+/// A grid is asymmetric only if its outlines have at least this number of dots along the diagonals.
 const LEAST_DIAGONAL: usize = 3;
+/// A grid is asymmetric only if the number of dots on outlines along the diagonals exceeds this multiple of the number along rows and columns.
+/// A rectangular grid already has four diagonal dots, at its corners.
 const DIAGONAL: usize = 2;
 
 /// Type of a grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GridKind {
-    /// Dots or holes in rows and columns, a pitch apart.
+    /// Dots or holes in rows and columns. The pitch is the distance between neighbours.
     Dots,
-    /// Dots or holes in rows one pitch apart; dots of a row are two pitches apart, and every other row is displaced by one pitch. Neighbours are diagonal.
+    /// Dots or holes in rows that are one pitch apart. The dots of a row are two pitches apart, and every other row is displaced by one pitch, so neighbours
+    /// are diagonal.
     AsymmetricDots,
-    /// The inner corners of a chessboard; the pitch is the side of a square.
+    /// The inner corners of a chessboard. The pitch is the side of a square.
     Chessboard,
 }
 
 impl GridKind {
-    /// Name with an article, for messages.
+    /// Name of the type with its article, for messages.
     pub fn name(self) -> &'static str {
         match self {
             GridKind::Dots => "a grid",
@@ -48,7 +50,7 @@ impl GridKind {
         }
     }
 
-    /// Position of a dot on the grid, in pitches.
+    /// Position of the dot at a column and row, in pitches.
     fn position(self, [column, row]: [i32; 2]) -> Vector {
         let [column, row] = [column, row].map(f64::from);
         match self {
@@ -58,19 +60,20 @@ impl GridKind {
     }
 }
 
-/// The grid in an image.
+/// A grid that was found in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Dots, or corners of the squares.
+    /// The dots of the grid, or the inner corners of the chessboard.
     pub dots: Vec<GridDot>,
+    /// Whether the grid consists of the corners of a chessboard.
     is_chessboard: bool,
-    /// Number of dots on the outline along rows and columns, and along diagonals.
+    /// Number of dots on the outline along rows and columns, and number along diagonals.
     outline: [usize; 2],
 }
 
 impl Grid {
-    /// Common type of the grids of one board; `None` if some are chessboards and others are not. The outlines of all grids together show whether dots are
-    /// asymmetric, because a single image may not.
+    /// Common type of grids that show the same board. `None` if some are chessboards and others are not. A single image may not show whether dots are
+    /// asymmetric, so the outlines of all grids decide together.
     pub fn common_kind(grids: &[Grid]) -> Option<GridKind> {
         let boards = grids.iter().filter(|grid| grid.is_chessboard).count();
         let [straight, diagonal] = [0, 1].map(|way| grids.iter().map(|grid| grid.outline[way]).sum::<usize>());
@@ -89,29 +92,29 @@ impl Grid {
 /// A dot of a grid, or a corner of a chessboard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridDot {
-    /// Column and row along the directions of the nearest neighbours, relative to an arbitrary dot.
+    /// Column and row along the directions of the nearest neighbours, counted from an arbitrary dot.
     pub index: [i32; 2],
-    /// Centre of its light, px.
+    /// Centre of the dot's light, px.
     pub pixel: Pixel,
-    /// Radius of a disc of its area, px; 0 for a corner.
+    /// Radius of a disc with the dot's area, px; 0 for a corner.
     pub radius_px: f64,
 }
 
-/// The image shows no grid.
+/// Error for an image that shows no grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
     "expected a plane grid of round dots or holes, or a chessboard, at least {LEAST_DOTS} dots or corners of which are neighbours; found {found}"
 )]
 pub struct NoGrid {
-    /// Number of dots or corners of the largest lattice.
+    /// Number of dots or corners in the largest lattice that was found.
     pub found: usize,
 }
 
-/// Finds the grid with the most dots over several thresholds. The squares of a chessboard may count as dots, too, unless they are large or cut by the
-/// border. Corners are searched for if the dots are squares, or if there are too few dots.
+/// Finds the grid with the most dots, trying several thresholds. The squares of a chessboard may also count as dots, unless they are large or cut by the
+/// border. Corners are therefore searched for if the dots are squares, or if there are too few dots.
 ///
 /// # Errors
-/// [`NoGrid`] for an image without a grid of at least 12 dots or corners.
+/// [`NoGrid`] if the image shows no grid of at least 12 dots or corners.
 pub fn find_grid(image: &RgbImage) -> Result<Grid, NoGrid> {
     let grey: GrayImage = image::imageops::grayscale(image);
     let (mut seen, mut lattice) = (Patches::default(), Lattice::new());

@@ -1,4 +1,4 @@
-//! Patches that are darker or lighter than their surroundings, and selection of the round ones.
+//! Patches that are darker or lighter than their surroundings; round ones are selected as dots.
 
 use finray_model::camera::Pixel;
 use image::{GrayImage, Luma};
@@ -6,38 +6,40 @@ use imageproc::contrast::adaptive_threshold;
 use imageproc::region_labelling::{Connectivity, connected_components};
 use nalgebra::Matrix2;
 
-/// Smallest contrast with the surroundings, grey levels.
+/// A patch differs from its surroundings by at least this contrast, grey levels.
 const CONTRAST: i32 = 10;
-/// Smallest area of a patch, px^2, and largest as a share of the image.
+/// A patch with a smaller area than this, px^2, is ignored.
 const LEAST_AREA: f64 = 12.0;
+/// A patch with a larger area than this, as a share of the image, is ignored.
 const LARGEST_SHARE: f64 = 0.02;
-/// Range of the area of an elliptic patch over that of the ellipse with the same second moments; pixels cause the deviation from 1.
+/// Range of the area of an elliptic patch, divided by the area of the ellipse with the same second moments. The ratio deviates from 1 because of the pixels.
 const FULLNESS: [f64; 2] = [0.85, 1.15];
-/// Largest ratio of an ellipse's axes, that of a disc seen at 70 degrees.
+/// Largest ratio of the axes of an ellipse that counts as a dot: that of a disc seen at 70 degrees.
 const LONGEST: f64 = 3.0;
-/// Largest number of patches that are considered, in raster order; an image with more shows something else.
+/// Largest number of patches that are considered, in raster order. An image with more patches shows something else.
 const MOST_DOTS: usize = 6000;
 
-/// A patch described by an ellipse.
+/// A patch, described by an ellipse.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Dot {
-    /// Centre, px.
+    /// Centre of the patch, px.
     pub pixel: Pixel,
-    /// Radius of a disc of equal area, px.
+    /// Radius of a disc with the patch's area, px.
     pub radius_px: f64,
-    /// Transforms steps in the image to steps in which a slanted dot is round: inverse square root of its second moments, scaled to determinant 1.
+    /// Transforms steps in the image to steps in which a slanted dot is round: the inverse square root of the patch's second moments, scaled to determinant
+    /// 1.
     pub upright: Matrix2<f64>,
 }
 
 impl Dot {
-    /// First-order distance of a pixel from the rim, px; negative inside.
+    /// First-order distance of a pixel from the rim of the ellipse, px; negative inside.
     pub fn distance_px(&self, at: &Pixel) -> f64 {
         let round = self.upright * (at - self.pixel);
         let (far, slope) = (round.norm(), (self.upright * round).norm());
         if slope > 0.0 { (far - self.radius_px) * far / slope } else { -self.radius_px }
     }
 
-    /// Longer half axis, px.
+    /// Longer half axis of the ellipse, px.
     pub fn longer_px(&self) -> f64 {
         self.radius_px / self.upright.symmetric_eigenvalues().min()
     }
@@ -46,13 +48,13 @@ impl Dot {
 /// The patches of an image.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Patches {
-    /// Round patches.
+    /// Patches that are round.
     pub dots: Vec<Dot>,
-    /// Other patches of suitable size: dots that are cut by the image border or partly covered.
+    /// Other patches of suitable size, for instance dots that the image border cuts or that are partly covered.
     pub others: Vec<Dot>,
 }
 
-/// Finds the patches of an image that differ from the mean over blocks; `block_px` is half the side of a block.
+/// Finds the patches of an image that differ from the mean brightness of blocks. `block_px` is half the side of a block, px; `are_dark` selects dark patches.
 pub(super) fn patches(grey: &GrayImage, block_px: u32, are_dark: bool) -> Patches {
     if 2 * block_px >= grey.width().min(grey.height()) {
         return Patches::default();
@@ -77,7 +79,7 @@ pub(super) fn patches(grey: &GrayImage, block_px: u32, are_dark: bool) -> Patche
     Patches { dots, others }
 }
 
-/// Area and moments of a patch, px.
+/// Area (px^2) and first and second moments of a patch, in px.
 #[derive(Debug, Clone, Copy, Default)]
 struct Moments {
     area: f64,
@@ -96,14 +98,14 @@ impl Moments {
         Pixel::from(self.first) / self.area
     }
 
-    /// Second moments about the centre, px^2, including those of the pixels themselves (1/12).
+    /// Second moments about the centre (uu, uv, vv), px^2, including those of the pixels themselves (1/12).
     fn about_middle(&self) -> [f64; 3] {
         let m = self.middle();
         let of = |sum: f64, product: f64, own: f64| sum / self.area - product + own / 12.0;
         [of(self.second[0], m.x * m.x, 1.0), of(self.second[1], m.x * m.y, 0.0), of(self.second[2], m.y * m.y, 1.0)]
     }
 
-    /// The matrix [`Dot::upright`].
+    /// The transform of [`Dot::upright`].
     fn upright(&self) -> Matrix2<f64> {
         let [uu, uv, vv] = self.about_middle();
         let axes = Matrix2::new(uu, uv, uv, vv).symmetric_eigen();

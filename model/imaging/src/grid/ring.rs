@@ -1,9 +1,9 @@
-//! Candidates for corners of a chessboard, from the light on a ring about each pixel of a (possibly reduced) image.
+//! Candidates for chessboard corners, from the light on a ring about each pixel of an image, which may be reduced.
 
 use finray_model::camera::Pixel;
 use image::GrayImage;
 
-/// Offsets of the ring's pixels, px.
+/// Offsets of the ring's pixels from its centre, px.
 const RING: [(i32, i32); 16] = [
     (5, 0),
     (5, 2),
@@ -23,25 +23,32 @@ const RING: [(i32, i32); 16] = [
     (5, -2),
 ];
 const REACH: u32 = 5;
-/// Smallest contrast of a ring, grey levels, and smallest response relative to the contrast; that of a sharp corner is about 7.
+/// A pixel is a corner only if the light on the ring about it has at least this contrast, grey levels.
 pub(super) const LEAST_CONTRAST: f32 = 20.0;
+/// Smallest response of the corner detector, relative to the contrast. A sharp corner has a response of about 7.
 const LEAST_RESPONSE: f32 = 3.0;
-/// Smallest distance between corners, px.
+/// Corners are at least this far apart, px.
 const APART: u32 = 4;
-/// Largest number of corners that are considered, in raster order; an image with more shows something else.
+/// Largest number of corners that are considered, in raster order. An image with more corners shows something else.
 const MOST_CORNERS: usize = 6000;
 
-/// A corner (px) with the unit directions of its two edges.
+/// A corner: its pixel, and the unit directions of its two edges.
 pub(super) struct Corner {
+    /// Pixel of the corner.
     pub pixel: Pixel,
+    /// Unit direction of each of the two edges, in pixel coordinates.
     pub edges: [Pixel; 2],
 }
 
-/// An image reduced by a whole factor.
+/// An image that is reduced by a whole factor.
 pub(super) struct Shrunk {
+    /// Factor by which the image is reduced.
     factor: u32,
+    /// Width of the reduced image, px.
     width: u32,
+    /// Height of the reduced image, px.
     height: u32,
+    /// Light of each pixel of the reduced image, row by row, grey levels.
     light: Vec<f32>,
 }
 
@@ -63,7 +70,8 @@ impl Shrunk {
         RING.map(|(u, v)| self.light[(at as i64 + i64::from(v) * i64::from(self.width) + i64::from(u)) as usize])
     }
 
-    /// Response of the corner detector: changes of light around the ring, minus the differences of opposite pixels and of the centre.
+    /// Response of the corner detector at a pixel: the changes of light around the ring, minus the differences between opposite pixels and between ring and
+    /// centre.
     fn response(&self, at: usize) -> f32 {
         let ring = self.ring(at);
         let turns: f32 = (0..4).map(|i| (ring[i] + ring[i + 8] - ring[i + 4] - ring[i + 12]).abs()).sum();
@@ -73,7 +81,7 @@ impl Shrunk {
         turns - across - (16.0 * middle - ring.iter().sum::<f32>()).abs()
     }
 
-    /// The corners, accurate to a pixel.
+    /// The corners of the image, accurate to one pixel.
     pub fn corners(&self) -> Vec<Corner> {
         let (width, height) = (self.width, self.height);
         if width <= 2 * REACH || height <= 2 * REACH {
@@ -100,7 +108,7 @@ impl Shrunk {
         peaks.filter_map(|at| self.corner(at, response[at])).take(MOST_CORNERS).collect()
     }
 
-    /// The corner at a pixel; `None` unless the light changes four times around it.
+    /// The corner at a pixel. `None` unless the light changes four times around the pixel.
     fn corner(&self, at: usize, response: f32) -> Option<Corner> {
         let ring = self.ring(at);
         let (least, most) = ring.iter().fold((f32::MAX, f32::MIN), |(a, b), light| (a.min(*light), b.max(*light)));

@@ -1,20 +1,20 @@
-//! Scatter of a fitted lens between images, by the jackknife.
+//! Scatter of a fitted lens between images, estimated by the jackknife.
 
 use super::usual_lens::PARAMETERS;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
-/// Smallest number of images that show a scatter.
+/// Smallest number of images from which a scatter is estimated.
 const LEAST_IMAGES: usize = 3;
 
-/// Standard deviations of the lens's parameters by the jackknife: changes of the parameters when each image is left out. Unlike independent noise, they
-/// include errors that the dots of an image share, for instance of a bent board or of a wrong model of the dots. `jacobian` has the columns of the lens,
-/// then six per pose. Its rows are two per dot, image by image, then the priors; `dots` counts the dots of each image. `None` for fewer than three
-/// images, or if a parameter depends on a single image.
+/// Standard deviations of the lens's parameters by the jackknife: from the change of the parameters when one image is left out, for each image in turn.
+/// Unlike deviations from independent noise, they include errors that the dots of an image share, for instance of a bent board or of a wrong model of the
+/// dots. `jacobian` has the columns of the lens, then six per pose. Its rows are two per dot, image by image, then the priors. `dots` holds the number of
+/// dots of each image. `None` for fewer than three images, or if a parameter depends on a single image.
 ///
 /// # Reference
-/// B. Efron, The jackknife, the bootstrap and other resampling plans, SIAM (1982), sec. 3; leaving out is linearised.
+/// B. Efron, The jackknife, the bootstrap and other resampling plans, SIAM (1982), sec. 3. The effect of leaving out an image is linearised.
 pub(super) fn sds(jacobian: &DMatrix<f64>, residual: &DVector<f64>, dots: &[usize]) -> Option<[f64; PARAMETERS]> {
     if dots.len() < LEAST_IMAGES {
         return None;

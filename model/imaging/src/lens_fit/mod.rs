@@ -10,22 +10,23 @@ use finray_numerics::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Pr
 use nalgebra::{DMatrix, DVector, Vector2};
 use usual_lens::{PARAMETERS, UsualLens};
 
-/// Names of the lens's parameters in order. Units: fx, fy, cx, cy in px; the others are dimensionless.
+/// Names of the lens's parameters, in order. fx, fy, cx and cy are in px; the others are dimensionless.
 pub const LENS_PARAMETERS: [&str; PARAMETERS] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];
-/// Prior standard deviations of the logarithm of the focal lengths: the usual one, and that while the distortion is fitted.
+/// Prior standard deviation of the logarithm of the focal lengths.
 const FOCAL_SD: f64 = 0.7;
+/// Prior standard deviation of the logarithm of the focal lengths in the first fit of the distortion, which holds them near their starting values.
 const HELD_FOCAL_SD: f64 = 0.01;
 /// Typical focal length in image widths, for a field of view of 45 degrees.
 const USUAL_FOCUS: f64 = 1.2;
-/// Focal lengths at the start of the search, in image widths: wide-angle, normal and telephoto lenses.
+/// Focal lengths at the starting points of the search, in image widths: wide-angle, normal and telephoto lens.
 const STARTS: [f64; 3] = [0.6, 1.2, 3.0];
-/// Initial noise of a dot's centre, px, that sets the weight of the priors until the residual is known.
+/// Assumed noise of a dot's centre, px, in the first fit. It weighs the priors until the residual is known.
 const FIRST_NOISE_PX: f64 = 0.1;
-/// Smallest plausible noise of a dot's centre, px.
+/// Lower bound of the estimated noise of a dot's centre, px.
 const LEAST_NOISE_PX: f64 = 0.002;
 /// Number of rounds that alternate fit and noise estimate.
 const ROUNDS: usize = 3;
-/// Smallest number of dots of an image.
+/// Smallest number of dots that an image must show.
 const LEAST_POINTS: usize = 12;
 
 /// A fitted lens with its uncertainty.
@@ -33,12 +34,12 @@ const LEAST_POINTS: usize = 12;
 pub struct LensFit {
     /// The lens.
     pub lens: Lens,
-    /// Standard deviations in the order and units of [`LENS_PARAMETERS`]: from independent noise of the residuals' size, or from the scatter between images,
-    /// whichever is larger.
+    /// Standard deviations of the parameters, in the order and units of [`LENS_PARAMETERS`]. Each is the larger of two: from independent noise of the
+    /// residuals' size, and from the scatter between images.
     pub sds: [f64; PARAMETERS],
-    /// For each parameter, whether the images determine it better than the prior: its variance from noise is below half of the prior's.
+    /// For each parameter, whether the images determine it better than the prior: its variance from noise is below half of the prior's variance.
     pub is_shown: [bool; PARAMETERS],
-    /// Pose of the grid relative to the camera in each image.
+    /// Pose of the grid relative to the camera, one per image.
     pub poses: Vec<Pose>,
     /// Residual standard deviation of one pixel coordinate, px.
     pub residual_sd_px: f64,
@@ -50,7 +51,7 @@ pub enum LensFitError {
     /// There are no images.
     #[error("expected at least one image of a grid")]
     NoView,
-    /// An image shows too few dots.
+    /// An image shows too few dots of the grid.
     #[error("image {image} shows {found} dots of the grid, expected at least {LEAST_POINTS}")]
     TooFew {
         /// Number of the image, from 1.
@@ -58,12 +59,12 @@ pub enum LensFitError {
         /// Number of dots found.
         found: usize,
     },
-    /// The grid has no pose in an image.
+    /// The dots of an image do not determine the grid's pose.
     #[error("image {image}: {reason}")]
     Pose {
         /// Number of the image, from 1.
         image: usize,
-        /// Reason from the estimation of the pose.
+        /// Reason why the pose is not determined.
         reason: PlanePoseError,
     },
     /// The fitted parameters are not a valid lens.
@@ -74,22 +75,22 @@ pub enum LensFitError {
     NotFound,
 }
 
-/// Unknowns of the fit.
+/// Unknowns of the fit: the lens's parameters, and the pose of the grid in each image.
 #[derive(Debug, Clone)]
 struct LensAndPoses {
     lens: [f64; PARAMETERS],
     poses: Vec<Pose>,
 }
 
-/// Fits the lens and the poses of a plane grid to its dots. `views` has a list per image, with positions on the grid (mm) and pixels of the
-/// dots. Least squares of the pixels, with a prior on every parameter of the lens, so that few images do not overfit.
+/// Fits the lens, and the pose of a plane grid in each image. `views` has a list per image, with the position on the grid (mm) and the pixel of each dot. The
+/// fit is a least-squares fit of the pixels, with a prior on every parameter of the lens, so that few images do not overfit.
 ///
 /// # Errors
 /// [`LensFitError`] for no images, fewer than 12 dots in an image, no pose of the grid, or no lens that fits.
 ///
 /// # Reference
-/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000). The start has one focal length and the principal
-/// point in the middle, from eqs (3) and (4).
+/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000). One starting point, by eqs (3) and (4), has equal focal lengths and
+/// the principal point in the middle of the image.
 pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<LensFit, LensFitError> {
     if views.is_empty() {
         return Err(LensFitError::NoView);
@@ -168,7 +169,8 @@ fn first_focal_px(views: &[Vec<(Vector, Pixel)>], middle: [f64; 2]) -> Option<f6
     focal.is_finite().then_some(focal)
 }
 
-/// Least squares of the dots of several images, residuals divided by the noise. The unknowns are the lens's parameters, then the motion of each pose.
+/// Least-squares problem of the dots in several images; residuals are divided by the noise. The unknowns are the lens's parameters, then the motion of each
+/// pose.
 struct LensProblem<'v> {
     size_px: [u32; 2],
     views: &'v [Vec<(Vector, Pixel)>],
@@ -181,7 +183,7 @@ impl LensProblem<'_> {
         LevenbergMarquardt::default().minimise(self, start).map_err(Refusal::into_error)
     }
 
-    /// Finds the minimum nearest to a focal length, px, from a start with the principal point in the middle and no distortion.
+    /// Finds the minimum nearest to a focal length (px). The starting point has the principal point in the middle and no distortion.
     fn nearest_minimum(&mut self, focal: f64) -> Result<Fit<LensAndPoses>, LensFitError> {
         let UsualLens { middle: [cx, cy], .. } = self.usual;
         let start = Lens::new(self.size_px, [focal; 2], [cx, cy], Distortion::default())?;

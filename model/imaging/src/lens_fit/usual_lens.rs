@@ -1,14 +1,16 @@
-//! Priors of a lens and its sensor, for parameters that the images of a grid do not determine.
+//! Priors of a typical lens and sensor, for parameters that the images of a grid do not determine.
 
 use finray_numerics::optimise::Prior;
 
 /// Number of parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
 pub(super) const PARAMETERS: usize = 9;
-/// Prior standard deviations: logarithm of the focal lengths' ratio, offset of the principal point from the middle as a share of the image's
-/// width, and distortion coefficients.
+/// Prior standard deviation of the logarithm of the ratio of the two focal lengths.
 const ASPECT_SD: f64 = 0.005;
+/// Prior standard deviation of the principal point's offset from the middle of the image, as a share of the image's width.
 const CENTRE_SD: f64 = 0.03;
+/// Prior standard deviations of the radial distortion coefficients k1, k2, k3.
 const RADIAL_SD: [f64; 3] = [0.5, 0.5, 0.2];
+/// Prior standard deviation of the tangential distortion coefficients p1 and p2.
 const TANGENTIAL_SD: f64 = 0.003;
 
 /// Prior distributions of the parameters of a typical lens, in the order of [`LENS_PARAMETERS`](super::LENS_PARAMETERS).
@@ -18,13 +20,14 @@ pub(super) struct UsualLens {
     pub middle: [f64; 2],
     /// Width of the image, px.
     pub width: f64,
-    /// Focal length, px, and the standard deviation of its logarithm.
+    /// Expected focal length, px.
     pub focal: f64,
+    /// Standard deviation of the logarithm of the focal length.
     pub focal_sd: f64,
 }
 
 impl UsualLens {
-    /// Priors at the given parameters.
+    /// Priors on all parameters, evaluated at the parameters `p`.
     pub fn priors(&self, p: &[f64; PARAMETERS]) -> Vec<Prior> {
         let centre = CENTRE_SD * self.width;
         let focal =
@@ -43,7 +46,7 @@ impl UsualLens {
         [(4, k1), (5, k2), (6, TANGENTIAL_SD), (7, TANGENTIAL_SD), (8, k3)]
     }
 
-    /// Standard deviation of each parameter by the prior alone.
+    /// Standard deviation of each parameter by the prior alone, in the units of [`LENS_PARAMETERS`](super::LENS_PARAMETERS).
     pub fn sds(&self, p: &[f64; PARAMETERS]) -> [f64; PARAMETERS] {
         let mut sds = [0.0; PARAMETERS];
         (sds[0], sds[1]) = (self.focal_sd * p[0], self.focal_sd.hypot(ASPECT_SD) * p[1]);

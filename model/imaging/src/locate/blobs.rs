@@ -1,36 +1,36 @@
-//! Candidates for coloured markers: patches of their colours, found on a coarse grid of pixels and refined in the full image.
+//! Candidates for coloured markers: patches of the markers' colours, found on a coarse grid of pixels and refined in the full image.
 
 use super::colour::{Colours, Side};
 use finray_model::camera::Pixel;
 use image::{GrayImage, Luma, RgbImage};
 use imageproc::region_labelling::{Connectivity, connected_components};
 
-/// Grid cells per marker radius, so that the patch of a marker has about 28 cells.
+/// Number of grid cells per marker radius. The patch of a marker then has about 28 cells.
 const ACROSS_RADIUS: f64 = 3.0;
-/// Range of a patch's area relative to a marker's. A smaller patch is more than half hidden or no marker, a larger one is not a single marker.
+/// Range of a patch's area relative to a marker's area. A smaller patch is more than half hidden or not a marker; a larger patch is not a single marker.
 const AREA: [f64; 2] = [0.3, 1.8];
-/// Largest number of patches that are considered, the largest first; an image with more shows something else.
+/// Largest number of patches that are considered, the largest first. An image with more patches shows something else.
 const MOST_BLOBS: usize = 400;
 
-/// Smallest radius of a marker in the image, px; in a smaller one every pixel is blurred.
+/// Smallest radius of a marker in the image, px. In a smaller marker every pixel is blurred, so the image is rejected.
 pub(super) const LEAST_RADIUS_PX: f64 = 2.5;
-/// Largest ratio of the radii of equal markers at different distances.
+/// Radii of patches with at most this ratio may belong to equal markers at different distances.
 const ALIKE: f64 = 1.4;
 
 /// A patch of a marker's colour.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Blob {
-    /// Plate that the colour belongs to.
+    /// Plate to which the colour belongs.
     pub side: Side,
-    /// Centre of its pixels, px.
+    /// Centre of the patch's pixels, px.
     pub centre: Pixel,
 }
 
-/// Patches of about a marker's size; `radius_px` is the expected radius.
+/// Patches of about a marker's size; `radius_px` is the expected radius of a marker, px.
 pub(super) fn blobs(image: &RgbImage, colours: &Colours, radius_px: f64) -> Vec<Blob> {
     let stride = ((radius_px / ACROSS_RADIUS) as u32).max(1);
     let whole = std::f64::consts::PI * (radius_px / f64::from(stride)).powi(2);
-    // For small markers, one cell more or less matters.
+    // For small markers, one cell more or less changes the area considerably.
     let fits = |patch: &Patch| {
         let cells = f64::from(patch.cells);
         cells + 1.0 >= AREA[0] * whole && cells - 1.0 <= AREA[1] * whole
@@ -48,20 +48,20 @@ pub(super) fn blobs(image: &RgbImage, colours: &Colours, radius_px: f64) -> Vec<
     blobs.into_iter().map(|(_, blob)| blob).collect()
 }
 
-/// Commonest radius of the patches as discs, px, and the number of patches with it; `None` without patches of sufficient size.
+/// Most common radius of the patches, taken as discs, px; and the number of patches with this radius. `None` if no patch is large enough.
 pub(super) fn commonest_radius(image: &RgbImage, colours: &Colours) -> Option<(f64, usize)> {
     const STRIDE: u32 = 2;
     let radius = |patch: &Patch| (f64::from(patch.cells) / std::f64::consts::PI).sqrt() * f64::from(STRIDE);
     let mut radii: Vec<f64> =
         patches(image, colours, STRIDE).iter().map(radius).filter(|radius| *radius >= LEAST_RADIUS_PX).collect();
     radii.sort_by(f64::total_cmp);
-    // Median of the largest group of similar radii.
+    // Median of the largest group of patches with similar radii.
     let group = |from: usize| radii[from..].partition_point(|radius| *radius < ALIKE * radii[from]);
     let (from, count) = (0..radii.len()).map(|from| (from, group(from))).max_by_key(|(_, count)| *count)?;
     Some((radii[from + count / 2], count))
 }
 
-/// Patches of one colour on the grid of every `stride`-th pixel.
+/// Patches of one colour on the grid that consists of every `stride`-th pixel.
 fn patches(image: &RgbImage, colours: &Colours, stride: u32) -> Vec<Patch> {
     let (width, height) = (image.width().div_ceil(stride), image.height().div_ceil(stride));
     let row_length = 3 * image.width() as usize;
@@ -87,7 +87,7 @@ fn patches(image: &RgbImage, colours: &Colours, stride: u32) -> Vec<Patch> {
     patches
 }
 
-/// Centre of the pixels of one colour within `reach` px of a pixel; `None` if there are none.
+/// Centre of the pixels of one colour within `reach` px of the pixel `about`; `None` without such pixels.
 pub(super) fn middle_of_colour(
     image: &RgbImage,
     colours: &Colours,
@@ -117,11 +117,14 @@ pub(super) fn middle_of_colour(
     (count > 0).then(|| Pixel::new(sum[0] as f64 / count as f64, sum[1] as f64 / count as f64))
 }
 
-/// Connected cells of the grid.
+/// Connected cells of the grid with one colour.
 #[derive(Debug, Clone, Copy, Default)]
 struct Patch {
+    /// Number of the plate whose colour the cells have; 1 is the front plate.
     value: u8,
+    /// Number of cells in the patch.
     cells: u32,
+    /// Sums of the cells' x and y coordinates in the grid.
     sum: [f64; 2],
 }
 

@@ -1,17 +1,18 @@
-//! Classification of pixels by the markers' colours, independent of brightness.
+//! Classification of pixels by the markers' colours, independent of their brightness.
 
 use finray_model::scene::Rgb;
 
-/// Smallest angle between a marker's colour and grey, degrees; below it, brightness alone would make a pixel a marker.
+/// Smallest angle between a marker's colour and grey in RGB space, degrees. With a smaller angle, brightness alone would decide whether a pixel is a
+/// marker's.
 const LEAST_SATURATION_DEG: f64 = 8.0;
-/// Angle between two colours below which they count as equal, degrees.
+/// Two colours count as equal if the angle between them in RGB space is below this, degrees.
 const ALIKE_DEG: f64 = 6.0;
-/// Largest angle of a pixel's colour to the marker's, as a share of the angle to grey and to the other marker's colour.
+/// Largest angle between the colours of a pixel and its marker, as a share of the angle from the marker's colour to grey and to the other marker's colour.
 const SHARE: f64 = 0.5;
-/// Range of a marker's brightness relative to the colour stated in the scene.
+/// Range of a marker's brightness relative to the colour that the scene states.
 const LIGHT: [f64; 2] = [0.2, 1.5];
 
-/// Plate of a marker, by its colour.
+/// Plate to which a marker belongs, by the marker's colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Side {
     /// The front plate, including the tip and the clamped node.
@@ -20,25 +21,25 @@ pub(super) enum Side {
     Back,
 }
 
-/// A marker colour that cannot be distinguished from grey.
+/// Error for a marker colour that cannot be distinguished from grey.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
     "markers.{key}: expected a colour that is not a shade of grey, found {colour:?}: light and shadow would look like markers"
 )]
 pub struct GreyMarker {
-    /// Key of the scene's `[markers]` table.
+    /// Key of the scene's `[markers]` table that states the colour.
     pub key: &'static str,
-    /// Stated colour.
+    /// The stated colour.
     pub colour: Rgb,
 }
 
-/// One colour as a cone about its direction: brightness scales red, green and blue by the same factor.
+/// One colour as a cone in RGB space about the colour's direction. Brightness scales red, green and blue by the same factor, so it does not leave the cone.
 #[derive(Debug, Clone, Copy)]
 struct Cone {
     axis: [f32; 3],
-    /// Squared cosine of the half angle.
+    /// Squared cosine of the cone's half angle.
     cosine2: f32,
-    /// Smallest and largest projection onto the axis, grey levels.
+    /// Smallest and largest projection of a pixel onto the cone's axis, grey levels.
     length: [f32; 2],
 }
 
@@ -55,7 +56,7 @@ impl Cone {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Colours {
     front: Cone,
-    /// `None` if both plates have the same colour.
+    /// Cone of the back plate's colour; `None` if both plates have the same colour.
     back: Option<Cone>,
 }
 
@@ -87,7 +88,7 @@ impl Colours {
         self.back.is_none()
     }
 
-    /// The side whose colour a pixel has; [`Side::Front`] if both sides have the same colour.
+    /// The plate whose marker colour a pixel has; [`Side::Front`] if both plates have the same colour, `None` for any other colour.
     #[inline]
     pub fn side_of(&self, pixel: &[u8; 3]) -> Option<Side> {
         if self.front.holds(pixel) {

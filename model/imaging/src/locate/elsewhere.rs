@@ -1,7 +1,7 @@
 //! Detection of a finger that is not at the pose of the scene's camera: upside down, mirrored, displaced, rotated or scaled.
 //!
-//! First the image is flipped. Then every pair of markers that may be the two clamped ones, or the ends of a rib near the base, proposes a placement
-//! and scale. The proposal under which the markers are named at the least cost is chosen.
+//! First, flips of the image are tried. Then every pair of markers that may be the two clamped ones, or the ends of a rib near the base, proposes a placement
+//! and a scale of the finger. The proposal with the least cost of naming its markers (assigning them to nodes) is chosen.
 
 use super::LocateError;
 use super::finger_placement::FingerPlacement;
@@ -10,37 +10,38 @@ use finray_model::camera::{Camera, Pixel};
 use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
 
-/// Number of ribs from the base that propose a placement if the clamped markers are hidden. Their standard deviation of the base is this share of the
-/// plate's length up to the rib, since the plate bends.
+/// Number of ribs from the base that propose a placement if the clamped markers are hidden.
 const PROPOSING: usize = 2;
+/// Standard deviation of the base's position that a rib proposes, as a share of the plate's length up to the rib. Its cause is the bending of the plate.
 const BEND_SHARE: f64 = 0.2;
-/// Largest distance of the next markers along the plates from their proposed positions, as a share of their distance from the base.
+/// Largest distance of the next markers along the plates from their predicted positions, as a share of their distance from the base.
 const BENT: f64 = 0.35;
-/// Smallest reduction of cost below that of the scene's pose, more than the cost of two hidden markers; and smallest share of named markers.
+/// The cost of another placement must be below that of the scene's pose by at least this. It is more than the cost of two hidden markers.
 const GAIN: f64 = 13.0;
+/// Another placement must assign at least this share of the finger's markers.
 const LEAST_NAMED: f64 = 0.65;
 
-/// Possible flips of an image: signs of u and v about its middle.
+/// Possible flips of an image: description, and signs of u and v about the image's middle.
 const FLIPS: [(&str, [f64; 2]); 3] = [
     ("upside down", [-1.0, -1.0]),
     ("mirrored from left to right", [-1.0, 1.0]),
     ("mirrored from top to bottom", [1.0, -1.0]),
 ];
 
-/// Candidates for markers in an image of a finger.
+/// Candidates for markers, found in an image of a finger.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scenery<'a> {
     pub finger: &'a Finger,
     pub camera: &'a Camera,
     /// Height of the markers above the finger's plane, mm.
     pub height_mm: f64,
-    /// Candidates with their pixels.
+    /// Candidates for markers, each with its pixel.
     pub seen: &'a [(Candidate, Pixel)],
 }
 
 impl Scenery<'_> {
-    /// The error for a finger at another placement, if the markers show one significantly better than the scene's pose; `None` if all clamped markers are at
-    /// their stated positions.
+    /// The error for a finger at another placement, if the markers fit one significantly better than the scene's pose. `None` otherwise, or if all clamped
+    /// markers are at their stated positions.
     pub fn elsewhere(&self, names: &Result<Names, NamingError>) -> Option<LocateError> {
         let finger = self.finger;
         let is_seen = |node: &NodeId| names.as_ref().is_ok_and(|names| names[node.0 - 1].is_some());
@@ -75,7 +76,7 @@ impl Scenery<'_> {
         best.filter(|(_, place)| place.is_other()).map(|(_, place)| LocateError::Elsewhere(place))
     }
 
-    /// Candidates of the flipped image.
+    /// Candidates for markers after the image is flipped.
     fn flipped(&self, signs: [f64; 2]) -> Vec<Candidate> {
         let middle = self.camera.lens.middle();
         let flipped = |(candidate, pixel): &(Candidate, Pixel)| {
@@ -90,7 +91,7 @@ fn named(names: &Names) -> f64 {
     names.iter().flatten().count() as f64
 }
 
-/// Front and back nodes whose markers propose a placement, with the standard deviation of the base, mm.
+/// Front and back nodes whose markers propose a placement, each pair with the standard deviation of the base, mm.
 fn proposing_ends(finger: &Finger) -> Vec<([NodeId; 2], f64)> {
     let clamped = [Plate::Front, Plate::Back].map(|plate| finger.plate_nodes(plate)[0]);
     let ribs = (0..finger.rib_count().min(PROPOSING)).map(|rib| {
@@ -101,7 +102,7 @@ fn proposing_ends(finger: &Finger) -> Vec<([NodeId; 2], f64)> {
     ends.filter(|(ends, _)| ends.iter().all(|node| finger.has_marker(*node))).collect()
 }
 
-/// Placements that map two nodes to two candidates, with most of the next markers along the plates near their predicted positions.
+/// Placements that map two nodes to two candidates, and most of the next markers along the plates to positions near candidates.
 fn places(finger: &Finger, candidates: &[Candidate], ends: [NodeId; 2]) -> Vec<FingerPlacement> {
     let at = ends.map(|node| finger.marker_position(node));
     let next = (0..finger.rib_count().min(PROPOSING)).flat_map(|rib| {

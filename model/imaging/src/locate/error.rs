@@ -1,4 +1,4 @@
-//! Errors of locating a finger in images.
+//! Errors of locating a finger in an image.
 
 use super::blobs::LEAST_RADIUS_PX;
 use super::disc::LARGEST_BLUR;
@@ -10,16 +10,16 @@ use finray_model::camera::ViewError;
 /// Reason why no finger was located in an image.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LocateError {
-    /// The image differs in size from the camera's.
+    /// The size of the image differs from that of the camera's images.
     #[error("expected an image of {} x {} px as the scene's camera takes, found {} x {} px{}",
         expected[0], expected[1], found[0], found[1], turned(*expected, *found))]
     Size {
-        /// Width and height of the scene's camera, px.
+        /// Width and height of the images of the scene's camera, px.
         expected: [u32; 2],
         /// Width and height of the image, px.
         found: [u32; 2],
     },
-    /// The markers are too small in the image.
+    /// The markers are too small in the image to be measured.
     #[error(
         "the scene's markers have a radius of {radius_px:.1} px in the image, expected at least {LEAST_RADIUS_PX} px: use larger markers or a closer \
          camera"
@@ -28,7 +28,7 @@ pub enum LocateError {
         /// Radius of the markers in the image, px.
         radius_px: f64,
     },
-    /// The middle of the finger has no pixel.
+    /// The middle of the finger has no pixel in the camera.
     #[error("the camera does not see the finger: its middle {0}")]
     View(#[from] ViewError),
     /// The finger lies outside the image.
@@ -36,7 +36,7 @@ pub enum LocateError {
         "the camera does not see the finger: its middle is outside the image; check the pose in the table camera of the scene"
     )]
     Outside,
-    /// The blur covers the whole marker, so that no pixel shows its undisturbed light.
+    /// The image is out of focus: the blur covers whole markers, so that no pixel shows their undisturbed light.
     #[error(
         "markers are out of focus: their edge is blurred by {blur_px:.1} px (standard deviation), expected at most {LARGEST_BLUR} of their radius of \
          {radius_px:.1} px"
@@ -49,7 +49,7 @@ pub enum LocateError {
     },
     /// The finger or the camera moved while the shutter was open.
     #[error(
-        "markers are blurred by a motion: by {blur_px:.1} px (standard deviation), expected at most {LARGEST_MOTION} of their radius of \
+        "markers are blurred by motion: {blur_px:.1} px (standard deviation), expected at most {LARGEST_MOTION} of their radius of \
          {radius_px:.1} px; use a shorter exposure"
     )]
     Moved {
@@ -58,45 +58,45 @@ pub enum LocateError {
         /// Radius of the markers, px.
         radius_px: f64,
     },
-    /// The image is flipped; holds the kind of flip, in words.
+    /// The image is flipped. Holds the kind of flip, in words.
     #[error("the image shows the finger {0}: correct the image (EXIF orientation), or the camera's pose in the scene")]
     Flipped(&'static str),
-    /// The finger is not at the pose of the scene's camera; holds its placement.
+    /// The finger is not at the pose of the scene's camera. Holds the finger's placement.
     #[error(
-        "the finger is not where the scene's camera has it: {0}; check whether the image is turned, mirrored or resized, or find the pose with \
+        "the finger is not at the pose of the scene's camera: {0}; check whether the image is turned, mirrored or resized, or find the pose with \
          --rest, an image of the unloaded finger"
     )]
     Elsewhere(FingerPlacement),
-    /// The references on the base contradict the base of the finger that the markers show.
+    /// The position of the base that the reference marks show contradicts the position that the finger's markers show.
     #[error(
-        "the marks that look like the references on the base are {away_mm:.0} mm from the base that the ribs show: check base.reference.radius_mm, \
+        "the marks that look like the references on the base are {away_mm:.0} mm from the base that the ribs show; check base.reference.radius_mm, \
          inner_radius_mm and at_mm"
     )]
     OtherReferences {
         /// Distance between the two positions of the base, mm.
         away_mm: f64,
     },
-    /// The image shows markers, but no marks at the distances of the references on the base.
+    /// The image shows markers, but no marks with the distances of the references on the base.
     #[error(
-        "the references on the base were not found: {} marks look like them (in their order), but no pair has their distance, and {like_markers} \
-         look like markers; check base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose",
+        "the references on the base were not found: {} marks look like them (one number per reference), but no pair has their distance; \
+         {like_markers} rims look like markers; check base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose",
         counts(like_references)
     )]
     NoReferences {
-        /// Number of marks that look like each reference.
+        /// Number of marks that look like each reference, one number per reference.
         like_references: Vec<usize>,
         /// Number of rims that look like markers.
         like_markers: usize,
     },
-    /// Patches of the markers' colours have a radius that differs from that of the camera's markers.
+    /// Patches of the markers' colours differ in radius from the markers that the camera should see.
     #[error(
         "expected markers with a radius of {expected_px:.1} px, found patches of their colours with {found_px:.1} px: check markers.radius_mm, the \
          camera's pose, and whether the image is resized"
     )]
     OtherSize {
-        /// Radius from the scene, px.
+        /// Radius of a marker according to the scene, px.
         expected_px: f64,
-        /// Commonest radius of the patches, px.
+        /// Most common radius of the patches, px.
         found_px: f64,
     },
     /// The markers could not be assigned to nodes.
@@ -104,22 +104,22 @@ pub enum LocateError {
     Naming(#[from] NamingError),
 }
 
-/// Reason why no locator can be created.
+/// Reason why a locator cannot be created.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LocatorError {
-    /// A locator of coloured markers was given grey ones.
+    /// A locator for coloured markers was created for grey markers.
     #[error("markers: expected front_rgb and back_rgb, found shade")]
     NotColoured,
-    /// A locator of grey markers was given coloured ones.
+    /// A locator for grey markers was created for coloured markers.
     #[error("markers: expected shade, found front_rgb and back_rgb")]
     NotGrey,
-    /// Ribs share a junction; naming needs ribs with separate ends.
+    /// Ribs share a junction or end in a corner of the base, so that markers cannot be assigned to nodes by their ribs.
     #[error(
-        "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, because markers are named by their \
-         ribs"
+        "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, because markers are assigned to \
+         nodes by their ribs"
     )]
     SharedJunctions,
-    /// A marker's colour is too close to grey.
+    /// The colour of a marker is too close to grey.
     #[error(transparent)]
     Colour(#[from] GreyMarker),
     /// The camera does not see the finger, or its markers are too small.
@@ -127,7 +127,7 @@ pub enum LocatorError {
     Camera(#[from] LocateError),
 }
 
-/// Checks that ribs identify the markers.
+/// Checks that every marker has a rib that identifies it.
 ///
 /// # Errors
 /// [`LocatorError::SharedJunctions`] if ribs share a junction or end in a corner of the base.
@@ -139,7 +139,7 @@ fn counts(counts: &[usize]) -> String {
     counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" and ")
 }
 
-/// A hint for an image with exchanged width and height.
+/// A hint for an image whose width and height are exchanged; empty for other images.
 fn turned([width, height]: [u32; 2], found: [u32; 2]) -> &'static str {
     if width != height && found == [height, width] { ": is it turned by 90 degrees (EXIF orientation)?" } else { "" }
 }

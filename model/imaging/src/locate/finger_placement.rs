@@ -3,11 +3,13 @@
 use finray_model::Vector;
 use nalgebra::{Complex, Rotation2};
 
-/// Range of scales that are considered; markers at other scales are not detected.
+/// Range of scales of the finger relative to the scene's pose that are considered. At other scales, markers are not detected.
 const SCALES: std::ops::Range<f64> = 0.4..2.5;
-/// Smallest rotation (degrees), scale difference and displacement (mm) that are reported.
+/// A rotation by less than this, degrees, counts as none.
 const TURN_DEG: f64 = 1.0;
+/// A scale that deviates from 1 by less than this counts as 1.
 const SCALE: f64 = 0.01;
+/// A displacement of less than this, mm, counts as none.
 const SHIFT_MM: f64 = 1.0;
 
 /// Placement of the finger in an image, relative to the pose of the scene's camera.
@@ -15,11 +17,11 @@ const SHIFT_MM: f64 = 1.0;
 pub struct FingerPlacement {
     /// Whether the finger is mirrored.
     pub is_mirrored: bool,
-    /// Rotation in the plane, rad; for a mirrored finger, after mirroring about its x axis.
+    /// Rotation of the finger in the plane, rad; for a mirrored finger, the rotation after mirroring about the finger's x axis.
     pub turn_rad: f64,
-    /// Scale factor, dimensionless.
+    /// Size of the finger relative to the scene's, dimensionless.
     pub scale: f64,
-    /// Position of the finger frame's origin, mm.
+    /// Position of the finger frame's origin, mm, in the frame of the scene's pose.
     pub origin: Vector,
 }
 
@@ -44,7 +46,7 @@ impl std::fmt::Display for FingerPlacement {
 }
 
 impl FingerPlacement {
-    /// Placement that maps two points of the finger frame (mm) to two seen points (mm); `None` if the scale is out of range.
+    /// The placement that maps two points of the finger frame (mm) to two observed points (mm). `None` if the scale is out of range.
     pub(super) fn through(ends: [Vector; 2], seen: [Vector; 2], is_mirrored: bool) -> Option<FingerPlacement> {
         let [from, to] = ends.map(|end| mirrored(&end, is_mirrored));
         let [along, seen_along] = [to - from, seen[1] - seen[0]].map(|step| Complex::new(step.x, step.y));
@@ -54,7 +56,7 @@ impl FingerPlacement {
         SCALES.contains(&scale).then_some(FingerPlacement { is_mirrored, turn_rad, scale, origin })
     }
 
-    /// Finger coordinates of a seen point, mm.
+    /// Finger coordinates of an observed point, mm.
     pub(super) fn to_finger(self, seen: &Vector) -> Vector {
         let turned = Rotation2::new(-self.turn_rad) * (seen - self.origin) / self.scale;
         mirrored(&turned, self.is_mirrored)

@@ -1,6 +1,6 @@
-//! Node positions from images.
+//! Positions of the finger's nodes from images.
 //!
-//! Coloured markers are found (`colour`, `blobs`), measured (`disc`), assigned to nodes (`naming`) and measured again with a common outline (`together`).
+//! Coloured markers are found (`colour`, `blobs`), measured (`disc`), assigned to nodes (`naming`), and measured again with a common outline (`together`).
 //! The unloaded finger is found without an initial pose (`pattern`, `rest`). Grey markers are found by their rims (`rim`, `rim_locator`).
 
 mod blobs;
@@ -41,28 +41,28 @@ use motion::motion_blur_px;
 use naming::{Candidate, Marked, name, name_likely};
 use together::{Common, located, measure_together};
 
-/// Search radius for a marker about its last position, in marker radii.
+/// Radius of the search for a marker about its last position, in marker radii.
 const NEAR: f64 = 1.6;
-/// Smallest share of the previous markers that must be found near their last positions; otherwise the whole image is searched.
+/// Smallest share of the previous markers that must be found near their last positions. If fewer are found, the whole image is searched.
 const FOUND_AGAIN: f64 = 0.8;
-/// Number of images after which the whole image is searched again while a marker is missing.
+/// Number of images after which the whole image is searched again if a marker is missing.
 const SEARCH_AGAIN: usize = 10;
-/// Every n-th marker is tested for motion blur.
+/// Every n-th marker is tested for motion blur; this is n.
 const FEW: usize = 5;
-/// Ratio of the patches' radius to that of the markers beyond which the scene's camera or scale is wrong.
+/// If the ratio of the patches' radius to the markers' radius, or its inverse, exceeds this, the camera or scale of the scene is reported as wrong.
 const OTHER_SIZE: f64 = 1.2;
 
 /// A marker that was located in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Located {
-    /// Key node of the marker.
+    /// Key node to which the marker belongs.
     pub node: NodeId,
-    /// Pixel of its centre.
+    /// Pixel of the marker's centre.
     pub pixel: Pixel,
-    /// Its centre, mm, finger frame.
+    /// Position of the marker's centre, mm, finger frame.
     pub position: Vector,
-    /// Standard deviation of one coordinate of the position, mm. Includes image noise, and the errors of shading and edge model found in rendered images.
-    /// Excludes errors of lens and pose.
+    /// Standard deviation of one coordinate of the position, mm. It includes image noise, and the errors of shading and edge model found in rendered images.
+    /// It excludes errors of lens and pose.
     pub sd_mm: f64,
 }
 
@@ -73,16 +73,19 @@ pub struct Locator<'f> {
     camera: Camera,
     markers: Markers,
     colours: Colours,
+    /// Expected radius of a marker in the image, px.
     radius_px: f64,
+    /// Key nodes of the front plate.
     on_front: Vec<NodeId>,
-    /// Last known state of every marker that was seen since the last full search.
+    /// Last known state of every marker that was seen in or since the last full search.
     last: Vec<Located>,
-    /// Number of markers in the last full search, and number of images tracked since.
+    /// Number of markers in the last full search.
     searched: usize,
+    /// Number of images that were tracked since the last full search.
     tracked: usize,
-    /// Number of markers in the last image.
+    /// Number of markers that were found in the last image.
     seen: usize,
-    /// Common properties of the discs in the last full search.
+    /// Common properties of the discs, measured in the last full search; `None` before a full search.
     common: Option<Common>,
     buffers: Buffers,
 }
@@ -115,22 +118,22 @@ impl<'f> Locator<'f> {
         })
     }
 
-    /// The camera.
+    /// The camera with the pose of the finger frame.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
-    /// Standard deviation of the motion blur in the last full search, px; `None` if the blur is isotropic.
+    /// Standard deviation of the motion blur in the last full search, px; `None` if the blur is isotropic (no motion).
     pub fn motion_blur_px(&self) -> Option<f64> {
         self.common.and_then(|common| common.motion_px)
     }
 
-    /// Median radius of the markers in the last full search, mm; `None` before one.
+    /// Median radius of the markers in the last full search, mm; `None` before the first full search.
     pub fn radius_mm(&self) -> Option<f64> {
         self.common.map(|common| common.outline.radius_mm)
     }
 
-    /// Locates the markers in an image, in the order of the nodes; omits hidden ones. Makes no assumption about the shape.
+    /// Locates the markers in an image. Returns them in the order of their nodes, without hidden ones. Makes no assumption about the shape of the finger.
     ///
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
@@ -138,7 +141,7 @@ impl<'f> Locator<'f> {
         self.locate_about(image, true)
     }
 
-    /// Same as [`locate`](Locator::locate). `pose_holds`: whether the finger must be exactly at the camera's pose rather than near it.
+    /// Same as [`locate`](Locator::locate). If `pose_holds`, the finger must be exactly at the camera's pose, otherwise near it.
     fn locate_about(&mut self, image: &RgbImage, pose_holds: bool) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let mut buffers = std::mem::take(&mut self.buffers);
@@ -160,8 +163,9 @@ impl<'f> Locator<'f> {
         Ok(self.last.clone())
     }
 
-    /// Locates the markers in the next image of a stream: each near its last position, with the outline and noise of the last full search. The whole
-    /// image is searched if a fifth of that search's markers is missing or does not fit a finger. It is also searched every tenth image while a
+    /// Locates the markers in the next image of a stream: each near its last position, with the outline and noise of the last full search. If a fifth of the
+    /// markers of that search is missing or does not fit a finger, the whole image is searched. While a marker is missing, every tenth image is also searched
+    /// completely.
     /// marker is missing.
     ///
     /// # Errors
@@ -183,7 +187,7 @@ impl<'f> Locator<'f> {
             let side = if self.on_front.contains(&last.node) { Side::Front } else { Side::Back };
             let side = if self.colours.are_alike() { Side::Front } else { side };
             let mut centre = middle_of_colour(image, &self.colours, side, &last.pixel, reach)?;
-            // The window may cut off part of the marker, so it is centred once more.
+            // The window may cut off part of the marker, so the search is repeated about the new centre.
             if (centre - last.pixel).norm() > reach - self.radius_px {
                 centre = middle_of_colour(image, &self.colours, side, &centre, reach)?;
             }
@@ -191,7 +195,7 @@ impl<'f> Locator<'f> {
         };
         let found: Vec<(NodeId, Disc)> = self.last.iter().filter_map(near).collect();
         self.buffers = buffers;
-        // A marker near a node's last position is that node, unless no shape of the finger fits.
+        // A marker near the last position of a node belongs to that node, unless no shape of the finger fits.
         let candidate = |(node, disc): &(NodeId, Disc)| Candidate {
             sides: [true; 2],
             at: disc.centre,
@@ -204,7 +208,7 @@ impl<'f> Locator<'f> {
         if (named.len() as f64) < FOUND_AGAIN * self.searched as f64 {
             return self.locate(image);
         }
-        // A few markers show motion blur; a full search measures it, also after an image with motion blur.
+        // A few markers suffice to show motion blur. A full search then measures it; one also follows an image with motion blur.
         let few = named.iter().step_by(FEW).map(|(_, disc)| disc);
         let blur_px = motion_blur_px(image, few, self.radius_px, outline.blurs_px[0]);
         if blur_px.or(common.motion_px).is_some() {
@@ -220,7 +224,7 @@ impl<'f> Locator<'f> {
         Ok(found)
     }
 
-    /// The error for patches of the markers' colours whose size does not fit the camera; `None` if it fits.
+    /// The error for patches of the markers' colours whose size does not fit the camera; `None` if their size fits.
     fn other_size(&self, image: &RgbImage) -> Option<LocateError> {
         let expected_px = self.radius_px;
         let (found_px, count) = commonest_radius(image, &self.colours)?;
@@ -228,7 +232,7 @@ impl<'f> Locator<'f> {
         (is_other && 2 * count > marker_count(self.finger)).then_some(LocateError::OtherSize { expected_px, found_px })
     }
 
-    /// The discs that are assigned to nodes; `pose_holds` as in [`Locator::locate_about`].
+    /// The discs that are assigned to nodes. `pose_holds` has the meaning of [`Locator::locate_about`].
     fn named(&self, discs: &[(Side, Disc)], pose_holds: bool) -> Result<Vec<(NodeId, Disc)>, LocateError> {
         let alike = self.colours.are_alike();
         let candidate = |(side, disc): &(Side, Disc)| Candidate {
@@ -262,7 +266,7 @@ fn marker_count(finger: &Finger) -> usize {
     (1..=finger.key_node_count()).filter(|&node| finger.has_marker(NodeId(node))).count()
 }
 
-/// Radius of a marker in the image at the middle of the undeformed finger, px.
+/// Radius of a marker in the image, px, at the middle of the undeformed finger.
 fn radius_px(finger: &Finger, camera: &Camera, markers: &Markers) -> Result<f64, LocateError> {
     let nodes = finger.key_node_count();
     let middle = (1..=nodes).map(|node| finger.position(NodeId(node))).sum::<Vector>() / nodes as f64;
@@ -273,7 +277,7 @@ fn radius_px(finger: &Finger, camera: &Camera, markers: &Markers) -> Result<f64,
     radius_at(camera, &pixel, markers)
 }
 
-/// Radius of a marker in the image at a pixel, px.
+/// Radius of a marker in the image, px, at a given pixel.
 fn radius_at(camera: &Camera, pixel: &Pixel, markers: &Markers) -> Result<f64, LocateError> {
     let mm_a_px = camera.position_sd_mm(pixel, markers.height_mm, 1.0)?;
     let radius_px = markers.radius_mm / mm_a_px;

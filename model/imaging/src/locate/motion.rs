@@ -1,27 +1,30 @@
-//! Anisotropic blur, from motion of the finger or camera during the exposure.
+//! Motion blur: blur that is larger in one direction, from a motion of finger or camera during the exposure.
 //!
-//! The squared gradients of a blurred edge sum up to its squared contrast over its blur, along the edge's normal. With isotropic blur the edges of discs
-//! have equal sums in all directions. Gradients of colour are used, which beams and background do not have.
+//! The sum of the squared gradients across a blurred edge is its squared contrast divided by its blur. With isotropic blur, the edges of discs have equal
+//! sums in all directions. Only gradients of colour are used, because beams and background have no colour.
 
 use super::disc::Disc;
 use image::RgbImage;
 use nalgebra::Matrix2;
 
-/// Ratio of the smaller to the larger sum of gradients above which blur counts as isotropic; discs seen at 20 degrees have 0.94.
+/// Ratio of the smaller to the larger sum of gradients above which blur counts as isotropic. Discs seen at an angle of 20 degrees have 0.94.
 const ROUND: f64 = 0.75;
 /// Smallest motion blur that is reported, px. Encoders that halve the resolution of colour along rows only cause up to 0.9 px.
 const LEAST_PX: f64 = 1.2;
-/// Extent of the window about a disc, in radii.
+/// Radius of the window about a disc in which gradients are summed, in radii of the disc.
 const ROOM: f64 = 1.4;
-/// Number of directions over which an edge's gradients are summed, and of bisection steps for the ratio.
+/// Number of directions over which the gradients of an edge are summed.
 const DIRECTIONS: usize = 32;
+/// Number of bisection steps for the ratio of the blurs.
 const STEPS: usize = 50;
-/// Largest motion blur that can be measured, as a share of a disc's radius. Up to half of a larger one stays hidden and would exceed any stated deviation.
+/// Largest motion blur that can be measured, as a share of a disc's radius; an image with more is rejected. Up to half of a larger blur stays hidden, and its
+/// effect would exceed any stated standard deviation.
 pub(super) const LARGEST_MOTION: f64 = 0.2;
-/// Largest ratio of the variances of motion blur and isotropic blur.
+/// Largest ratio of the variance of motion blur to the variance of isotropic blur that is considered.
 const MOST: f64 = 1e4;
 
-/// Standard deviation of the motion blur in addition to an isotropic one, px; `None` for isotropic blur. `blur_px` is the mean blur.
+/// Standard deviation of the motion blur in addition to an isotropic blur, px; `None` for isotropic blur. `blur_px` is the mean standard deviation of the
+/// blur, px.
 pub(super) fn motion_blur_px<'d>(
     image: &RgbImage,
     discs: impl Iterator<Item = &'d Disc>,
@@ -34,7 +37,7 @@ pub(super) fn motion_blur_px<'d>(
     if ratio.is_nan() || ratio >= ROUND {
         return None;
     }
-    // An edge at an angle to the motion has the blur variance 1 + k cos^2, relative to the isotropic blur.
+    // An edge whose normal has an angle to the motion is blurred with the variance 1 + k cos^2, relative to the isotropic blur.
     let ratio_of = |k: f64| {
         let (along, across) = (0..DIRECTIONS).fold((0.0, 0.0), |(along, across), i| {
             let cosine = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).cos().powi(2);
@@ -51,7 +54,7 @@ pub(super) fn motion_blur_px<'d>(
     Some(blur_px * (below / (1.0 + 0.5 * below)).sqrt()).filter(|motion_px| *motion_px > LEAST_PX)
 }
 
-/// Sums of products of the colour gradients about a disc.
+/// Sums of products of the colour gradients about a disc: xx, xy and yy as a matrix.
 fn gradients(image: &RgbImage, disc: &Disc, reach: f64) -> Matrix2<f64> {
     let mut sums = Matrix2::zeros();
     let within = |axis: usize, size: u32| {

@@ -1,7 +1,8 @@
-//! Assignment of markers to nodes, from the order along the plates and the possible shapes of a finger.
+//! Naming: assignment of markers to nodes, by their order along the plates and the possible shapes of a finger.
 //!
-//! A plate keeps its length and bends gently, and a rib nearly keeps its length. Each plate is a chain of markers from the clamped node, whose position is
-//! known. The chain of least cost is chosen; distances, bends and hidden nodes cost more the less likely they are. No initial shape is needed.
+//! A plate keeps its length and bends gently, and a rib nearly keeps its length. Each plate is a chain of markers that starts at the clamped node, whose
+//! position is known. The chain with the least cost is chosen. Distances, bends and hidden nodes have higher costs if they are less likely. No initial shape
+//! is needed.
 
 mod chain;
 mod ribs;
@@ -13,21 +14,22 @@ use finray_model::{Finger, NodeId, Vector};
 /// A measured disc that may be a marker.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
-    /// Whether its colour allows the front plate, and the back plate.
+    /// Whether the candidate's colour allows the front plate, and whether it allows the back plate.
     pub sides: [bool; 2],
-    /// Its centre, mm, finger frame.
+    /// Position of the candidate's centre, mm, finger frame.
     pub at: Vector,
-    /// The only node that it may be, if known.
+    /// The node that this candidate must be, if the previous image determines it; `None` if any node is possible.
     pub node: Option<NodeId>,
-    /// Cost of naming it, dimensionless; positive if it looks little like a marker.
+    /// Additional cost if this candidate is assigned to a node, dimensionless; positive if the candidate looks little like a marker.
     pub cost: f64,
 }
 
-/// Largest extra cost at which another chain counts as equally good.
+/// Another chain counts as equally good if its cost is higher by at most this.
 const ALIKE: f64 = 4.0;
-/// Largest number of nodes that an equally good chain may name differently; these stay unnamed. With more, naming is ambiguous.
+/// Largest number of nodes to which an equally good chain may assign other candidates. These nodes get no marker. If there are more, the assignment is
+/// rejected as ambiguous.
 const MOST_DOUBTFUL: usize = 1;
-/// Number of rounds in which the plates use each other's names.
+/// Number of rounds in which each plate is assigned with the result for the other plate.
 const ROUNDS: usize = 3;
 
 /// Reason why markers cannot be assigned to nodes.
@@ -38,31 +40,31 @@ pub enum NamingError {
     TooFew {
         /// Number of markers on free nodes that fit the finger.
         found: usize,
-        /// Number of free nodes with a marker.
+        /// Number of free nodes that have a marker.
         all: usize,
-        /// Smallest number of markers needed.
+        /// Smallest number of markers that are needed.
         least: usize,
     },
-    /// Two positions of the base fit equally well.
-    #[error("two positions of the base fit equally well, and the names of {nodes} nodes differ between them")]
+    /// Two positions of the base fit the markers equally well.
+    #[error("two positions of the base fit equally well, but assign different markers to {nodes} nodes")]
     Places {
-        /// Number of nodes whose names differ.
+        /// Number of nodes whose markers differ between the two positions.
         nodes: usize,
     },
     /// Two assignments of the markers fit equally well.
-    #[error("two ways to name the markers fit equally well: they differ at {nodes} nodes of the {plate} plate")]
+    #[error("two assignments of markers to nodes fit equally well: they differ at {nodes} nodes of the {plate} plate")]
     Ambiguous {
-        /// Number of nodes whose names differ.
+        /// Number of nodes whose markers differ between the two assignments.
         nodes: usize,
-        /// Name of the plate.
+        /// Name of the plate with these nodes.
         plate: &'static str,
     },
 }
 
-/// Index of the candidate of each key node, by node number minus one; `None` without one.
+/// Index of the candidate that is each key node's marker, by node number minus one; `None` without a candidate.
 pub(super) type Names = Vec<Option<usize>>;
 
-/// A finger whose base may be uncertain.
+/// A finger whose base may have an uncertain position.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Marked<'f> {
     pub finger: &'f Finger,
@@ -71,7 +73,7 @@ pub(super) struct Marked<'f> {
 }
 
 impl<'f> Marked<'f> {
-    /// A finger with its base exactly at the camera's pose.
+    /// A finger whose base is exactly at the camera's pose.
     pub fn at_base(finger: &'f Finger) -> Marked<'f> {
         Marked { finger, base_sd_mm: 0.0 }
     }
@@ -81,20 +83,20 @@ impl<'f> Marked<'f> {
     }
 }
 
-/// Names the candidates at least cost, without a check for equally good names.
+/// Assigns the candidates to nodes at the least cost, without checking for equally good assignments.
 pub(super) fn name_likely(marked: Marked, candidates: &[Candidate]) -> Names {
     likely(marked, candidates).0
 }
 
-/// Same as [`name_likely`], with the cost; `None` if no marker can be named.
+/// Same as [`name_likely`]; also returns the cost. `None` if no candidate can be assigned.
 pub(super) fn name_at_cost(marked: Marked, candidates: &[Candidate]) -> Option<(Names, f64)> {
     let (names, chains) = likely(marked, candidates);
     let cost = chains.iter().map(|chain| chain.as_ref().map(|chain| chain.cost)).sum::<Option<f64>>()?;
     Some((names, cost))
 }
 
-/// Names both plates in turn, each with the other's ribs. If candidates may be on either plate, the first plate may take markers of the other; the
-/// cheapest of three starts is then used.
+/// Assigns both plates in turn, each with the other plate's result for the ribs. If candidates may be on either plate, the plate that comes first may take
+/// markers of the other plate. Three starting points are then tried, and the cheapest result is used.
 fn likely(marked: Marked, candidates: &[Candidate]) -> (Names, [Option<Named>; 2]) {
     const FRONT_FIRST: [Plate; 2] = [Plate::Front, Plate::Back];
     let none: Names = vec![None; marked.finger.key_node_count()];
@@ -130,13 +132,13 @@ fn in_turn(
     (names, chains)
 }
 
-/// Names the candidates at least cost, and rejects ambiguous names.
+/// Assigns the candidates to nodes at the least cost, and rejects ambiguous assignments.
 pub(super) fn name(marked: Marked, candidates: &[Candidate]) -> Result<Names, NamingError> {
     let (mut names, chains) = likely(marked, candidates);
     for plate in [Plate::Front, Plate::Back] {
         let Some(best) = &chains[usize::from(plate == Plate::Back)] else { continue };
         let question = Chain::new(marked, plate, candidates, &names);
-        // The cost with the final names of the other plate.
+        // The least cost with the final assignment of the other plate.
         let best_cost = question.cheapest().map_or(best.cost, |found| found.cost);
         for (position, &candidate) in best.named.iter().enumerate().filter_map(|(k, c)| Some((k, c.as_ref()?))) {
             let Some(other) = question.cheapest_within(best_cost + ALIKE, Some((position, candidate))) else {
@@ -173,7 +175,7 @@ mod tests {
         StandardNormal.sample(chance)
     }
 
-    /// Simulated measured markers of a random shape, and the node of each.
+    /// Simulates measured markers of a random shape, each with its node.
     fn markers(finger: &Finger, chance: &mut ChaCha8Rng, largest_n: f64) -> Option<Vec<(NodeId, Candidate)>> {
         let mesh = Mesh::key_nodes(finger);
         let length = finger.plate_length_mm(Plate::Front);
@@ -191,8 +193,8 @@ mod tests {
         Some(shape.motions().iter().map(marker).collect())
     }
 
-    /// Every named marker gets its correct name: three fingers, large deflections, hidden markers, false markers of the same colours. A false marker
-    /// may replace a hidden one: in up to 0.2 % of names for nodes 20 to 40 mm apart.
+    /// Checks that every assigned marker gets its correct node, for three fingers with large deflections, hidden markers, and false markers of the same
+    /// colours. A false marker may replace a hidden one: in up to 0.2 % of the assignments for nodes 20 to 40 mm apart.
     #[test]
     fn no_marker_gets_another_nodes_name() {
         const SHAPES: u64 = 400;
@@ -209,7 +211,7 @@ mod tests {
                 let nodes = seen.len();
                 for _ in 0..number % 13 {
                     let at = Vector::new(chance.random_range(-30.0..180.0), chance.random_range(-70.0..70.0));
-                    // False markers keep away from true ones, since overlapping discs are measured as one or not at all.
+                    // False markers keep a distance from true ones, because overlapping discs are measured as one disc or not at all.
                     if seen.iter().all(|(_, other)| (other.at - at).norm() > 4.0) {
                         let is_front = chance.random_range(0.0..1.0) < 0.5;
                         seen.push((NodeId(0), Candidate { sides: [is_front, !is_front], at, node: None, cost: 0.0 }));
@@ -224,7 +226,7 @@ mod tests {
                 }
             }
             assert!(f64::from(wrong) <= most_wrong * f64::from(named), "{wrong} of {named}");
-            // Rejected shapes and omitted markers count as not named.
+            // Rejected shapes and omitted markers count as not assigned.
             assert!(f64::from(named) > 0.97 * all as f64, "{named} of {all}");
         }
     }
@@ -243,7 +245,7 @@ mod tests {
         assert!(matches!(name(Marked::at_base(&finger), &[]), Err(NamingError::TooFew { found: 0, .. })));
     }
 
-    /// With a copy beside every marker of a plate, the true marker is ambiguous, so neither is named.
+    /// Adds a copy beside every marker of a plate. The true marker is then ambiguous, so neither it nor the copy is assigned.
     #[test]
     fn two_ways_to_name_are_refused() {
         let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;

@@ -1,4 +1,4 @@
-//! From images to observations: the locator for a scene's markers, and data shared by its images.
+//! From images to observations: the locator for the markers of a scene, with data that the images of a scene share.
 
 use super::{LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase, SeenRadii};
 use finray_model::camera::Camera;
@@ -8,15 +8,18 @@ use finray_model::scene::{Base, MarkerLook, Markers};
 use finray_model::{Finger, Scene};
 use image::RgbImage;
 
-/// Converts images of a finger to observations.
+/// Converts images of a finger to observations of its markers.
 #[derive(Debug, Clone)]
 pub struct Observer<'f> {
     finger: &'f Finger,
     locator: AnyLocator<'f>,
-    /// Markers of the unloaded finger, if an image of it was given.
+    /// Markers of the unloaded finger, if an image of it was given; else empty.
     at_rest: Vec<Located>,
+    /// Residual standard deviation of the fit of the pose to the unloaded finger, px; `None` without that fit.
     rest_residual_px: Option<f64>,
+    /// Whether the base may move between images.
     base_moves: bool,
+    /// Radii of markers and references in the last image that showed the finger.
     radii: SeenRadii,
 }
 
@@ -26,19 +29,19 @@ enum AnyLocator<'f> {
     Grey(Box<RimLocator<'f>>),
 }
 
-/// Reason why images of a scene cannot be observed.
+/// Reason why images cannot be evaluated with a scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ObserverError {
     /// The scene has no camera.
     #[error("the scene has no [camera] with size_px, focal_px and principal_point_px")]
     NoCamera,
-    /// The scene's camera has no pose, and no image of the unloaded finger determines it.
+    /// The scene's camera has no pose, and no image of the unloaded finger was given to determine it.
     #[error("the scene has no rotation_vector_rad and translation_mm in [camera]")]
     NoPose,
     /// The scene has no markers.
     #[error("the scene has no [markers]")]
     NoMarkers,
-    /// No locator can be created for the markers.
+    /// A locator for the markers cannot be created.
     #[error(transparent)]
     Locator(#[from] LocatorError),
     /// The image of the unloaded finger does not show its coloured markers.
@@ -50,11 +53,11 @@ pub enum ObserverError {
 }
 
 impl<'f> Observer<'f> {
-    /// An observer for the finger, camera and markers of a scene. With an image of the unloaded finger, displacements are relative to its markers; coloured
-    /// markers also determine the camera's pose.
+    /// An observer for the finger, camera and markers of a scene. If an image of the unloaded finger is given, displacements are relative to its markers.
+    /// Coloured markers in that image also determine the camera's pose.
     ///
     /// # Errors
-    /// [`ObserverError`] for a scene without camera, pose or markers, or an image that does not show the unloaded finger.
+    /// [`ObserverError`] for a scene without camera, pose or markers, or for an image that does not show the unloaded finger.
     pub fn new(scene: &'f Scene, rest: Option<&RgbImage>) -> Result<Observer<'f>, ObserverError> {
         let finger = &scene.finger;
         let description = scene.camera.ok_or(ObserverError::NoCamera)?;
@@ -72,10 +75,10 @@ impl<'f> Observer<'f> {
         Ok(observer)
     }
 
-    /// An observer for a finger and a camera with known pose. `base` holds the references that show a moving base; only grey markers use it.
+    /// An observer for a finger, and a camera with known pose. `base` holds the reference marks on a moving base; only locators of grey markers use it.
     ///
     /// # Errors
-    /// [`LocatorError`] for markers that cannot be located, or a camera that does not see the finger.
+    /// [`LocatorError`] for markers that no locator supports, or a camera that does not see the finger.
     pub fn with(
         finger: &'f Finger,
         camera: &Camera,
@@ -91,12 +94,13 @@ impl<'f> Observer<'f> {
         Ok(Observer { finger, locator, at_rest: Vec::new(), rest_residual_px: None, base_moves, radii })
     }
 
-    /// Residual standard deviation of one pixel coordinate in the pose from the unloaded finger's coloured markers, px; `None` without such an image.
+    /// Residual standard deviation of one pixel coordinate, px, in the fit of the pose to coloured markers of the unloaded finger. `None` without such an
+    /// image.
     pub fn rest_residual_px(&self) -> Option<f64> {
         self.rest_residual_px
     }
 
-    /// Motion blur in the last image, px, as [`Locator::motion_blur_px`]; `None` for grey markers.
+    /// Motion blur in the last image, px, as in [`Locator::motion_blur_px`]; `None` for grey markers.
     pub fn motion_blur_px(&self) -> Option<f64> {
         match &self.locator {
             AnyLocator::Coloured(locator) => locator.motion_blur_px(),
@@ -104,17 +108,17 @@ impl<'f> Observer<'f> {
         }
     }
 
-    /// Radii of markers and references in the last image that showed the finger.
+    /// Radii of the markers and of the references in the last image in which the finger was found.
     pub fn radii(&self) -> &SeenRadii {
         &self.radii
     }
 
-    /// Whether markers are searched for near their positions in the previous image, so that the order of images matters.
+    /// Whether markers are searched for near their positions in the previous image. The order of the images then matters.
     pub fn is_tracking(&self) -> bool {
         matches!(self.locator, AnyLocator::Coloured(_))
     }
 
-    /// Observes the next image of a stream.
+    /// Observes the finger in the next image of a stream.
     ///
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
@@ -159,7 +163,8 @@ impl<'f> Observer<'f> {
     }
 }
 
-/// Uncertainty of a base's pose at the origin of the finger frame, from errors of the references' mean position and of the rotation about it.
+/// Uncertainty of the base's pose at the origin of the finger frame. It follows from errors of the references' mean position and of the rotation about that
+/// position.
 fn uncertainty_at_origin(base: &SeenBase) -> BaseUncertainty {
     let arm_mm = base.middle.norm() / std::f64::consts::SQRT_2;
     BaseUncertainty { sd_mm: base.sd_mm.hypot(base.sd_rad * arm_mm), sd_rad: base.sd_rad, ..BaseUncertainty::default() }

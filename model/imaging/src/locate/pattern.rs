@@ -1,7 +1,8 @@
-//! Detection of the undeformed finger in an image without initial pose: two rows of markers that meet at the tip.
+//! Detection of the undeformed finger in an image without an initial pose, by its two rows of markers that meet at the tip.
 //!
-//! A camera maps lines to lines once its distortion is removed. The line through two markers of a colour with the most markers on it is a plate. Two markers
-//! near the ends of each plate, matched to nodes near its ends, define a homography. The homography with the most markers at nodes names them.
+//! A camera maps straight lines to straight lines, after its distortion is removed. The line through two markers of a colour that contains the most markers
+//! is a plate. Two markers near the ends of each plate, matched to nodes near the plate's ends, define a homography. The homography that maps the most nodes
+//! to markers names the markers.
 
 use super::blobs::Blob;
 use super::colour::Side;
@@ -11,25 +12,29 @@ use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
 use nalgebra::{Matrix3, SMatrix, SVector};
 
-/// Largest number of blobs that are considered, the largest first.
+/// Largest number of patches that are considered, the largest first.
 const MOST_BLOBS: usize = 150;
-/// Largest distance of a marker from its plate's line, and from its node, in marker radii.
+/// Largest distance of a marker from the line of its plate, in marker radii.
 const ON_LINE: f64 = 0.7;
+/// Largest distance of a marker from its node, in marker radii.
 const ON_NODE: f64 = 1.2;
-/// Largest number of false markers at each end of a line, and most hidden nodes at each end of a plate.
+/// Largest number of false markers at each end of a line, and largest number of hidden nodes at each end of a plate.
 const DOUBTFUL: usize = 3;
-/// Smallest share of the nodes that must have a marker.
+/// Smallest share of the nodes that must have a marker; with fewer, no finger is recognised.
 const LEAST_SHARE: f64 = 0.6;
 
 /// A marker with its undistorted image position (dimensionless) and its pixel.
 #[derive(Debug, Clone, Copy)]
 struct Mark {
+    /// Whether the colour allows the front plate, and whether it allows the back plate.
     sides: [bool; 2],
+    /// Undistorted image position of the marker, dimensionless.
     at: Vector,
+    /// Pixel of the marker's centre.
     pixel: Pixel,
 }
 
-/// Nodes with their pixels; `None` if the image does not show the pattern.
+/// Nodes of the undeformed finger with their pixels; `None` if the image does not show the finger's two rows of markers.
 pub(super) fn at_rest(
     finger: &Finger,
     lens: &Lens,
@@ -47,7 +52,7 @@ pub(super) fn at_rest(
     let back = row(&marks, Side::Back, radius, taken)?;
     let marked = |plate| finger.plate_nodes(plate).into_iter().filter(|node| finger.has_marker(*node));
     let front_nodes: Vec<NodeId> = marked(Plate::Front).collect();
-    // The tip is a marker of the front plate.
+    // The tip counts as a marker of the front plate.
     let back_nodes: Vec<NodeId> = marked(Plate::Back).filter(|node| *node != finger.tip()).collect();
     let mut best = Named::default();
     let rows = if alike { vec![(&front, &back), (&back, &front)] } else { vec![(&front, &back)] };
@@ -57,7 +62,8 @@ pub(super) fn at_rest(
                 let pairs = [first[0], first[1], second[0], second[1]];
                 let positions = pairs.map(|(_, node)| finger.marker_position(node));
                 let Some(homography) = through(&positions, &pairs.map(|(mark, _)| marks[mark].at)) else { continue };
-                // Seen from above (z > 0) the image is mirrored, since v points down; with equal colours only this distinguishes the plates.
+                // If the finger is seen from above (z > 0), the image is mirrored, since v points down. With equal colours, only this distinguishes the
+                // plates.
                 if alike && !is_from_above(&homography, &positions[0]) {
                     continue;
                 }
@@ -72,14 +78,16 @@ pub(super) fn at_rest(
     (best.nodes.len() as f64 >= LEAST_SHARE * marker_count(finger) as f64).then_some(best.nodes)
 }
 
-/// Nodes with their pixels, and the sum of their distances from the positions by the homography.
+/// Nodes with their pixels, and the sum of the markers' distances from the positions that the homography predicts.
 #[derive(Debug, Clone, Default)]
 struct Named {
+    /// Nodes with the pixels of their markers.
     nodes: Vec<(NodeId, Pixel)>,
+    /// Sum of the distances between markers and predicted positions, in undistorted image coordinates, dimensionless.
     distance: f64,
 }
 
-/// Markers of a side in order along the line with the most of them; `None` for fewer than two.
+/// Markers of a plate in order along the line that contains the most of them; `None` for fewer than two markers.
 fn row(marks: &[Mark], side: Side, radius: f64, taken: &[usize]) -> Option<Vec<usize>> {
     let of_side: Vec<usize> =
         (0..marks.len()).filter(|i| marks[*i].sides[side as usize] && !taken.contains(i)).collect();
@@ -98,12 +106,12 @@ fn row(marks: &[Mark], side: Side, radius: f64, taken: &[usize]) -> Option<Vec<u
     (best.len() >= 2).then_some(best)
 }
 
-/// Pairs of marks near the ends of a row, matched to nodes near the ends of a plate in both directions.
+/// Pairs of markers near the ends of a row, matched to nodes near the ends of a plate, in both directions.
 fn ends(row: &[usize], nodes: &[NodeId]) -> Vec<[(usize, NodeId); 2]> {
     let mut ways = Vec::new();
     for (i, k) in (0..DOUBTFUL).flat_map(|i| (0..DOUBTFUL).map(move |k| (i, k))) {
         for (n, m) in (0..DOUBTFUL).flat_map(|n| (0..DOUBTFUL).map(move |m| (n, m))) {
-            // Skipped marks are false markers, skipped nodes are hidden.
+            // Skipped markers are false, and skipped nodes have hidden markers.
             if i + k + 2 > row.len() || n + m + 2 > nodes.len() {
                 continue;
             }
@@ -116,7 +124,7 @@ fn ends(row: &[usize], nodes: &[NodeId]) -> Vec<[(usize, NodeId); 2]> {
     ways
 }
 
-/// Homography through four pairs of points; `None` if it is not unique.
+/// The homography that maps four points to four others; `None` if it is not unique.
 fn through(positions: &[Vector; 4], seen: &[Vector; 4]) -> Option<Matrix3<f64>> {
     // Coordinates near 1 on both sides reduce rounding errors.
     let scale = positions.iter().map(|position| position.norm()).fold(f64::MIN_POSITIVE, f64::max);
@@ -145,7 +153,7 @@ fn is_from_above(homography: &Matrix3<f64>, at: &Vector) -> bool {
     homography.determinant() / depth.powi(3) < 0.0
 }
 
-/// Nodes with a marker at their position by the homography. A marker belongs to one node only: nothing is named if two nodes claim it.
+/// Nodes with a marker near the position that the homography predicts. If two nodes claim the same marker, the result is empty.
 fn named(finger: &Finger, marks: &[Mark], homography: &Matrix3<f64>, radius: f64) -> Named {
     let mut named = Named::default();
     let mut taken = vec![false; marks.len()];

@@ -4,31 +4,32 @@ use super::together::median;
 use finray_model::Scene;
 use std::fmt;
 
-/// Largest relative difference between measured and stated radius. Sharpened or slanted rims and a nominal camera distance cause such differences.
+/// Relative difference between measured and stated radius up to which the radii count as equal. Sharpened or slanted rims, and a nominal camera distance,
+/// cause such differences.
 const SAME_RADIUS: f64 = 0.05;
 
 /// Radii measured in an image, mm.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SeenRadii {
-    /// Median radius of the markers, mm; `None` if none was measured.
+    /// Median radius of the markers, mm; `None` if no radius was measured.
     pub markers_mm: Option<f64>,
     /// Radius of each reference on the base, mm; `None` if it was not found.
     pub references_mm: Vec<Option<f64>>,
 }
 
-/// A radius of the scene that differs from the measured one.
+/// Radius in a scene that differs from the measured radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OtherRadius {
-    /// Index of the reference on the base; `None` for the markers.
+    /// Index of the reference mark on the base; `None` for the markers.
     pub reference: Option<usize>,
-    /// Radius stated in the scene, mm.
+    /// Radius that the scene states, mm.
     pub stated_mm: f64,
-    /// Median of the measured radii over the images, mm.
+    /// Median over the images of the measured radius, mm.
     pub shown_mm: f64,
 }
 
 impl OtherRadius {
-    /// Radii of a scene that differ from the measured ones by more than 5 %.
+    /// Radii of a scene that differ from the measured radii by more than 5 %.
     pub fn of(scene: &Scene, images: &[&SeenRadii]) -> Vec<OtherRadius> {
         let references = scene.base.iter().flat_map(|base| &base.references);
         let stated = scene.markers.iter().map(|markers| (None, markers.radius_mm));
@@ -45,7 +46,7 @@ impl OtherRadius {
         stated.filter_map(other).collect()
     }
 
-    /// Replaces the radius in a scene by the measured one.
+    /// Replaces the radius in a scene by the measured radius.
     pub fn correct(&self, scene: &mut Scene) {
         let marks = match self.reference {
             None => scene.markers.as_mut(),

@@ -1,4 +1,4 @@
-//! The unloaded finger: its pose relative to the camera, and the position of each marker without load.
+//! The unloaded finger in an image: its pose relative to the camera, and the position of each marker without load.
 
 use super::blobs::{blobs, commonest_radius};
 use super::colour::Colours;
@@ -11,40 +11,41 @@ use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::scene::{MarkerLook, Markers};
 use image::RgbImage;
 
-/// Largest residual of the pose's fit, px; a bent or different finger has a larger one.
+/// Largest residual of the fit of the pose, px. A bent or a different finger has a larger residual and is rejected.
 const LARGEST_RESIDUAL_PX: f64 = 2.0;
-/// Number of rounds that alternate locating and pose fit; the markers are measured as circles in the plane, which depends on the pose.
+/// Number of rounds that alternate the location of the markers and the fit of the pose. The markers are measured as circles in the plane, which depends on
+/// the pose.
 const ROUNDS: usize = 3;
 
 /// Results from an image of the unloaded finger.
 #[derive(Debug, Clone)]
 pub struct Rest {
-    /// The camera with the fitted pose.
+    /// The camera with the fitted pose of the finger.
     pub camera: Camera,
-    /// Markers, located with this pose.
+    /// The markers as located with this pose.
     pub located: Vec<Located>,
-    /// Residual standard deviation of one pixel coordinate in the pose's fit, px.
+    /// Residual standard deviation of one pixel coordinate in the fit of the pose, px.
     pub residual_sd_px: f64,
 }
 
 /// Reason why an image does not show the unloaded finger.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RestError {
-    /// The markers were not located.
+    /// The markers could not be located.
     #[error(transparent)]
     Locate(#[from] LocateError),
-    /// No locator can be created for these markers and this camera.
+    /// A locator for these markers and this camera cannot be created.
     #[error(transparent)]
     Locator(#[from] LocatorError),
     /// The markers do not determine a pose.
     #[error(transparent)]
     Pose(#[from] PlanePoseError),
-    /// There are no two rows of markers that meet at a tip, and the scene states no pose to start from.
+    /// The image shows no two rows of markers that meet at a tip, and the scene states no pose from which to start.
     #[error(
-        "no unloaded finger is recognised: expected two rows of markers as the scene has them, with at least six of ten in sight"
+        "no unloaded finger is recognised: expected two rows of markers as in the scene, with at least six of ten visible"
     )]
     NoPattern,
-    /// The markers do not fit the scene's unloaded finger.
+    /// The markers do not fit the unloaded finger of the scene.
     #[error(
         "the markers are {residual_px:.1} px rms from those of the scene's unloaded finger, expected at most {LARGEST_RESIDUAL_PX} px: unload the \
          finger, or correct lens or finger in the scene"
@@ -56,7 +57,7 @@ pub enum RestError {
 }
 
 impl Rest {
-    /// Fits the pose, starting from the pattern of markers or else from the stated pose.
+    /// Fits the pose of the unloaded finger. The fit starts from the pattern of markers or, if none is found, from the stated pose.
     ///
     /// # Errors
     /// [`RestError`] if the image does not show the unloaded finger.
@@ -89,7 +90,7 @@ impl Rest {
     }
 }
 
-/// Pose from the pattern of the unloaded finger's markers; `None` if the image does not show it.
+/// Pose from the pattern of the unloaded finger's markers; `None` if the image does not show this pattern.
 fn pose_of_pattern(
     finger: &Finger,
     lens: &Lens,

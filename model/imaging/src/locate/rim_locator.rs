@@ -1,7 +1,7 @@
-//! Locator of grey markers by their rims in similar surroundings, with a base that may move.
+//! Locator of grey markers by their rims, in surroundings of similar shades, on a finger whose base may move.
 //!
-//! An image has many round rims; the markers are those that one finger can have. If the base is unknown, every pair of rims that may be two references, or
-//! the two ends of a rib, proposes its position. The proposal under which the markers are named at the least cost is chosen.
+//! An image has many round rims; those that one finger can have are its markers. If the position of the base is unknown, pairs of rims propose it: two rims
+//! that may be references on the base, or the two ends of a rib. The proposal with the least cost of naming the markers (assigning them to nodes) is chosen.
 
 use super::elsewhere::Scenery;
 use super::error::require_own_junctions;
@@ -15,59 +15,64 @@ use finray_model::{Finger, NodeId, Vector};
 use image::RgbImage;
 use nalgebra::{Isometry2, UnitComplex};
 
-/// Tolerance of the distance between references, mm, and as a share of that distance; combined as a root sum of squares.
+/// Tolerance of the distance between two references, mm. It combines with [`REFERENCE_SHARE`] as a root sum of squares.
 const REFERENCE_MM: f64 = 1.5;
+/// Tolerance of the distance between two references, as a share of that distance.
 const REFERENCE_SHARE: f64 = 0.03;
-/// Tolerance of a rib's length in a proposal, as a share of it, because the scene's geometry is nominal.
+/// Tolerance of a rib's length in a proposal, as a share of that length. It is this large because the scene's geometry is nominal.
 const RIB_SHARE: f64 = 0.08;
-/// Number of ribs from the base that propose its position; its standard deviation is a share of the plate's length up to the rib, since the plate bends.
+/// Number of ribs from the base that propose the base's position.
 const PROPOSING: usize = 2;
+/// Standard deviation of a position proposed by a rib, as a share of the plate's length up to the rib. Its cause is the bending of the plate.
 const BEND_SHARE: f64 = 0.2;
-/// Standard deviation of a rim's centre by rays that costs 1, as a share of the radius; markers are round.
+/// A rim has cost 1 if the standard deviation of its centre as found by rays is this share of its radius. Markers are round, so a larger deviation costs
+/// more.
 const ROUND: f64 = 0.02;
-/// Largest ratio of a named rim's standard deviation by rays to the median of all; markers are equal, so a larger one is no marker.
+/// A rim is rejected as a marker if its standard deviation as found by rays is larger than this multiple of the median over all assigned rims. The reason is
+/// that all markers are equal.
 const LEAST_ROUND: f64 = 4.0;
-/// Largest extra cost at which another position of the base counts as equally good.
+/// Another position of the base counts as equally good if its cost is higher by at most this.
 const ALIKE: f64 = 4.0;
-/// Cost by which a position from ribs must be better to contradict that from references: more than the cost of two hidden markers.
+/// The position of the base from ribs contradicts the one from references if its cost is lower by at least this: more than the cost of two hidden markers.
 const CONTRADICTS: f64 = 13.0;
-/// Standard deviations of a base without references relative to the ribs' estimate, mm and rad: the range of a bent finger.
+/// Standard deviation of the position of a base without references, relative to the estimate from the ribs, mm. It covers the range of a bent finger.
 const UNKNOWN_MM: f64 = 10.0;
+/// Standard deviation of the rotation of a base without references, relative to the estimate from the ribs, rad.
 const UNKNOWN_RAD: f64 = 0.2;
-/// Largest number of nodes that equally good positions may name differently.
+/// Largest number of nodes to which equally good positions of the base may assign different rims. If there are more, the image is rejected as ambiguous.
 const MOST_DOUBTFUL: usize = 1;
 
-/// Results for a finger in an image.
+/// A finger that was located in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenFinger {
-    /// Pose of the base.
+    /// Pose of the finger's base.
     pub base: SeenBase,
-    /// Markers in the order of the nodes, with positions in the finger frame; their standard deviations include that of the base.
+    /// Markers in the order of their nodes, with positions in the finger frame. Their standard deviations include the uncertainty of the base.
     pub located: Vec<Located>,
-    /// Radii of markers and references.
+    /// Measured radii of markers and references.
     pub radii: SeenRadii,
 }
 
 /// Pose of a finger's base in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenBase {
-    /// Transform from the finger frame, which moves with the base, to the frame of the camera's pose; mm.
+    /// Transform (rotation, and translation in mm) from the finger frame, which moves with the base, to the frame of the camera's pose.
     pub pose: Isometry2<f64>,
-    /// Whether the base is known, from the camera's pose or from two references. Otherwise only the markers determine it roughly, and displacements relative to
-    /// it are unknown.
+    /// Whether the camera's pose or two references determine the base. Otherwise the markers determine it only roughly, and displacements relative to the
+    /// base are unknown.
     pub is_known: bool,
-    /// Distance of each reference from its position with the fitted base, mm; `None` if it was not found.
+    /// Distance between each reference and the position that the fitted base predicts, mm; `None` if the reference was not found.
     pub references_mm: Vec<Option<f64>>,
-    /// Mean position of the references, finger frame, mm.
+    /// Mean position of the references, mm, finger frame.
     pub middle: Vector,
-    /// Standard deviation of one coordinate of that mean position, mm; an error shared by all markers of an image.
+    /// Standard deviation of one coordinate of that mean position, mm. All markers of an image share this error.
     pub sd_mm: f64,
-    /// Standard deviation of the rotation about the mean position, rad; also shared by all markers of an image.
+    /// Standard deviation of the rotation about that mean position, rad. All markers of an image share this error.
     pub sd_rad: f64,
 }
 
 impl SeenBase {
-    /// A base with known pose.
+    /// A base that is exactly at the camera's pose.
     fn fixed() -> SeenBase {
         SeenBase {
             pose: Isometry2::identity(),
@@ -79,7 +84,7 @@ impl SeenBase {
         }
     }
 
-    /// Standard deviation of one coordinate of a position of the finger frame (mm) due to the base's pose, mm; root mean square of x and y.
+    /// Standard deviation that the base's pose causes in one coordinate of a position of the finger frame, mm: the root mean square of x and y.
     pub fn sd_at(&self, position: &Vector) -> f64 {
         self.sd_mm.hypot(self.sd_rad * (position - self.middle).norm() / std::f64::consts::SQRT_2)
     }
@@ -98,14 +103,14 @@ pub struct RimLocator<'f> {
 /// A proposed pose of the base.
 struct Proposal {
     base: Isometry2<f64>,
-    /// Standard deviation of the base's position, mm.
+    /// Standard deviation of the proposed position of the base, mm.
     sd_mm: f64,
-    /// Index of each reference's rim, in the order of the references.
+    /// Index of the rim that is each reference, in the order of the references; `None` if it is not found.
     references: Vec<Option<usize>>,
 }
 
 impl<'f> RimLocator<'f> {
-    /// A locator for the finger, camera and markers of a scene. `base` holds the references of a moving base.
+    /// A locator for the finger, camera and markers of a scene. `base` holds the reference marks on a moving base; `None` for a fixed base.
     ///
     /// # Errors
     /// [`LocatorError`] for coloured markers, shared junctions of ribs, or a camera that does not see the finger.
@@ -119,13 +124,13 @@ impl<'f> RimLocator<'f> {
         require_own_junctions(finger)?;
         let radius_px = match base {
             None => radius_px(finger, camera, markers)?,
-            // The finger may be anywhere in the image, so the image's middle represents it.
+            // The finger may be anywhere in the image, so the middle of the image represents its position.
             Some(_) => radius_at(camera, &camera.lens.middle(), markers)?,
         };
         Ok(RimLocator { finger, camera: *camera, shape, radius_px, base: base.cloned() })
     }
 
-    /// Locates the markers in an image; omits hidden ones. Makes no assumption about the shape.
+    /// Locates the markers in an image and omits hidden ones. Makes no assumption about the shape of the finger.
     ///
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
@@ -170,7 +175,7 @@ impl<'f> RimLocator<'f> {
         Ok(SeenFinger { located: located(&named, &base, wider), base, radii })
     }
 
-    /// Rims that may be each reference; references with the same appearance are searched for once.
+    /// Rims that may be each reference. References with the same appearance are searched for only once.
     fn marks(&self, view: &GreyView, base: &Base) -> Vec<Vec<Rim>> {
         let mut known: Vec<(RimShape, Vec<Rim>)> = Vec::new();
         let of_reference = |reference: &Reference| {
@@ -185,7 +190,7 @@ impl<'f> RimLocator<'f> {
         base.references.iter().map(of_reference).collect()
     }
 
-    /// Proposals for the base from the ends of the ribs next to it.
+    /// Proposals for the base from the ends of the ribs that are next to it.
     fn by_ribs(&self, rims: &[Rim]) -> Vec<Proposal> {
         let mut proposals = Vec::new();
         for rib in 0..self.finger.rib_count().min(PROPOSING) {
@@ -200,7 +205,7 @@ impl<'f> RimLocator<'f> {
         proposals
     }
 
-    /// The proposal under which the markers are named at the least cost, with that cost.
+    /// The proposal with the least cost of assigning rims to nodes, and that cost.
     fn best<'p>(&self, rims: &[Rim], proposals: &'p [Proposal]) -> Result<(f64, &'p Proposal), NamingError> {
         let mut best: Option<(f64, &Proposal, Names)> = None;
         let mut others: Vec<(f64, Names)> = Vec::new();
@@ -224,9 +229,9 @@ impl<'f> RimLocator<'f> {
         Ok((cost, proposal))
     }
 
-    /// Rejects a base from references if the ribs next to it show another position with a far better fit: the references are then other marks.
+    /// Rejects a base from references if the ribs next to it fit far better with another position. The references are then mistaken for other marks.
     fn require_base_of_finger(&self, rims: &[Rim], by_references: &Proposal, cost: f64) -> Result<(), LocateError> {
-        // An ambiguous position from ribs contradicts nothing.
+        // A position from ribs that is ambiguous contradicts nothing.
         let proposals = self.by_ribs(rims);
         let Ok((cost_of_ribs, by_ribs)) = self.best(rims, &proposals) else { return Ok(()) };
         let away_mm = (by_ribs.base.translation.vector - by_references.base.translation.vector).norm();
@@ -236,7 +241,7 @@ impl<'f> RimLocator<'f> {
         }
     }
 
-    /// Rims as candidates in the finger frame.
+    /// Rims as candidates for markers, with positions in the finger frame.
     fn candidates(&self, rims: &[Rim], base: &Isometry2<f64>) -> Vec<Candidate> {
         let candidate = |rim: &Rim| Candidate {
             sides: [true; 2],
@@ -248,7 +253,7 @@ impl<'f> RimLocator<'f> {
     }
 }
 
-/// The named rims, except those that are far less round than the others.
+/// The rims that are assigned to nodes, without those that are far less round than the others.
 fn named(rims: &[Rim], names: &Names) -> Vec<(NodeId, Rim)> {
     let mut named: Vec<(NodeId, Rim)> =
         names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();
@@ -263,8 +268,8 @@ fn middle_radius_mm(named: &[(NodeId, Rim)]) -> Option<f64> {
     median(named.iter().map(|(_, rim)| rim.radius_mm))
 }
 
-/// Factor by which standard deviations of the markers, and of the marks on the base, are wider than for independent pixel errors. Background that the
-/// edge model neglects correlates the errors of neighbouring pixels; the markers' residuals show by how much.
+/// Factor by which standard deviations of the markers, and of the marks on the base, exceed those for independent pixel errors. Background that the edge
+/// model neglects correlates the errors of neighbouring pixels. The markers' residuals show the size of this effect.
 fn widening(named: &[(NodeId, Rim)]) -> f64 {
     wider(named.iter().filter_map(|(_, rim)| rim.excess_variances))
 }
@@ -283,7 +288,7 @@ fn shape_of(markers: &Markers) -> Result<RimShape, LocatorError> {
     Ok(RimShape { radius_mm: markers.radius_mm, inner_radius_mm, shade, height_mm: markers.height_mm })
 }
 
-/// Pose of the base by a proposal; `wider` is the factor on the standard deviations of its marks.
+/// Pose of the base that a proposal's references determine. `wider` is the factor on the standard deviations of the reference marks.
 fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal, wider: f64) -> SeenBase {
     let found = |i: usize| Some(marks[i][proposal.references.get(i).copied().flatten()?]);
     let seen: Vec<(Vector, Rim)> =
@@ -308,7 +313,7 @@ fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal, wider: f64) -
 
 type Seen = (usize, Vector);
 
-/// Pairs of rims at a distance, within a tolerance, in both orders; with their deviations from it, mm.
+/// Pairs of rims whose distance equals `distance_mm` within `tolerance_mm`, in both orders; each with the deviation from that distance, mm.
 fn pairs(first: &[Rim], second: &[Rim], distance_mm: f64, tolerance_mm: f64) -> Vec<([Seen; 2], f64)> {
     let mut found = Vec::new();
     for (i, a) in first.iter().enumerate() {
@@ -322,7 +327,7 @@ fn pairs(first: &[Rim], second: &[Rim], distance_mm: f64, tolerance_mm: f64) -> 
     found
 }
 
-/// Proposals for the base from references: those with the most references found.
+/// Proposals for the base from references: those in which the most references are found.
 fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
     let places: Vec<Vector> = base.references.iter().map(|reference| reference.at).collect();
     let mut proposals: Vec<Proposal> = Vec::new();
@@ -355,12 +360,12 @@ fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
     proposals
 }
 
-/// Rigid motion that maps two points to two others by least squares.
+/// Rigid motion that maps two points onto two others, by least squares.
 fn aligned(from: &[Vector; 2], to: &[Vector; 2]) -> Isometry2<f64> {
     fitted(&[(from[0], to[0]), (from[1], to[1])])
 }
 
-/// Rigid motion by least squares over pairs of points (Kabsch in the plane).
+/// Rigid motion that maps points onto others, by least squares over the pairs (Kabsch algorithm in the plane).
 fn fitted(pairs: &[(Vector, Vector)]) -> Isometry2<f64> {
     let count = pairs.len().max(1) as f64;
     let (from, to) = pairs.iter().fold((Vector::zeros(), Vector::zeros()), |(a, b), (from, to)| (a + from, b + to));

@@ -7,36 +7,39 @@ use finray_model::scene::Markers;
 use finray_model::{NodeId, Vector};
 use nalgebra::{Matrix2, Vector2};
 
-/// Variance from rounding to grey levels, and ratio of the variances of brightness and colour above which they are weighted.
+/// Variance due to rounding to grey levels, in squared grey levels.
 const ROUNDING: f64 = 0.1;
+/// Brightness and colour get different weights if the ratio of their variances exceeds this.
 const UNEVEN: f64 = 3.0;
 
-/// Significance, in standard deviations, above which a displacement of colour against brightness is corrected; and most rounds, since each correction is
-/// of first order.
+/// A displacement of colour relative to brightness is corrected if it exceeds this number of standard deviations.
 const COLOUR_SIGMAS: f64 = 4.0;
+/// Largest number of corrections of the displacement of colour. Several may be needed, because each correction is of first order.
 const COLOUR_ROUNDS: usize = 4;
-/// Standard deviation of a coordinate due to motion blur, as a share of that blur: the edge model assumes isotropic blur.
+/// Standard deviation of a coordinate due to motion blur, as a share of that blur. The error arises because the edge model assumes isotropic blur.
 const MOTION_SD: f64 = 0.1;
 
 /// Common properties of the discs in an image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Common {
+    /// Common radius and blurs of the discs.
     pub outline: Outline,
-    /// Weights of brightness and colour, see [`View`].
+    /// Weights of brightness and colour; see [`View`].
     pub weights: [f64; 2],
-    /// Displacement of colour against brightness, px, see [`View`].
+    /// Displacement of colour relative to brightness, px; see [`View`].
     pub colour_shift_px: Vector,
-    /// Motion blur, px, see [`motion_blur_px`]; and the standard deviation that it adds to a coordinate, mm.
+    /// Standard deviation of the motion blur, px, see [`motion_blur_px`]; `None` without motion blur.
     pub motion_px: Option<f64>,
+    /// Standard deviation that motion blur adds to each coordinate, mm.
     pub motion_sd_mm: f64,
 }
 
-/// Measures the centres again with a common outline. Markers are equal and equally sharp, so a marker with a disturbed edge gets the medians of all. Colour
-/// that is noisier than brightness, as after compression, gets less weight. `view` weighs both equally; `radius_px` is the radius of a marker at the middle
-/// of the finger.
+/// Measures the centres again with a common outline. Markers are equal and equally sharp, so a marker with a disturbed edge gets the medians of all markers.
+/// If colour is noisier than brightness, as after compression, it gets less weight. `view` must weigh both equally. `radius_px` is the radius of a marker at
+/// the middle of the finger, px.
 ///
 /// # Errors
-/// [`LocateError::Blurred`] or [`LocateError::Moved`] for blur that is too large for the markers' radius.
+/// [`LocateError::Blurred`] or [`LocateError::Moved`] if the blur is too large for the markers' radius.
 pub(super) fn measure_together(
     mut view: View,
     markers: &Markers,
@@ -64,7 +67,7 @@ pub(super) fn measure_together(
         }
         let ColourShift { normal, gradient } = measure_centres(&view, outline, named, buffers);
         let shift: Vector = normal.try_inverse().map_or_else(Vector::zeros, |inverse| inverse * gradient);
-        // Correlated errors of neighbouring pixels reduce the significance of a displacement.
+        // Correlated errors of neighbouring pixels make a displacement less significant.
         let sigmas = shift.dot(&gradient).max(0.0).sqrt() / wider(named.iter().map(|(_, disc)| disc.excess_variances));
         rounds += 1;
         if rounds == COLOUR_ROUNDS || sigmas < COLOUR_SIGMAS {
@@ -88,7 +91,7 @@ fn outline_of(named: &[(NodeId, Disc)]) -> Outline {
     }
 }
 
-/// Centres of discs with a common outline, and the sum of their normal equations for a further displacement of colour.
+/// Measures the centres of discs with a common outline. Returns the sum of the discs' normal equations for a further displacement of colour.
 fn measure_centres(view: &View, outline: Outline, named: &mut [(NodeId, Disc)], buffers: &mut Buffers) -> ColourShift {
     let mut all = ColourShift { normal: Matrix2::zeros(), gradient: Vector2::zeros() };
     for (_, disc) in named {
@@ -105,7 +108,7 @@ fn mean(named: &[(NodeId, Disc)], of: impl Fn(&Disc) -> f64) -> f64 {
     named.iter().map(|(_, disc)| of(disc)).sum::<f64>() / named.len() as f64
 }
 
-/// Markers from their discs. The markers of each plate share a colour, and so a factor on their standard deviations.
+/// Located markers from their discs. The markers of each plate share a colour, so they share a factor on their standard deviations.
 pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId], common: &Common) -> Vec<Located> {
     let [front, back] = [true, false].map(|is_front| {
         let of_plate = named.iter().filter(|(node, _)| on_front.contains(node) == is_front);
@@ -120,10 +123,11 @@ pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId], common: &Co
     named.iter().map(located).collect()
 }
 
-/// Factor by which standard deviations are wider than for independent pixel errors. One marker determines it poorly, all markers of a colour well.
+/// Factor by which standard deviations exceed those for independent pixel errors. One marker determines it poorly, all markers of a colour together determine
+/// it well.
 ///
-/// A centre absorbs the part of the residuals with one period around the edge, and longer periods have more power. The power of one period is extrapolated
-/// from those of two and three along a Gaussian, S(n) = a exp(-c n^2). The factor is 1 without markers.
+/// A centre absorbs the residuals that have one period around the edge, and longer periods have more power. The power of one period is therefore extrapolated
+/// from the powers of two and three periods, along a Gaussian S(n) = a exp(-c n^2). The factor is 1 without markers.
 pub(super) fn wider(excess_variances: impl Iterator<Item = [f64; 2]>) -> f64 {
     let (count, [two, three]) =
         excess_variances.fold((0.0, [0.0; 2]), |(count, sums), of| (count + 1.0, [sums[0] + of[0], sums[1] + of[1]]));
@@ -131,7 +135,7 @@ pub(super) fn wider(excess_variances: impl Iterator<Item = [f64; 2]>) -> f64 {
     of_one_period.max(1.0).sqrt()
 }
 
-/// Median of numbers; `None` without numbers.
+/// Median of the numbers; `None` if there are none.
 pub(super) fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     let mut numbers: Vec<f64> = numbers.collect();
     let middle = numbers.len() / 2;

@@ -1,4 +1,4 @@
-//! Clutter in the background of a rendered image: discs and boxes behind the finger.
+//! Clutter in the background of a rendered image: discs and boxes that lie behind the finger.
 
 use super::disc::paint_disc;
 use super::{BRIGHT, DARK, mix};
@@ -9,17 +9,18 @@ use image::Rgb32FImage;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// Range of the sizes of clutter, in marker radii.
+/// Range of the sizes of the clutter, in marker radii.
 const SIZES: [f64; 2] = [0.5, 2.5];
-/// Smallest distance from clutter to a marker's centre, in marker radii, in addition to the size of the clutter.
+/// Smallest distance between a piece of clutter and the centre of a marker, in marker radii, in addition to the size of the clutter.
 const CLEAR: f64 = 3.0;
-/// Largest number of random positions that are tried for one shape.
+/// Largest number of random positions that are tried for one piece of clutter.
 const MOST_DRAWS: usize = 1000;
-/// Largest deviation of a channel from the nominal colour, grey levels.
+/// Largest deviation of a colour channel from the nominal colour, grey levels.
 const OTHER_SHADE: f64 = 30.0;
+/// Nominal colours of clutter that has none of the markers' colours.
 const GREYS: [Rgb; 2] = [[120, 110, 100], [220, 220, 225]];
 
-/// Paints up to `count` shapes that touch no marker.
+/// Paints up to `count` pieces of clutter, none of which touches a marker.
 pub(super) fn scatter(
     canvas: &mut Rgb32FImage,
     camera: &Camera,
@@ -56,7 +57,7 @@ pub(super) fn scatter(
     }
 }
 
-/// Paints a box of whole pixels; `half` is half of its side, px.
+/// Paints a box that consists of whole pixels. `half` is half of its side, px.
 fn paint_box(canvas: &mut Rgb32FImage, at: &Pixel, half: f64, colour: [f32; 3]) {
     let (width, height) = canvas.dimensions();
     let side = |middle: f64, size: u32| {

@@ -1,14 +1,14 @@
-//! Discs in planes parallel to the finger's, anti-aliased by covered area.
+//! Painting of discs in planes parallel to the finger's plane. A pixel at the edge is mixed by the area that the disc covers.
 
 use super::mix;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use image::Rgb32FImage;
 
-/// Subpixels along each side of a pixel. The centre of a disc of 12 px radius, from its 75 edge pixels, is then accurate to 0.001 px.
+/// Number of subpixels along each side of a pixel. The centre of a disc of 12 px radius, from its 75 edge pixels, is then accurate to 0.001 px.
 const SUBPIXELS: u32 = 32;
 
-/// Paints a disc about a point of the finger frame, mm, at a height above the finger's plane, mm. Omits parts outside the camera's view.
+/// Paints a disc. Its centre is a point of the finger frame (mm), at a height above the finger's plane (mm). Parts that the camera does not see are omitted.
 pub(super) fn paint_disc(
     canvas: &mut Rgb32FImage,
     camera: &Camera,
@@ -17,7 +17,7 @@ pub(super) fn paint_disc(
     colour: [f32; 3],
 ) {
     let Ok((pixel, by_point)) = camera.project_with_derivatives(&centre.push(height_mm)) else { return };
-    // Perspective enlarges the nearer half: a factor of 1.5 suffices for a radius up to a third of the distance.
+    // Perspective enlarges the half of the disc that is nearer to the camera. A factor of 1.5 suffices for a radius up to a third of the distance.
     let px_a_mm = by_point.fixed_columns::<2>(0).singular_values().max();
     let reach = 1.5 * radius_mm * px_a_mm + 2.0;
     let (width, height) = canvas.dimensions();
@@ -27,7 +27,7 @@ pub(super) fn paint_disc(
             let at = Pixel::new(f64::from(u), f64::from(v));
             let Ok((point, by_pixel)) = camera.on_plane_with_derivatives(&at, height_mm) else { continue };
             let from_centre = point - centre;
-            // Upper bound of half the pixel's diagonal in the plane, mm.
+            // Upper bound of the length of half a pixel's diagonal in the plane, mm.
             let half = by_pixel.norm();
             let share = match from_centre.norm() {
                 far if far >= radius_mm + half => continue,
@@ -44,7 +44,7 @@ pub(super) fn paint_disc(
     }
 }
 
-/// Columns and rows of the image within `reach` px of a pixel; `None` if there are none.
+/// Columns and rows of the image within `reach` px of a pixel; `None` if the image contains none of them.
 fn window(
     pixel: &Pixel,
     reach: f64,
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
     use finray_model::camera::{Distortion, Lens, Pose};
 
-    /// Share of a unit pixel that a disc covers, from strips with exact ends.
+    /// Share of a unit pixel that a disc covers, computed from strips with exact ends.
     fn covered(pixel: [f64; 2], centre: &Pixel, radius: f64) -> f64 {
         const STRIPS: u32 = 400;
         let strip = |k: u32| {
@@ -75,7 +75,8 @@ mod tests {
         (0..STRIPS).map(strip).sum::<f64>() / f64::from(STRIPS)
     }
 
-    /// Each pixel has the share that the disc covers, for any subpixel position. The errors shift the disc's centre by less than 1e-3 px.
+    /// Checks that each pixel has the share of the disc that covers it, for any subpixel position. The errors shift the centre of the disc by less than 1e-3
+    /// px.
     #[test]
     fn light_is_that_of_the_disc() {
         let lens = Lens::new([80, 60], [400.0, 400.0], [39.5, 29.5], Distortion::default()).expect("a lens");

@@ -6,20 +6,20 @@ use finray_model::Vector;
 use finray_model::camera::Camera;
 use image::{ImageBuffer, Rgb32FImage, RgbImage};
 
-/// A grid of dots in the plane z = 0.
+/// A grid of dots in the plane z = 0 of the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridPlate {
     /// Distance between neighbouring dots, mm.
     pub pitch_mm: f64,
-    /// Radius of a dot, mm.
+    /// Radius of each dot, mm.
     pub radius_mm: f64,
-    /// Number of dots along x and y; the grid is centred at the origin.
+    /// Number of dots along x and along y. The grid is centred at the origin.
     pub counts: [u16; 2],
-    /// Grey levels of the plate and of the dots, 0 to 255.
+    /// Grey level of the plate and grey level of the dots, 0 to 255 each.
     pub greys: [u8; 2],
 }
 
-/// Renders a grid; `is_hidden` omits the dots at given positions (mm).
+/// Renders a grid. `is_hidden` returns whether to omit the dot at a given position (mm).
 pub fn render_grid(
     camera: &Camera,
     plate: &GridPlate,

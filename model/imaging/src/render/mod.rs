@@ -1,7 +1,7 @@
-//! Rendering of the image that a camera takes of a deformed finger, with known true centres of all markers.
+//! Rendering of the image that a camera takes of a deformed finger, with known true centres of the markers.
 //!
-//! Plates and ribs are strips about the curves of an unloaded beam with the given end positions and rotations. Markers are discs parallel to the finger's
-//! plane; their edge pixels have the share that the disc covers. Light falloff, blur and noise follow, in this order.
+//! Plates and ribs are painted as strips about curves. Each curve is that of an unloaded beam with the given positions and rotations of its ends. Markers are
+//! discs parallel to the finger's plane; their edge pixels are mixed by the area that the disc covers. Light falloff, blur and noise follow, in this order.
 
 mod clutter;
 mod disc;
@@ -21,67 +21,69 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Colours other than those of markers: a dark background and a light finger.
+/// Colour of the background, which is dark.
 const BACKGROUND: Rgb = [64, 68, 74];
+/// Colour of the finger's body, which is light.
 const BODY: Rgb = [186, 188, 190];
-/// Colours of grey markers.
+/// Colour of bright grey markers.
 const BRIGHT: Rgb = [250, 250, 248];
+/// Colour of dark grey markers.
 const DARK: Rgb = [22, 24, 26];
 
-/// Contents of an image, and its disturbances.
+/// Contents of an image to render, and its disturbances.
 #[derive(Debug, Clone, Copy)]
 pub struct RenderRequest<'a> {
-    /// The camera.
+    /// The camera with the pose of the finger frame.
     pub camera: &'a Camera,
-    /// The finger.
+    /// The finger to render.
     pub finger: &'a Finger,
-    /// Motions of its key nodes.
+    /// Motions of the finger's key nodes.
     pub shape: &'a FingerShape,
-    /// Its markers.
+    /// Appearance and size of the finger's markers.
     pub markers: &'a Markers,
-    /// Marks on the base.
+    /// Reference marks on the finger's base.
     pub references: &'a [Reference],
-    /// Nodes whose markers are hidden.
+    /// Nodes whose markers are not painted.
     pub hidden: &'a [NodeId],
     /// Disturbances of the image.
     pub disturbances: Disturbances,
 }
 
-/// Disturbances of an image.
+/// Disturbances of a rendered image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disturbances {
-    /// Loss of light in the corners as a share, 0..1; it grows with the square of the distance from the image's centre.
+    /// Loss of light in the corners of the image as a share, 0..1. The loss grows with the square of the distance from the image's centre.
     pub light_falloff: f64,
-    /// Standard deviation of a Gaussian blur, px.
+    /// Standard deviation of a Gaussian blur of the image, px.
     pub blur_px: f64,
-    /// Standard deviation of the noise on every channel of every pixel, grey levels (of 255).
+    /// Standard deviation of the noise that is added to every channel of every pixel, grey levels (of 255).
     pub grey_noise: f64,
-    /// Number of discs and boxes in the background; half of them have the markers' colours.
+    /// Number of discs and boxes in the background. Half of them have the colours of the markers.
     pub clutter: usize,
     /// Seed of the random numbers for noise and clutter.
     pub seed: u64,
 }
 
-/// The camera does not see the finger.
+/// Error for a camera that does not see the finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum RenderError {
-    /// A node has no pixel.
+    /// A key node has no pixel in the camera.
     #[error("the camera does not see the finger: node {node} {reason}")]
     NotSeen {
-        /// The key node.
+        /// The key node without a pixel.
         node: NodeId,
         /// Reason why the node has no pixel.
         reason: finray_model::camera::ViewError,
     },
-    /// All nodes are outside the image.
+    /// All key nodes are outside the image.
     #[error("the camera does not see the finger: all its nodes are outside the image")]
     Outside,
 }
 
-/// Pixels of all markers' true centres, by node; `height_mm` is the markers' height above the finger's plane.
+/// Pixels of the true centres of all markers, each with its node. `height_mm` is the height of the markers above the finger's plane, mm.
 ///
 /// # Errors
-/// [`RenderError`] for a node without a pixel, or if all nodes lie outside the image.
+/// [`RenderError`] if a node has no pixel, or if all nodes lie outside the image.
 pub fn marker_pixels(
     camera: &Camera,
     finger: &Finger,
@@ -97,7 +99,7 @@ pub fn marker_pixels(
     if seen.iter().any(|(_, pixel)| camera.lens.contains(pixel)) { Ok(seen) } else { Err(RenderError::Outside) }
 }
 
-/// Renders an image.
+/// Renders the image of a finger.
 ///
 /// # Errors
 /// [`RenderError`] if the camera does not see the finger.
@@ -126,7 +128,7 @@ pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
     Ok(developed(canvas, &disturbances))
 }
 
-/// Paints a disc or ring about a point of the finger frame, mm.
+/// Paints a disc or a ring whose centre is a point of the finger frame, mm.
 fn paint_marker(canvas: &mut Rgb32FImage, camera: &Camera, markers: &Markers, centre: Vector, is_front: bool) {
     let at = (centre, markers.height_mm);
     match markers.look {
@@ -147,7 +149,8 @@ fn paint_marker(canvas: &mut Rgb32FImage, camera: &Camera, markers: &Markers, ce
     }
 }
 
-/// Weights of a Gaussian filter with a standard deviation in px, cut at four of them. The filter of imageproc is cut at two and so is too narrow.
+/// Weights of a Gaussian filter with the standard deviation `sd_px` (px), cut off at four standard deviations. The filter of imageproc is cut off at two,
+/// which makes it too narrow.
 fn gaussian(sd_px: f64) -> Vec<f32> {
     let reach = (4.0 * sd_px).ceil() as i32;
     let weight = |step: i32| (-0.5 * (f64::from(step) / sd_px).powi(2)).exp();
@@ -155,7 +158,7 @@ fn gaussian(sd_px: f64) -> Vec<f32> {
     (-reach..=reach).map(|step| (weight(step) / sum) as f32).collect()
 }
 
-/// Applies light falloff, blur and noise, and rounds to 256 grey levels.
+/// Applies light falloff, blur and noise, then rounds to 256 grey levels.
 fn developed(mut canvas: Rgb32FImage, disturbances: &Disturbances) -> RgbImage {
     let (width, height) = canvas.dimensions();
     let middle = [f64::from(width - 1) / 2.0, f64::from(height - 1) / 2.0];
@@ -175,21 +178,21 @@ fn developed(mut canvas: Rgb32FImage, disturbances: &Disturbances) -> RgbImage {
         true => disturbances.grey_noise * Distribution::<f64>::sample(&StandardNormal, &mut chance),
         false => 0.0,
     };
-    // Rounds to the nearest grey level; the conversion saturates at 0 and 255.
+    // Adding 0.5 rounds to the nearest grey level; the conversion saturates at 0 and 255.
     let grey = canvas.iter().map(|&part| (f64::from(part) + noise() + 0.5) as u8).collect::<Vec<_>>();
     let mut image = RgbImage::new(width, height);
     image.copy_from_slice(&grey);
     image
 }
 
-/// A stream of random numbers from a seed.
+/// Stream number `stream` of the random numbers from a seed.
 fn chance(seed: u64, stream: u64) -> ChaCha8Rng {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     chance.set_stream(stream);
     chance
 }
 
-/// Blends a colour into a pixel; `share` is its weight, 0..1.
+/// Blends a colour into a pixel. `share` is the weight of the colour, 0..1.
 fn mix(pixel: &mut [f32; 3], colour: [f32; 3], share: f32) {
     for (part, new) in pixel.iter_mut().zip(colour) {
         *part += share * (new - *part);

@@ -1,4 +1,4 @@
-//! Outlines of plates, ribs and base line in the image.
+//! Outlines of plates, ribs and base line in the image of a finger.
 
 use finray_model::camera::Camera;
 use finray_model::finger::{Joints, Plate};
@@ -6,12 +6,12 @@ use finray_model::mesh::{FingerShape, NodeMotion};
 use finray_model::{Finger, Vector};
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 
-/// Number of points along a member.
+/// Number of points along the curve of a member.
 const POINTS: usize = 24;
-/// Thickness of the base and brackets, and of ribs without a stated thickness, mm.
+/// Thickness of the base line and the brackets, and of ribs without a stated thickness, mm.
 const BASE_THICKNESS_MM: f64 = 3.0;
 
-/// Coverage of each pixel by the finger's body, 0 to 255; `None` for an empty image. Omits parts outside the camera's view.
+/// Share of each pixel that the finger's body covers, 0 to 255; `None` for an empty image. Parts that the camera does not see are omitted.
 pub(super) fn finger_mask(camera: &Camera, finger: &Finger, shape: &FingerShape) -> Option<Mask> {
     let [width, height] = camera.lens.size_px();
     let mut mask = Mask::new(width, height)?;
@@ -23,7 +23,7 @@ pub(super) fn finger_mask(camera: &Camera, finger: &Finger, shape: &FingerShape)
     Some(mask)
 }
 
-/// A segment of a plate or a rib: points of its middle line, and its thickness at both ends, mm.
+/// A segment of a plate, or a rib: points of its middle line (mm), and its thickness at both ends, mm.
 struct Strip {
     middle: Vec<Vector>,
     thickness_mm: [f64; 2],
@@ -67,7 +67,7 @@ fn moved(motion: &NodeMotion) -> Vector {
     motion.position + motion.displacement
 }
 
-/// An end of a member: undeformed and deformed position (mm), and rotation (rad).
+/// An end of a member: its undeformed and deformed position (mm, finger frame), and its rotation (rad).
 #[derive(Debug, Clone, Copy)]
 struct End {
     undeformed: Vector,
@@ -86,8 +86,8 @@ impl End {
     }
 }
 
-/// Points of a member between two ends, mm: the cubic through their positions with their rotated directions, which is the shape of an unloaded
-/// Euler-Bernoulli beam.
+/// Points of a member between two ends, mm. They lie on the cubic through the positions of the ends with the rotated directions there, which is the shape of
+/// an unloaded Euler-Bernoulli beam.
 fn bent([first, second]: [End; 2]) -> Vec<Vector> {
     let (from, to) = (first.at, second.at);
     let along = second.undeformed - first.undeformed;
@@ -106,7 +106,7 @@ fn bent([first, second]: [End; 2]) -> Vec<Vector> {
     (0..POINTS).map(at).collect()
 }
 
-/// Outline of a strip in pixel coordinates whose integers are pixel corners; `None` if the camera does not see a point of it.
+/// Outline of a strip, in pixel coordinates whose integers are the corners of pixels. `None` if the camera does not see one of the points.
 fn path(camera: &Camera, strip: &Strip) -> Option<Path> {
     let count = strip.middle.len();
     let edge = |k: usize, side: f64| {

@@ -1,4 +1,4 @@
-//! What dense layers of a network are evaluated with: products of a matrix with one vector or many, and the hyperbolic tangent.
+//! Evaluation of dense layers of a neural network: products of a matrix with one or many vectors, and the hyperbolic tangent.
 
 mod products;
 mod tanh;

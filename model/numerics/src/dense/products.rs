@@ -1,21 +1,23 @@
-//! y += W x, for one x and for many at once.
+//! Matrix-vector products y += W x, for one vector x (a frame) or for many.
 
 use super::vectors::{Aligned, Number};
 use pulp::Simd;
 
-/// Vectors of outputs in registers while the inputs of a frame stream by: four sums each hide an addition's latency.
+/// Number of SIMD vectors of outputs that stay in registers while the inputs of one frame are read. With four independent sums per vector, the latency of an
+/// addition is hidden.
 const WIDEST_PANEL: usize = 3;
-/// Outputs and vectors of frames in registers while weights stream by: 12 sums, 3 inputs and a weight fill AVX2's 16.
+/// Number of outputs that stay in registers while the weights are read. With [`TILE_VECTORS`], 12 sums, 2 inputs and a weight fit into AVX2's 16 registers.
 const TILE_OUTPUTS: usize = 6;
+/// Number of SIMD vectors of frames that stay in registers while the weights are read.
 const TILE_VECTORS: usize = 2;
 
-/// What is done with a complete sum. No closure: inlining is then not sure, without which it is ten times slower.
+/// Function applied to a complete sum. It is a trait, because closures are not reliably inlined; without inlining it is ten times slower.
 pub trait Finish<N: Number>: Copy {
-    /// The result in each lane.
+    /// Applies the function in each lane of `sum`.
     fn finish<S: Simd>(self, simd: S, sum: N::Vector<S>) -> N::Vector<S>;
 }
 
-/// Leaves the sum as it is.
+/// The identity: it leaves the sum unchanged.
 #[derive(Debug, Clone, Copy)]
 pub struct Linear;
 
@@ -26,37 +28,37 @@ impl<N: Number> Finish<N> for Linear {
     }
 }
 
-/// A matrix in the two orders in which it is read.
+/// A weight matrix W, stored in two orders: one for a single frame, the other for many frames.
 #[derive(Debug, Clone)]
 pub struct Weights<N: Number> {
-    /// Length of x.
+    /// Number of inputs, the length of x.
     inputs: usize,
-    /// Length of y.
+    /// Number of outputs, the length of y.
     outputs: usize,
-    /// For one frame: panels of a few vectors of outputs, by inputs; the last vector is filled up with zeros.
+    /// Order for one frame: panels of one to three SIMD vectors of outputs, by inputs. Zeros fill the last vector.
     panels: Aligned<N>,
-    /// For many frames: tiles of a few outputs, by inputs; the last is filled up with zeros.
+    /// Order for many frames: tiles of `TILE_OUTPUTS` outputs, by inputs. Zeros fill the last tile.
     tiles: Aligned<N>,
 }
 
-/// Frames that the kernels for many frames take at once.
+/// Number of frames that [`Weights::add_products`] processes at once.
 #[inline(always)]
 pub fn tile_frames<N: Number, S: Simd>() -> usize {
     TILE_VECTORS * N::lanes::<S>()
 }
 
-/// The least multiple of the lanes that is not less.
+/// `count` rounded up to a multiple of the number of lanes.
 #[inline(always)]
 pub fn padded<N: Number, S: Simd>(count: usize) -> usize {
     count.next_multiple_of(N::lanes::<S>())
 }
 
-/// Number of outputs that the kernels for many frames write.
+/// Number of outputs that [`Weights::add_products`] writes: `outputs` rounded up to whole tiles.
 pub fn tiled(outputs: usize) -> usize {
     outputs.next_multiple_of(TILE_OUTPUTS)
 }
 
-/// Splits a number of vectors into panels of two or three, one only where there is no other.
+/// Width of the next panel, in SIMD vectors: two or three, and one only for a single vector.
 #[inline(always)]
 fn panel_width(vectors_left: usize) -> usize {
     match vectors_left {
@@ -67,7 +69,7 @@ fn panel_width(vectors_left: usize) -> usize {
 }
 
 impl<N: Number> Weights<N> {
-    /// Orders a matrix for a machine; `weight(output, input)` gives its entries.
+    /// Stores a matrix in the orders of a machine's SIMD width; `weight(output, input)` returns its entries.
     pub fn new<S: Simd>(outputs: usize, inputs: usize, weight: impl Fn(usize, usize) -> N) -> Weights<N> {
         let lanes = N::lanes::<S>();
         let entry = |output: usize, input: usize| if output < outputs { weight(output, input) } else { N::ZERO };
@@ -90,13 +92,13 @@ impl<N: Number> Weights<N> {
         Weights { inputs, outputs, panels, tiles }
     }
 
-    /// Length of y.
+    /// Number of outputs, the length of y.
     pub fn outputs(&self) -> usize {
         self.outputs
     }
 
-    /// y = finish(y + W x) for one frame. `y` has [`padded`] outputs. What comes last is done panel by panel, while the
-    /// weights of the next one are on their way: fetching them is what takes the time.
+    /// Computes y = finish(y + W x) for one frame; `y` has [`padded`] outputs. `finish` runs after each panel, while the weights of the next panel are being
+    /// fetched from memory, which takes most of the time.
     #[inline(always)]
     pub fn add_product<S: Simd>(&self, simd: S, x: &[N], y: &mut [N], finish: impl Finish<N>) {
         let x = &x[..self.inputs];
@@ -115,7 +117,7 @@ impl<N: Number> Weights<N> {
         }
     }
 
-    /// Y += W X for [`tile_frames`] frames. X and Y hold a row of frames for each input and output; Y has [`tiled`] rows.
+    /// Computes Y += W X for [`tile_frames`] frames. X has one row per input and Y one row per output, each with one entry per frame; Y has [`tiled`] rows.
     #[inline(always)]
     pub fn add_products<S: Simd>(&self, simd: S, x: &[N], y: &mut [N]) {
         let x = N::vectors::<S>(x).as_chunks::<TILE_VECTORS>().0;
@@ -136,7 +138,7 @@ impl<N: Number> Weights<N> {
     }
 }
 
-/// y = finish(y + W x) for a panel of `WIDTH` vectors of outputs, with `CHAINS` independent sums for each.
+/// Computes y = finish(y + W x) for a panel of `WIDTH` SIMD vectors of outputs, with `CHAINS` independent sums per vector.
 #[inline(always)]
 fn panel_product<N: Number, S: Simd, const WIDTH: usize, const CHAINS: usize>(
     simd: S,
@@ -162,7 +164,7 @@ fn panel_product<N: Number, S: Simd, const WIDTH: usize, const CHAINS: usize>(
     }
 }
 
-/// Adds what one input contributes to a panel.
+/// Adds the contribution of one input to the sums of a panel.
 #[inline(always)]
 fn add_input<N: Number, S: Simd, const WIDTH: usize>(
     simd: S,

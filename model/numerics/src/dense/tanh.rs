@@ -3,13 +3,15 @@
 use super::products::Finish;
 use pulp::Simd;
 
-/// Beyond this, tanh is 1 within the stated error.
+/// Magnitude to which arguments are clamped; beyond it, tanh is 1 within the stated error.
 const CLAMP: f32 = 8.0;
-/// tanh(x) = x N(x^2) / D(x^2), constant first: a minimax fit over 0..8, error 6e-9, scaled so that f32 rounds least.
+/// Coefficients of N in tanh(x) = x N(x^2) / D(x^2), constant term first. Minimax fit over 0..8 with an error of 6e-9, scaled to minimise the rounding of the
+/// coefficients to f32.
 const NUMERATOR: [f32; 5] = [1.0770481, 0.14477357, 0.0038432276, 2.3523542e-5, 1.6323131e-8];
+/// Coefficients of D in tanh(x) = x N(x^2) / D(x^2), constant term first.
 const DENOMINATOR: [f32; 5] = [1.0770481, 0.5037895, 0.028166784, 0.00036683367, 9.1461675e-7];
 
-/// tanh of every number.
+/// Replaces every number by its hyperbolic tangent.
 #[inline(always)]
 pub fn tanh_all<S: Simd>(simd: S, numbers: &mut [f32]) {
     let (vectors, rest) = S::as_mut_simd_f32s(numbers);
@@ -22,7 +24,7 @@ pub fn tanh_all<S: Simd>(simd: S, numbers: &mut [f32]) {
     }
 }
 
-/// tanh as what comes last in a layer.
+/// The hyperbolic tangent as the last step of a layer.
 #[derive(Debug, Clone, Copy)]
 pub struct Tanh;
 
@@ -33,11 +35,11 @@ impl Finish<f32> for Tanh {
     }
 }
 
-/// tanh of a vector.
+/// Hyperbolic tangent of each lane.
 #[inline(always)]
 fn tanh<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     if S::IS_SCALAR {
-        // Without fused additions f32 would round too much, and one number at a time is as fast in f64.
+        // Without fused multiply-add, f32 would round too much. For one number at a time, f64 is as fast.
         return simd.splat_f32s(tanh_alone(simd.reduce_sum_f32s(x)));
     }
     let clamped = simd.max_f32s(simd.min_f32s(x, simd.splat_f32s(CLAMP)), simd.splat_f32s(-CLAMP));
@@ -46,12 +48,12 @@ fn tanh<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let ratio = simd.div_f32s(numerator, polynomial(simd, square, DENOMINATOR));
     let one = simd.splat_f32s(1.0);
     let value = simd.max_f32s(simd.min_f32s(ratio, one), simd.splat_f32s(-1.0));
-    // Clamping may have turned a NaN into a number. Bits are added: a choice would become a masked store, which is slow.
+    // Clamping may turn a NaN into a number, so NaN is restored. Bits are combined with OR, because a select would become a slow masked store.
     let not_a_number = simd.select_f32s(simd.equal_f32s(x, x), simd.splat_f32s(0.0), simd.splat_f32s(f32::NAN));
     simd.or_f32s(value, not_a_number)
 }
 
-/// The same for one number.
+/// Hyperbolic tangent of one number, computed in f64.
 #[inline(always)]
 fn tanh_alone(x: f32) -> f32 {
     let clamped = f64::from(x.clamp(-CLAMP, CLAMP));
@@ -62,7 +64,7 @@ fn tanh_alone(x: f32) -> f32 {
     (clamped * polynomial(NUMERATOR) / polynomial(DENOMINATOR)).clamp(-1.0, 1.0) as f32
 }
 
-/// A polynomial by Horner's rule, coefficients from the constant up.
+/// Polynomial by Horner's rule; the constant coefficient comes first.
 #[inline(always)]
 fn polynomial<S: Simd>(simd: S, x: S::f32s, coefficients: [f32; 5]) -> S::f32s {
     let [lower @ .., highest] = coefficients;

@@ -1,24 +1,24 @@
-//! Vectors of f32 and f64 under one name, for kernels that take both.
+//! SIMD vectors of f32 and f64 behind one trait, for kernels that support both.
 
 use pulp::Simd;
 
-/// A number of which a machine holds several in a register.
+/// A floating-point type that a SIMD register holds several of.
 pub trait Number: Copy + 'static {
-    /// A register of them.
+    /// A SIMD register of these numbers.
     type Vector<S: Simd>: Copy;
-    /// Zero.
+    /// The number zero.
     const ZERO: Self;
-    /// How many a register holds.
+    /// Number of lanes of a register.
     fn lanes<S: Simd>() -> usize;
-    /// The same number in every lane.
+    /// Returns `value` in every lane.
     fn splat<S: Simd>(simd: S, value: Self) -> Self::Vector<S>;
-    /// a b + c, rounded once where the machine can.
+    /// Returns a b + c in each lane, with one rounding if the machine has fused multiply-add.
     fn mul_add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>, c: Self::Vector<S>) -> Self::Vector<S>;
-    /// a + b.
+    /// Returns a + b in each lane.
     fn add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
-    /// The whole vectors of a slice.
+    /// The slice as whole SIMD vectors; a shorter remainder is omitted.
     fn vectors<S: Simd>(numbers: &[Self]) -> &[Self::Vector<S>];
-    /// The whole vectors of a slice, to be written.
+    /// The slice as whole mutable SIMD vectors; a shorter remainder is omitted.
     fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [Self::Vector<S>];
 }
 
@@ -64,24 +64,24 @@ macro_rules! number {
 number!(f32, f32s, F32_LANES, splat_f32s, mul_add_e_f32s, add_f32s, as_simd_f32s, as_mut_simd_f32s);
 number!(f64, f64s, F64_LANES, splat_f64s, mul_add_e_f64s, add_f64s, as_simd_f64s, as_mut_simd_f64s);
 
-/// Numbers that begin on a cache line, so that no vector lies across two.
+/// Numbers that start on a cache line, so that no SIMD vector spans two lines.
 #[derive(Debug)]
 pub struct Aligned<N> {
-    /// With room to spare.
+    /// Buffer with room for the alignment.
     numbers: Vec<N>,
     start: usize,
     len: usize,
 }
 
-/// Bytes of a cache line.
+/// Size of a cache line, bytes.
 const LINE: usize = 64;
 
 impl<N: Number> Aligned<N> {
-    /// A list of zeros of this length.
+    /// A list of `len` zeros.
     pub fn zeros(len: usize) -> Aligned<N> {
         let room = LINE / size_of::<N>();
         let numbers = vec![N::ZERO; len + room];
-        // The address may be unknowable, as under an interpreter: then any start will do.
+        // If the address is unknown, as in an interpreter, alignment is not needed.
         let start = Some(numbers.as_ptr().align_offset(LINE)).filter(|start| *start <= room).unwrap_or(0);
         Aligned { numbers, start, len }
     }
@@ -92,7 +92,7 @@ impl<N: Number> Aligned<N> {
         &self.numbers[self.start..self.start + self.len]
     }
 
-    /// The numbers, to be written.
+    /// The numbers, mutable.
     #[inline(always)]
     pub fn as_mut_slice(&mut self) -> &mut [N] {
         &mut self.numbers[self.start..self.start + self.len]
@@ -100,7 +100,7 @@ impl<N: Number> Aligned<N> {
 }
 
 impl<N: Number> Clone for Aligned<N> {
-    /// The clone lies elsewhere, so its start is another.
+    /// Copies the numbers; the clone has another address and therefore another offset in its buffer.
     fn clone(&self) -> Aligned<N> {
         let mut clone = Aligned::zeros(self.len);
         clone.as_mut_slice().copy_from_slice(self.as_slice());

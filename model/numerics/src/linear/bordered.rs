@@ -1,4 +1,4 @@
-//! Linear equations of a path: the tangent stiffness bordered by the loads and by the constraint that fixes the step.
+//! Linear equations for a step along an equilibrium path: the tangent stiffness, bordered by the loads and by the constraint on the step length.
 
 use super::IndefiniteFactor;
 
@@ -7,17 +7,17 @@ use super::IndefiniteFactor;
 pub struct Direction {
     /// Change of each unknown, mm or rad.
     pub unknowns: Vec<f64>,
-    /// Change of the load multiple.
+    /// Change of the load multiple, dimensionless.
     pub multiple: f64,
 }
 
 impl Direction {
-    /// The direction times a length.
+    /// Returns the direction multiplied by a factor.
     pub fn scaled(&self, length: f64) -> Direction {
         Direction { unknowns: self.unknowns.iter().map(|u| u * length).collect(), multiple: self.multiple * length }
     }
 
-    /// Adds another direction.
+    /// Adds another direction to this one.
     pub fn add(&mut self, other: &Direction) {
         for (u, v) in self.unknowns.iter_mut().zip(&other.unknowns) {
             *u += v;
@@ -26,14 +26,13 @@ impl Direction {
     }
 }
 
-/// The matrix [K, -f; c^T, d]: K the tangent stiffness (factored), f the forces of the loads taken once, (c, d) the
-/// constraint.
+/// The matrix [K, -f; c^T, d], with the factored tangent stiffness K, the forces f of the loads at multiple 1, and the constraint (c, d).
 ///
-/// At a limit point K alone is singular. Block elimination alone loses there what K^-1 blows up; the mixed form splits
-/// the multiple in two parts, the second correcting the first, and keeps its digits however near K is to singular.
+/// At a limit point K is singular, and plain block elimination loses digits. The mixed form splits the load multiple into two parts, of which the second
+/// corrects the first. It keeps its digits even if K is nearly singular.
 ///
 /// # Requirements
-/// K is symmetric, with at most one eigenvalue near zero, and the constraint is not orthogonal to the path.
+/// K is symmetric and has at most one eigenvalue near zero. The constraint is not orthogonal to the path.
 ///
 /// # Reference
 /// W. Govaerts, Stable solvers and block elimination for bordered systems, SIAM J. Matrix Anal. Appl. 12 (1991)
@@ -42,16 +41,16 @@ pub struct Bordered<'a> {
     factor: &'a IndefiniteFactor,
     load_vector: &'a [f64],
     constraint: &'a Direction,
-    /// K^-1 c; K is symmetric, so this serves for the rows as well.
+    /// K^-1 c, also used as c^T K^-1 because K is symmetric.
     by_constraint: Vec<f64>,
-    /// K^-1 (-f).
+    /// K^-1 (-f), for the forces f of the loads at multiple 1.
     by_loads: Vec<f64>,
-    /// Schur complement d + c^T K^-1 f, from the rows and from the columns.
+    /// Schur complement d + c^T K^-1 f, computed from the rows and from the columns.
     pivots: [f64; 2],
 }
 
 impl<'a> Bordered<'a> {
-    /// Eliminates K. `None` if a number is not finite.
+    /// Eliminates K. Returns `None` if a result is not finite.
     pub fn new(
         factor: &'a IndefiniteFactor,
         load_vector: &'a [f64],
@@ -68,7 +67,7 @@ impl<'a> Bordered<'a> {
         Some(Bordered { factor, load_vector, constraint, by_constraint, by_loads, pivots })
     }
 
-    /// Solves for the right-hand side (`forces`, `length`). `None` if the result is not finite.
+    /// Solves for the right-hand side (`forces`, `length`): one force per equation, and the length of the step. Returns `None` if the result is not finite.
     pub fn solve(&self, forces: &[f64], length: f64) -> Option<Direction> {
         let first = (length - dot(&self.by_constraint, forces)) / self.pivots[0];
         let mut unknowns: Vec<f64> = forces.iter().zip(self.load_vector).map(|(r, f)| r + f * first).collect();

@@ -1,4 +1,4 @@
-//! Sparse Cholesky factorisation (faer), the ordering found once.
+//! Sparse Cholesky factorisation (faer). The fill-reducing ordering is computed once.
 
 use faer::Side;
 use faer::linalg::solvers::Solve;
@@ -7,7 +7,7 @@ use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use sprs::CsMat;
 
-/// A fill-reducing order of the unknowns and, after [`factorise`](Cholesky::factorise), the factor L of K = L L^T.
+/// A fill-reducing ordering of the unknowns and, after [`factorise`](Cholesky::factorise), the factor L of K = L L^T.
 #[derive(Debug, Clone, Default)]
 pub struct Cholesky {
     symbolic: Option<SymbolicLlt<usize>>,
@@ -15,7 +15,7 @@ pub struct Cholesky {
 }
 
 impl Cholesky {
-    /// Choleskyises a symmetric matrix; `false` if it is not positive definite (or not finite), which leaves no factor.
+    /// Factorises a symmetric matrix. Returns `false` and keeps no factor if the matrix is not positive definite or not finite.
     pub fn factorise(&mut self, matrix: &CsMat<f64>) -> bool {
         self.numeric = None;
         let count = matrix.rows();
@@ -30,19 +30,19 @@ impl Cholesky {
         self.numeric.is_some()
     }
 
-    /// Drops the factor and keeps the order.
+    /// Drops the factor and keeps the ordering.
     pub fn forget(&mut self) {
         self.numeric = None;
     }
 
-    /// Whether the last factorisation succeeded.
+    /// Whether a factor exists: the last factorisation succeeded and was not dropped.
     pub fn is_there(&self) -> bool {
         self.numeric.is_some()
     }
 
-    /// Overwrites each column of `columns` (stored one after the other) with K^-1 times it.
+    /// Overwrites each column x of `columns` with K^-1 x; columns are stored one after the other and have `unknowns` entries each.
     ///
-    /// Returns `false`, leaving the columns alone, if there is no factor or a result is not finite.
+    /// Returns `false` and leaves the columns unchanged if there is no factor or a result is not finite.
     pub fn solve_in_place(&self, columns: &mut [f64], unknowns: usize) -> bool {
         let Some(numeric) = &self.numeric else { return false };
         if unknowns == 0 {

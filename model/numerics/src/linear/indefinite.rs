@@ -1,4 +1,4 @@
-//! Sparse LDL^T factorisation of a symmetric matrix that need not be definite (faer), with the signs of its pivots.
+//! Sparse LDL^T factorisation of a symmetric, possibly indefinite matrix (faer), with the signs of its pivots.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -13,10 +13,10 @@ use faer::{Conj, Par, Side};
 use sprs::CsMat;
 use std::sync::Arc;
 
-/// The factors K = L D L^T, with D diagonal; the order of the unknowns is found at the first factorisation.
+/// The factors of K = L D L^T with diagonal D. The ordering of the unknowns is computed at the first factorisation.
 ///
-/// By Sylvester's law of inertia K has as many negative eigenvalues as D has negative entries. No pivots are chosen: a
-/// nearly singular matrix may cost digits, which Newton's method wins back by its residual.
+/// By Sylvester's law of inertia, K has as many negative eigenvalues as D has negative entries. The factorisation does not pivot, so a nearly singular matrix
+/// may cost digits. Newton's method recovers them by its residual.
 #[derive(Debug, Clone, Default)]
 pub struct IndefiniteFactor {
     symbolic: Option<Arc<SymbolicCholesky<usize>>>,
@@ -24,13 +24,13 @@ pub struct IndefiniteFactor {
 }
 
 impl IndefiniteFactor {
-    /// Factorises a matrix of unchanging pattern and counts negative pivots. `None` if one is zero or not finite.
+    /// Factorises a matrix whose sparsity pattern never changes. Returns the number of negative pivots, or `None` if a pivot is zero or not finite.
     pub fn factorise(&mut self, matrix: &CsMat<f64>) -> Option<usize> {
         let count = matrix.rows();
         let indptr = matrix.indptr();
         let pattern = SymbolicSparseColMatRef::new_checked(count, count, indptr.raw_storage(), None, matrix.indices());
         if self.symbolic.is_none() {
-            // Column by column, so that the pivots are found at the head of each column of L.
+            // The simplicial method stores each pivot at the head of its column of L.
             let params = CholeskySymbolicParams {
                 supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
                 ..CholeskySymbolicParams::default()
@@ -56,20 +56,20 @@ impl IndefiniteFactor {
         self.pivots()?.try_fold(0, |negative, pivot| pivot.is_finite().then_some(negative + usize::from(pivot < 0.0)))
     }
 
-    /// The diagonal of D: at the head of each column of L.
+    /// The diagonal of D, stored at the head of each column of L.
     fn pivots(&self) -> Option<impl Iterator<Item = f64>> {
         let SymbolicCholeskyRaw::Simplicial(columns) = self.symbolic.as_ref()?.raw() else { return None };
         let heads = columns.col_ptr();
         Some(heads[..heads.len() - 1].iter().map(|&head| self.values[head]))
     }
 
-    /// Natural logarithm of the determinant; `None` without factors, or if it is not positive.
+    /// Natural logarithm of the determinant; `None` without factors, or if any pivot is not positive.
     pub fn log_determinant(&self) -> Option<f64> {
         let sum: f64 = self.pivots()?.map(f64::ln).sum();
         sum.is_finite().then_some(sum)
     }
 
-    /// Overwrites a vector with K^-1 times it; `None` without factors, or if the result is not finite.
+    /// Overwrites a vector x with K^-1 x; `None` without factors, or if the result is not finite.
     pub fn solve_in_place(&self, vector: &mut [f64]) -> Option<()> {
         let symbolic = self.symbolic.as_ref()?;
         let need = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);

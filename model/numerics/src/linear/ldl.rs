@@ -1,10 +1,10 @@
-//! L D L^T of a small symmetric matrix, of a size known when compiling: no pivoting, no heap.
+//! L D L^T factorisation of a small symmetric matrix of fixed size, without pivoting and without heap memory.
 //!
-//! Matrices are plain arrays of rows: with sizes and indices known when compiling, nothing is checked at run time.
+//! Matrices are arrays of rows. Sizes and indices are compile-time constants, so indices need no checks at run time.
 
 use crate::number::Number;
 
-/// Copies one lane.
+/// Copies the numbers in one SIMD lane to `one`.
 #[inline(always)]
 pub fn copy_lane<R: Number, const N: usize>(numbers: &[R; N], lane: usize, one: &mut [f64; N]) {
     for i in 0..N {
@@ -12,24 +12,24 @@ pub fn copy_lane<R: Number, const N: usize>(numbers: &[R; N], lane: usize, one: 
     }
 }
 
-/// Unit lower triangle and diagonal of K = L D L^T.
+/// Unit lower triangle L and diagonal D of K = L D L^T.
 #[derive(Debug, Clone, Copy)]
 pub struct Ldl<R: Number, const N: usize> {
-    /// Rows of L^T; what stands on and below the diagonal is not read.
+    /// Rows of L^T above the diagonal; entries on and below the diagonal are not valid.
     upper: [[R; N]; N],
     inverse_diagonal: [R; N],
-    /// Where all pivots are positive: K is positive definite.
+    /// Lanes in which all pivots are positive, so that K is positive definite.
     pub positive: R::Mask,
 }
 
 impl<R: Number, const N: usize> Ldl<R, N> {
-    /// No factor yet, in numbers like the one given.
+    /// No factor yet, in the number type of `like`.
     #[inline(always)]
     pub fn empty(like: R) -> Ldl<R, N> {
         Ldl { upper: [[like.zero(); N]; N], inverse_diagonal: [like.zero(); N], positive: like.always() }
     }
 
-    /// Copies one lane.
+    /// Copies the factor in one SIMD lane to `one`.
     #[inline(always)]
     pub fn copy_lane(&self, lane: usize, one: &mut Ldl<f64, N>) {
         one.positive = true;
@@ -42,7 +42,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         }
     }
 
-    /// Factorises; only the upper triangle is read. In place, since moving a factor costs as much as making it.
+    /// Factorises a matrix, of which only the upper triangle is read. Works in place, because moving a factor takes as long as computing it.
     #[inline(always)]
     pub fn factorise(&mut self, matrix: &[[R; N]; N]) {
         self.upper = *matrix;
@@ -51,7 +51,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         self.positive = zero.always();
         for j in 0..N {
             let row = self.upper[j];
-            // A pivot that is not a number compares as false.
+            // A NaN pivot compares as false.
             self.positive = zero.both(self.positive, row[j].exceeds(zero));
             let inverse = one / row[j];
             self.inverse_diagonal[j] = inverse;
@@ -65,10 +65,10 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         }
     }
 
-    /// Overwrites each of M columns with L^-1 times it.
+    /// Overwrites each of the M columns x with L^-1 x.
     #[inline(always)]
     pub fn forward<const M: usize>(&self, columns: &mut [[R; M]; N]) {
-        // Single numbers go through one instruction as neighbours in a row; of lanes, a column fits into the registers.
+        // For scalars, one instruction processes neighbours in a row. For lanes, one column fits into the registers.
         if R::LANES == 1 {
             self.forward_from::<M, M>(columns, 0);
         } else {
@@ -78,7 +78,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         }
     }
 
-    /// The same for some of the columns.
+    /// Same as [`forward`](Ldl::forward), for the `COUNT` columns from `first`.
     #[inline(always)]
     fn forward_from<const M: usize, const COUNT: usize>(&self, columns: &mut [[R; M]; N], first: usize) {
         let mut x: [[R; COUNT]; N] = std::array::from_fn(|i| std::array::from_fn(|k| columns[i][first + k]));
@@ -99,7 +99,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         }
     }
 
-    /// Where each pivot is larger than a limit of its own.
+    /// Lanes in which each pivot exceeds its limit.
     #[inline(always)]
     pub fn pivots_exceed(&self, limits: &[R; N]) -> R::Mask {
         let one = limits[0].constant(1.0);
@@ -110,7 +110,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         exceed
     }
 
-    /// Logarithm of the determinant; not a number if a pivot is negative.
+    /// Natural logarithm of the determinant; NaN if a pivot is negative.
     pub fn log_determinant(&self) -> R {
         let mut sum = self.inverse_diagonal[0].zero();
         for inverse in &self.inverse_diagonal {
@@ -119,7 +119,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         sum
     }
 
-    /// L^-1 times a vector.
+    /// Returns L^-1 x for a vector x.
     #[inline(always)]
     pub fn forward_vector(&self, right: &[R; N]) -> [R; N] {
         let mut x = *right;
@@ -132,7 +132,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         x
     }
 
-    /// L^-T times a vector.
+    /// Returns L^-T x for a vector x.
     #[inline(always)]
     pub fn backward(&self, right: &[R; N]) -> [R; N] {
         let mut x = *right;
@@ -145,7 +145,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         x
     }
 
-    /// D^-1 times a vector.
+    /// Returns D^-1 x for a vector x.
     #[inline(always)]
     pub fn divided(&self, right: &[R; N]) -> [R; N] {
         let mut x = *right;

@@ -1,4 +1,5 @@
-//! Factors of symmetric matrices: small, of known size ([`Ldl`]), and sparse, definite ([`Cholesky`]) or not ([`IndefiniteFactor`]).
+//! Factorisations of symmetric matrices: small ones of fixed size ([`Ldl`]), and sparse ones that are positive definite ([`Cholesky`]) or indefinite
+//! ([`IndefiniteFactor`]).
 
 mod bordered;
 mod cholesky;

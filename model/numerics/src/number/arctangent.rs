@@ -1,16 +1,17 @@
-//! The angle of a vector, by operations that are the same for one number and for lanes.
+//! Angle of a vector, with the same operations for one number and for lanes.
 
 use super::Number;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Slopes up to this one need no reduction.
+/// Slopes y / x up to this value need no range reduction.
 const SHALLOW: f64 = 0.66;
-/// tan(3 pi / 8): from here on the angle is measured from a right angle, up to here from half of one.
+/// tan(3 pi / 8). The angle is measured from pi / 2 for larger slopes, and from pi / 4 for smaller ones that need a reduction.
 const STEEP: f64 = 2.414_213_562_373_095;
-/// What pi / 2 has beyond double precision; pi / 4 and pi have half and twice as much.
+/// pi / 2 minus its double-precision value. The remainders of pi / 4 and pi are half and twice as large.
 const REST_OF_FRAC_PI_2: f64 = 6.123_233_995_736_766e-17;
 
-/// atan(t) = t + t^3 P(t^2) / Q(t^2) for |t| <= 0.66, to 2e-16 of it. The highest power comes first; Q begins with 1.
+/// atan(t) = t + t^3 P(t^2) / Q(t^2) for |t| <= 0.66, with a relative error of 2e-16. The highest power comes first. The leading coefficient 1 of Q is
+/// omitted.
 ///
 /// Source: Moshier, Cephes Mathematical Library (1989), `atan`.
 const P: [f64; 5] = [
@@ -28,12 +29,12 @@ const Q: [f64; 5] = [
     1.945_506_571_482_614e2,
 ];
 
-/// The angle of the vector (x, y), rad, in [-pi, pi], to 4e-16 of it; not a number for a vector without length.
+/// Angle of the vector (x, y) from the x axis, rad, in [-pi, pi], with a relative error of 4e-16; NaN for the zero vector.
 #[inline(always)]
 pub fn arctangent<R: Number>(y: R, x: R) -> R {
     let zero = y.zero();
     let (a, b) = (y.abs(), x.abs());
-    // Of vectors to the left or upright, none is shallow.
+    // Vectors to the left and vertical ones never pass this test.
     if zero.everywhere((x * SHALLOW).exceeds(a)) {
         return of_slope(y / x);
     }
@@ -52,7 +53,7 @@ pub fn arctangent<R: Number>(y: R, x: R) -> R {
 
 #[inline(always)]
 fn of_slope<R: Number>(t: R) -> R {
-    // In pairs of powers (Estrin): half as many operations wait for each other.
+    // Powers are combined in pairs (Estrin's scheme), which halves the chain of dependent operations.
     let z = t * t;
     let (z2, z4) = (z * z, z * z * (z * z));
     let p = z4 * P[0] + (z * P[1] + P[2]) * z2 + (z * P[3] + P[4]);

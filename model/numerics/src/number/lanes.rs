@@ -1,4 +1,4 @@
-//! Several numbers in one register of the machine.
+//! Several numbers in one SIMD register.
 
 use super::Number;
 use pulp::Simd;
@@ -7,19 +7,19 @@ use std::fmt;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use std::slice;
 
-/// The bit of a number's sign.
+/// The sign bit of an f64.
 const SIGN: u64 = 1 << 63;
 
-/// As many numbers as a register of the machine holds: 4 with AVX2, 1 where nothing is known of the machine.
+/// As many numbers as a SIMD register holds: 4 with AVX2, 1 on a machine with unknown instructions.
 #[derive(Clone, Copy)]
 pub struct Lanes<S: Simd> {
-    /// The machine's instructions; takes no room.
+    /// Token for the SIMD instructions of the machine; it needs no memory.
     simd: S,
     values: S::f64s,
 }
 
 impl<S: Simd> Lanes<S> {
-    /// The same number in every lane.
+    /// Returns `value` in every lane.
     #[inline(always)]
     pub fn splat(simd: S, value: f64) -> Lanes<S> {
         Lanes { simd, values: simd.splat_f64s(value) }
@@ -30,7 +30,7 @@ impl<S: Simd> Lanes<S> {
         Lanes { simd: self.simd, values }
     }
 
-    /// All lanes in their order.
+    /// The numbers in the order of the lanes.
     #[inline(always)]
     fn as_slice(&self) -> &[f64] {
         cast_slice(slice::from_ref(&self.values))
@@ -93,7 +93,7 @@ impl<S: Simd> Neg for Lanes<S> {
 
     #[inline(always)]
     fn neg(self) -> Lanes<S> {
-        // Not `neg_f64s`, `abs_f64s` and `select_f64s`: those are compiled apart, without the machine's instructions, and called.
+        // `neg_f64s`, `abs_f64s` and `select_f64s` are compiled separately, without the machine's instructions, and would be called as functions.
         self.with(self.simd.xor_f64s(self.values, self.simd.splat_f64s(-0.0)))
     }
 }
@@ -119,7 +119,7 @@ impl<S: Simd> Number for Lanes<S> {
 
     #[inline(always)]
     fn larger(self, other: Lanes<S>) -> Lanes<S> {
-        // Instructions differ in what they make of a number that is none; selections do not.
+        // SIMD maximum instructions differ in their result for NaN; selections do not.
         let self_or_other = Lanes::select(self.exceeds(other), self, other);
         Lanes::select(other.or_above(other), self_or_other, self)
     }
@@ -187,7 +187,7 @@ impl<S: Simd> Number for Lanes<S> {
 }
 
 impl<S: Simd> Lanes<S> {
-    /// Where it is as large or larger; a number is, against itself, and what is no number is not.
+    /// Lanes in which `self` is at least `other`; `false` if either is NaN. Comparing a number with itself thus detects NaN.
     #[inline(always)]
     fn or_above(self, other: Lanes<S>) -> S::m64s {
         self.simd.greater_than_or_equal_f64s(self.values, other.values)

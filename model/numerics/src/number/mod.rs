@@ -1,8 +1,7 @@
-//! What equations are written in: one number, or several side by side that go through the same instructions.
+//! Number type of the equations: one number, or several SIMD lanes that run through the same instructions.
 //!
-//! Both compute alike: additions, products, quotients and roots are rounded each by itself (nothing is contracted to a
-//! fused multiply-add), and other functions are evaluated by the same operations. So a lane of [`Lanes`] holds, bit for
-//! bit, what an `f64` would, whatever its neighbours hold and whatever the machine.
+//! Scalars and lanes give bitwise equal results. Sums, products, quotients and roots are rounded separately, without fused multiply-add, and other functions
+//! use the same operations. A lane of [`Lanes`] therefore holds the same bits as an `f64`, independent of its neighbours and of the machine.
 
 mod arctangent;
 mod lanes;
@@ -16,7 +15,7 @@ use nalgebra::Scalar;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A real number, or several: one a lane.
+/// A real number, or several: one per lane.
 pub trait Number:
     Scalar
     + Copy
@@ -32,39 +31,39 @@ pub trait Number:
     + Add<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// A truth value a lane.
+    /// A truth value per lane.
     type Mask: Copy + Debug;
-    /// How many numbers there are.
+    /// Number of lanes; 1 for a scalar.
     const LANES: usize;
 
-    /// Another number, the same in each lane. Not from nothing: only a number knows by what instructions it computes.
+    /// Returns `value` in each lane. Takes `self`, because only an existing number knows the SIMD instructions to use.
     fn constant(self, value: f64) -> Self;
 
-    /// The square root.
+    /// Square root in each lane.
     fn sqrt(self) -> Self;
 
-    /// The absolute value.
+    /// Absolute value in each lane.
     fn abs(self) -> Self;
 
-    /// The larger of two; the other one where one is not a number.
+    /// The larger of two numbers in each lane; if one of them is NaN, the other one.
     fn larger(self, other: Self) -> Self;
 
-    /// Another number: in each lane what is given for it.
+    /// Returns `number(lane)` in each lane.
     fn of_lanes(self, number: impl Fn(usize) -> f64) -> Self;
 
-    /// A function of one number, lane by lane.
+    /// Applies a scalar function lane by lane.
     fn each(self, function: impl Fn(f64) -> f64) -> Self;
 
-    /// Where it is larger; `false` where one is not a number.
+    /// Lanes in which `self` is larger than `other`; `false` if either is NaN.
     fn exceeds(self, other: Self) -> Self::Mask;
 
-    /// `yes` where the mask holds, else `no`.
+    /// Returns `yes` in the lanes of the mask and `no` in the others.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// Where both hold.
+    /// Lanes in which both masks hold.
     fn both(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
 
-    /// Where one of them holds.
+    /// Lanes in which at least one mask holds.
     fn either(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
 
     /// Whether a mask holds in any lane.
@@ -73,13 +72,13 @@ pub trait Number:
     /// Whether a mask holds in all lanes.
     fn everywhere(self, mask: Self::Mask) -> bool;
 
-    /// Whether a mask holds in a lane.
+    /// Whether a mask holds in the given lane.
     fn holds(self, mask: Self::Mask, lane: usize) -> bool;
 
-    /// The number in a lane.
+    /// The number in the given lane.
     fn lane(&self, lane: usize) -> f64;
 
-    /// Overwrites the number in a lane.
+    /// Overwrites the number in the given lane.
     fn set_lane(&mut self, lane: usize, value: f64);
 
     /// Zero in each lane.
@@ -88,7 +87,7 @@ pub trait Number:
         self.constant(0.0)
     }
 
-    /// A mask that holds everywhere.
+    /// A mask that holds in all lanes.
     #[inline(always)]
     fn always(self) -> Self::Mask {
         self.constant(1.0).exceeds(self.constant(0.0))

@@ -1,9 +1,9 @@
-//! How far the end of a lever goes as it turns, by operations that are the same for one number and for lanes.
+//! Sine and versine, the displacement of the end of a rotating lever, with the same operations for one number and for lanes.
 
 use super::Number;
 use std::f64::consts::FRAC_PI_4;
 
-/// sin(t) = t + t^3 S(t^2) and cos(t) = 1 - t^2 / 2 + t^4 C(t^2) for |t| <= pi / 4, to 1.1e-16. The highest power comes first.
+/// sin(t) = t + t^3 S(t^2) and cos(t) = 1 - t^2 / 2 + t^4 C(t^2) for |t| <= pi / 4, with an error of 1.1e-16. The highest power comes first.
 ///
 /// Source: Moshier, Cephes Mathematical Library (1989), `sin`.
 const S: [f64; 6] = [
@@ -23,10 +23,10 @@ const C: [f64; 6] = [
     4.166_666_666_666_659_5e-2,
 ];
 
-/// sin(t) and 1 - cos(t) of an angle in rad, each with a relative error of at most 5e-16; up to pi / 4 without a call.
+/// sin(t) and 1 - cos(t) of an angle in rad, each with a relative error of at most 5e-16. Up to pi / 4 no library function is called.
 #[inline(always)]
 pub fn sine_and_versine<R: Number>(t: R) -> (R, R) {
-    // In pairs of powers (Estrin): half as many operations wait for each other.
+    // Powers are combined in pairs (Estrin's scheme), which halves the chain of dependent operations.
     let z = t * t;
     let (z2, z4) = (z * z, z * z * (z * z));
     let s = (z * S[0] + S[1]) * z4 + (z * S[2] + S[3]) * z2 + (z * S[4] + S[5]);

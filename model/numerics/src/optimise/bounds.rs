@@ -1,28 +1,28 @@
-//! How far a step may go.
+//! Bounds on the step of a search.
 
 use nalgebra::DVector;
 
-/// Bounds of the change of each unknown in a step from one point. They hold an unknown within its range, if they are taken
-/// from where it is, and a step within the range where the linearised problem is worth something.
+/// Bounds on the change of each unknown in a step from one point. Computed from the current values, they keep the unknowns within their ranges. They also
+/// keep the step within the range in which the linearised problem is a good approximation.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StepBounds {
-    /// Unknown, most negative and most positive change.
+    /// Index of an unknown, with its most negative and its most positive change.
     bounds: Vec<(usize, [f64; 2])>,
 }
 
 impl StepBounds {
-    /// All of so many unknowns change by no more than `largest` in a step.
+    /// Bounds the change of each of `unknowns` unknowns to `largest` in magnitude.
     pub fn within(unknowns: usize, largest: f64) -> StepBounds {
         StepBounds { bounds: (0..unknowns).map(|unknown| (unknown, [-largest, largest])).collect() }
     }
 
-    /// The same with a further bound: an unknown of this value stays between two others.
+    /// Adds a bound: the unknown, whose current value is `value`, stays between `least` and `most`.
     pub fn and(mut self, unknown: usize, value: f64, [least, most]: [f64; 2]) -> StepBounds {
         self.bounds.push((unknown, [least - value, most - value]));
         self
     }
 
-    /// The first bound that is met on the straight line from a step to another one, by unknowns that are not held yet.
+    /// The first bound that the straight line from step `from` to step `to` meets, among unknowns that are not yet held at a bound.
     pub(super) fn first_met(&self, from: &DVector<f64>, to: &DVector<f64>, is_held: &[bool]) -> Option<MetBound> {
         let met = |&(unknown, [least, most]): &(usize, [f64; 2])| {
             let bound = if to[unknown] < least { least } else { most };
@@ -34,7 +34,7 @@ impl StepBounds {
     }
 }
 
-/// A bound that a line meets, and at which share of its length.
+/// A bound that a line meets, and the share of the line's length before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MetBound {
     pub unknown: usize,

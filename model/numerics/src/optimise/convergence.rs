@@ -1,17 +1,17 @@
-//! When a search has converged.
+//! Convergence criteria of a search.
 
-/// Decrease at which a search ends unless told otherwise: the unknowns are then within 1e-6 of their standard deviations.
+/// Default limit of the relative decrease: at the end of the search, the unknowns are within 1e-6 standard deviations of the minimum.
 const RELATIVE_DECREASE: f64 = 2e-13;
 
-/// Limits below which the next step is too small to count. Either ends the search.
+/// Limits below which the next step counts as negligible. A search ends when either limit is met.
 ///
 /// # Reference
 /// The decrease is the squared relative offset of Bates and Watts, Nonlinear Regression Analysis, sec. 2.2.3.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Convergence {
-    /// Predicted decrease of the sum of squares, as a share of a reference: the sum of squares or a variance.
+    /// Limit of the predicted decrease of the sum of squares, as a share of a reference: the sum of squares or a variance.
     pub relative_decrease: f64,
-    /// Largest change of an unknown. 0 where unknowns have different units, and none of them is this limit's.
+    /// Limit of the largest change of an unknown, in the unknown's unit. 0 disables the limit, for unknowns of different units.
     pub step: f64,
 }
 
@@ -22,13 +22,13 @@ impl Default for Convergence {
 }
 
 impl Convergence {
-    /// Whether a predicted decrease is too small to count beside a reference.
+    /// Whether a predicted decrease is negligible compared with a reference.
     #[inline]
     pub fn is_small_decrease(&self, decrease: f64, reference: f64) -> bool {
         decrease <= self.relative_decrease * reference
     }
 
-    /// Whether the largest change of an unknown is too small to count.
+    /// Whether the largest change of an unknown is negligible.
     #[inline]
     pub fn is_small_step(&self, largest_change: f64) -> bool {
         largest_change <= self.step

@@ -1,6 +1,6 @@
-//! The linear problem of a step: small dense least squares, solved in place again and again without touching the heap.
+//! Small dense linear least squares, solved repeatedly in place without heap allocation.
 
-/// Minimises |A x - b|, with the columns of A and b stored one after the other.
+/// Minimises |A x - b|; the columns of A and then b are stored one after the other.
 ///
 /// # Reference
 /// Modified Gram-Schmidt with b as the last column (Bjorck, Numerical Methods for Least Squares Problems, sec. 2.4).
@@ -8,17 +8,17 @@
 pub struct GramSchmidt {
     rows: usize,
     unknowns: usize,
-    /// Columns of A, then b; orthogonalised by [`solve`](GramSchmidt::solve).
+    /// Columns of A, then b; [`solve`](GramSchmidt::solve) orthogonalises them.
     columns: Vec<f64>,
-    /// Upper triangle R of A = Q R, column after column.
+    /// Upper triangle R of A = Q R, column by column.
     triangle: Vec<f64>,
     solution: Vec<f64>,
-    /// |A x|^2.
+    /// |A x|^2 at the solution.
     explained: f64,
 }
 
 impl GramSchmidt {
-    /// Makes room for a problem and sets it to zero.
+    /// Allocates room for `rows` equations and `unknowns` unknowns if needed, and sets all entries to zero.
     pub fn reset(&mut self, rows: usize, unknowns: usize) {
         (self.rows, self.unknowns) = (rows, unknowns);
         for (values, count) in [
@@ -31,13 +31,13 @@ impl GramSchmidt {
         }
     }
 
-    /// A column of A, or b where `column` is the number of unknowns.
+    /// A column of A; b if `column` equals the number of unknowns.
     #[inline]
     pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
         &mut self.columns[column * self.rows..][..self.rows]
     }
 
-    /// Solves; `None` if the columns are not independent numbers.
+    /// Solves for x; `None` if the columns are linearly dependent or a result is not finite.
     pub fn solve(&mut self) -> Option<&[f64]> {
         let (rows, unknowns) = (self.rows, self.unknowns);
         for k in 0..unknowns {
@@ -58,7 +58,7 @@ impl GramSchmidt {
                 }
             }
         }
-        // Until it is substituted back, the solution holds Q^T b.
+        // Before back substitution, the solution holds Q^T b.
         self.explained = self.solution.iter().map(|x| x * x).sum();
         for k in (0..unknowns).rev() {
             for j in k + 1..unknowns {
@@ -69,13 +69,13 @@ impl GramSchmidt {
         self.solution.iter().all(|x| x.is_finite()).then_some(&self.solution)
     }
 
-    /// |A x|^2 of the solution x: by so much it makes |b|^2 smaller.
+    /// |A x|^2 at the solution x: the amount by which x reduces |b|^2.
     #[inline]
     pub fn explained(&self) -> f64 {
         self.explained
     }
 
-    /// R of A = Q R, column after column.
+    /// Upper triangle R of A = Q R, column by column.
     #[inline]
     pub fn triangle(&self) -> &[f64] {
         &self.triangle

@@ -1,30 +1,30 @@
-//! The method of Levenberg and Marquardt.
+//! The Levenberg-Marquardt method.
 
 use super::damping::Damping;
 use super::normal_equations::{NormalEquations, Residuals};
 use super::{Convergence, LeastSquaresProblem, Refusal, covariance};
 use nalgebra::{DMatrix, DVector};
 
-/// Damping of the first step unless told otherwise.
+/// Default damping of the first step.
 const FIRST_DAMPING: f64 = 1e-3;
-/// Steps of a search, those that were not taken included, unless told otherwise.
+/// Default number of steps of a search, including rejected steps.
 const MOST_STEPS: usize = 200;
 
-/// Damped least squares: Gauss-Newton steps, shortened where they do not lower the sum of squares.
+/// Damped least squares: Gauss-Newton steps, shortened if they do not reduce the sum of squares.
 ///
 /// # Requirements
-/// A start at which the problem has residuals. The nearest minimum is found, which need not be the lowest.
+/// The problem has residuals at the start. The search finds a local minimum near the start, which need not be the global one.
 ///
 /// # Reference
-/// Nocedal and Wright, Numerical Optimization, 2nd ed., sec. 10.3; damping scaled by the diagonal of the normal equations
-/// (Marquardt 1963), lowered after a taken step and raised after another (Transtrum and Sethna, arXiv:1201.5885, sec. 2).
+/// Nocedal and Wright, Numerical Optimization, 2nd ed., sec. 10.3. The damping is scaled by the diagonal of the normal equations (Marquardt 1963), lowered
+/// after an accepted and raised after a rejected step (Transtrum and Sethna, arXiv:1201.5885, sec. 2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevenbergMarquardt {
-    /// Where the search ends.
+    /// Convergence criteria.
     pub convergence: Convergence,
     /// Damping of the first step, as a share of the diagonal of the normal equations; 0 for a Gauss-Newton step.
     pub first_damping: f64,
-    /// Steps that are tried.
+    /// Largest number of steps, including rejected steps.
     pub most_steps: usize,
 }
 
@@ -34,29 +34,29 @@ impl Default for LevenbergMarquardt {
     }
 }
 
-/// How a search ended.
+/// The way in which a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// The next step would be too small to count.
+    /// The next step would be negligible.
     Converged,
-    /// No step lowers the sum of squares, however short: rounding, or derivatives that are wrong.
+    /// No step, however short, reduces the sum of squares. Causes are rounding or wrong derivatives.
     NoStepHelps,
-    /// The steps were used up.
+    /// The largest number of steps was reached.
     StepsUsedUp,
 }
 
-/// A point of a problem and the problem linearised there.
+/// Result of a search: a point, and the problem linearised there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit<P> {
-    /// The unknowns.
+    /// The unknowns at the last accepted point.
     pub point: P,
-    /// Sum of squared residuals, priors included.
+    /// Sum of squared residuals, including priors; dimensionless.
     pub squares: f64,
-    /// The residuals, priors last.
+    /// The residuals in units of their standard deviations; the priors' come last.
     pub residual: DVector<f64>,
-    /// Their derivatives by a step.
+    /// Derivatives of the residuals by the unknowns: one row per residual, one column per unknown.
     pub jacobian: DMatrix<f64>,
-    /// Times that the problem was linearised and solved for a step.
+    /// Number of points at which the problem was linearised.
     pub iterations: usize,
     /// How the search ended.
     pub outcome: Outcome,
@@ -68,17 +68,17 @@ impl<P> Fit<P> {
         self.outcome == Outcome::Converged
     }
 
-    /// See [`covariance`](super::covariance()).
+    /// Covariance of the unknowns, as [`covariance`](super::covariance()).
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         covariance(&self.jacobian)
     }
 }
 
 impl LevenbergMarquardt {
-    /// Searches for the minimum that is nearest to a start.
+    /// Searches for a local minimum near a start.
     ///
     /// # Errors
-    /// [`Refusal`] of the start, of either kind, and [`Refusal::Altogether`] of any point that is tried.
+    /// [`Refusal`] of either kind at the start, and [`Refusal::Altogether`] at any later point.
     pub fn minimise<P: LeastSquaresProblem>(
         &self,
         problem: &mut P,
@@ -121,10 +121,10 @@ impl LevenbergMarquardt {
 /// A point and the problem linearised there.
 type Linearised<P> = (<P as LeastSquaresProblem>::Point, NormalEquations);
 
-/// A trial point, linearised; `None` if its sum of squares is not lower, or there is no answer or no step.
+/// Linearises the problem at a trial point. `None` without a trial point, without residuals there, or if the sum of squares is not lower.
 ///
 /// # Errors
-/// [`Refusal::Altogether`] of the point.
+/// [`Refusal::Altogether`] if the problem ends the search at this point.
 fn lower<P: LeastSquaresProblem>(
     problem: &mut P,
     trial: Option<P::Point>,

@@ -1,17 +1,17 @@
-//! Nonlinear least squares: one method, its parts, and what else a search of its own can be built from.
+//! Nonlinear least squares: the Levenberg-Marquardt method, and the parts from which other searches are built.
 //!
-//! A [`LeastSquaresProblem`] states its residuals in units of their standard deviations, its [`Prior`]s and the
-//! [`StepBounds`] of its unknowns. [`LevenbergMarquardt`] minimises half their sum of squares, and returns a [`Fit`] with the
-//! covariance of the unknowns. Each part of the method has a file: damping, convergence, bounds, and the linear solve.
+//! A [`LeastSquaresProblem`] states its residuals in units of their standard deviations, its [`Prior`]s, and the [`StepBounds`] of its unknowns.
+//! [`LevenbergMarquardt`] minimises half the sum of squares and returns a [`Fit`] with the covariance of the unknowns. Each part of the method has a file:
+//! damping, convergence, bounds, and the linear solve.
 //!
-//! A search that cannot give residuals at any point, as one that follows a path of equilibria, has a loop of its own, of the same parts:
-//! the reach of steps ([`TrustRegion`]), [`Convergence`], the covariance, and a linear solve that allocates nothing ([`GramSchmidt`]).
+//! A search that follows a path of equilibria cannot evaluate residuals at any chosen point, so it has its own loop. It uses the same parts: the trust region
+//! ([`TrustRegion`]), [`Convergence`], the covariance, and a linear solve without heap allocation ([`GramSchmidt`]).
 //!
 //! ```
 //! use finray_numerics::optimise::{FromFunction, LevenbergMarquardt, Refusal};
 //! use nalgebra::{DMatrix, DVector};
 //!
-//! // The decay exp(-rate t) through two readings.
+//! Fits the decay exp(-rate t) to two measurements.
 //! let readings = [(1.0_f64, 0.50), (2.0, 0.24)];
 //! let residual = |rate: &DVector<f64>| {
 //!     let decay = |t: f64| (-rate[0] * t).exp();

@@ -1,20 +1,22 @@
-//! The linear problem of a step: normal equations, formed once at a point and solved for any damping.
+//! The linear problem of a step: normal equations, formed once per point and solved for any damping.
 
 use super::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals at a point, priors included.
+/// Residuals at a point, including those of the priors.
 #[derive(Debug, Clone)]
 pub(super) struct Residuals {
     measured: DVector<f64>,
     priors: Vec<Prior>,
-    /// The residuals, then those of the priors.
+    /// The residuals, followed by those of the priors.
     all: DVector<f64>,
 }
 
 impl Residuals {
+    /// Evaluates the residuals at a point.
+    ///
     /// # Errors
-    /// [`Refusal`] of the point.
+    /// [`Refusal`] if the problem has no residuals at this point.
     pub(super) fn at<P: LeastSquaresProblem>(
         problem: &mut P,
         point: &P::Point,
@@ -33,7 +35,7 @@ impl Residuals {
     /// Linearises the problem at the same point.
     ///
     /// # Errors
-    /// [`Refusal`] of the point.
+    /// [`Refusal`] if the problem has no derivatives at this point.
     pub(super) fn linearised<P: LeastSquaresProblem>(
         self,
         problem: &mut P,
@@ -51,23 +53,24 @@ impl Residuals {
     }
 }
 
-/// A problem linearised at a point: J^T J d = -J^T r.
+/// A problem linearised at a point: J^T J d = -J^T r for the step d.
 #[derive(Debug, Clone)]
 pub(super) struct NormalEquations {
     /// Sum of squared residuals.
     pub squares: f64,
-    /// r, priors last.
+    /// Residuals r; those of the priors come last.
     pub residual: DVector<f64>,
-    /// J.
+    /// Derivatives J of the residuals by the unknowns.
     pub jacobian: DMatrix<f64>,
-    /// J^T J.
+    /// Normal matrix J^T J.
     matrix: DMatrix<f64>,
-    /// J^T r.
+    /// Gradient J^T r.
     gradient: DVector<f64>,
 }
 
 impl NormalEquations {
-    /// The best damped step within bounds: it stays at the first bound met, the other unknowns follow. `None` without one.
+    /// The best damped step within bounds. If a step meets a bound, that unknown stays at the bound and the others are solved for again. `None` if the damped
+    /// matrix is not positive definite.
     pub(super) fn step(&self, damping: f64, bounds: &StepBounds) -> Option<DVector<f64>> {
         let mut damped = self.matrix.clone();
         for i in 0..damped.nrows() {
@@ -84,7 +87,7 @@ impl NormalEquations {
         }
     }
 
-    /// The best step in which some unknowns change as they do in another one.
+    /// The best damped step in which held unknowns keep their changes in `step`.
     fn best_of_free(&self, mut damped: DMatrix<f64>, step: &DVector<f64>, is_held: &[bool]) -> Option<DVector<f64>> {
         let mut right = -&self.gradient;
         for held in (0..is_held.len()).filter(|&k| is_held[k]) {
@@ -100,7 +103,7 @@ impl NormalEquations {
         best.iter().all(|x| x.is_finite()).then_some(best)
     }
 
-    /// By how much the linearised problem has a step lower the sum of squares.
+    /// Decrease of the sum of squares that the linearised problem predicts for a step.
     pub(super) fn decrease(&self, step: &DVector<f64>) -> f64 {
         -2.0 * (self.gradient.dot(step) + 0.5 * step.dot(&(&self.matrix * step)))
     }

@@ -1,56 +1,56 @@
-//! The problem: residuals, their derivatives, and what is known beforehand.
+//! The problem of a search: residuals, their derivatives, and priors.
 
 use super::StepBounds;
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals of some unknowns, each in units of its standard deviation.
+/// Residuals as functions of unknowns, each in units of its standard deviation.
 ///
 /// # Requirements
-/// Residuals are differentiable, and as many at every point. A step of zero leaves a point where it is.
+/// Residuals are differentiable, and their number is the same at every point. A step of zero leaves a point unchanged.
 pub trait LeastSquaresProblem {
-    /// Values of the unknowns: numbers, or what a step of numbers moves, as a pose.
+    /// Values of the unknowns: numbers, or an object such as a pose that a step of numbers moves.
     type Point;
-    /// Why a point has no residuals.
+    /// Reason why a point has no residuals.
     type Error;
 
-    /// Residuals at a point.
+    /// Residuals at a point, in units of their standard deviations.
     ///
     /// # Errors
-    /// [`Refusal`] for a point that has none.
+    /// [`Refusal`] for a point that has no residuals.
     fn residual(&mut self, point: &Self::Point) -> Result<DVector<f64>, Refusal<Self::Error>>;
 
-    /// Derivatives of the residuals by a step: a row a residual, a column an unknown. Asked for at the point that
-    /// [`residual`](LeastSquaresProblem::residual) was asked for last, whose result it is given: both may share a tangent.
+    /// Derivatives of the residuals by a step: one row per residual, one column per unknown. It is called only for the point of the last call of
+    /// [`residual`](LeastSquaresProblem::residual) and receives its result, so both may share a tangent.
     ///
     /// # Errors
-    /// [`Refusal`] for a point that has none.
+    /// [`Refusal`] for a point that has no derivatives.
     fn jacobian(&mut self, point: &Self::Point, residual: &DVector<f64>) -> Result<DMatrix<f64>, Refusal<Self::Error>>;
 
-    /// The point after a step.
+    /// The point that a step leads to.
     fn moved(&self, point: &Self::Point, step: &DVector<f64>) -> Self::Point;
 
-    /// What is known beforehand: further residuals, below the others. As many at every point.
+    /// Prior knowledge as further residuals, placed after the others. Their number is the same at every point.
     fn priors(&self, _point: &Self::Point) -> Vec<Prior> {
         Vec::new()
     }
 
-    /// How far a step may go from a point.
+    /// Bounds on a step from a point.
     fn step_bounds(&self, _point: &Self::Point) -> StepBounds {
         StepBounds::default()
     }
 }
 
-/// Why a point has no residuals, and what follows from that.
+/// Reason why a point has no residuals, and the consequence for the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refusal<E> {
-    /// The model has no answer at this point. A shorter step is tried.
+    /// The model has no solution at this point. The search tries a shorter step.
     Here(E),
     /// The search ends with this error.
     Altogether(E),
 }
 
 impl<E> Refusal<E> {
-    /// The reason.
+    /// The reason why the point has no residuals.
     pub fn into_error(self) -> E {
         match self {
             Refusal::Here(error) | Refusal::Altogether(error) => error,
@@ -58,32 +58,32 @@ impl<E> Refusal<E> {
     }
 }
 
-/// A residual that states what is known beforehand, linear in the unknowns near a point.
+/// A residual that states prior knowledge; linear in the unknowns near a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
-    /// Difference to what is expected, over its standard deviation.
+    /// Deviation from the expected value, divided by its standard deviation.
     pub residual: f64,
-    /// Its derivatives: unknown, and derivative by it. All others are zero.
+    /// Derivatives of the residual, as pairs of an unknown's index and the derivative by it. All others are zero.
     pub by: Vec<(usize, f64)>,
 }
 
 impl Prior {
-    /// A value of one unknown is expected, with a standard deviation.
+    /// The prior that one unknown, with the current value `value`, is expected at `expected` with the standard deviation `sd`; all in the unknown's unit.
     pub fn on(unknown: usize, value: f64, expected: f64, sd: f64) -> Prior {
         Prior { residual: (value - expected) / sd, by: vec![(unknown, 1.0 / sd)] }
     }
 }
 
-/// A problem of plain numbers, given by one function that computes residuals and derivatives together.
+/// A problem whose unknowns are plain numbers; one function computes residuals and derivatives together.
 #[derive(Debug, Clone)]
 pub struct FromFunction<F> {
     function: F,
-    /// Derivatives at the last point.
+    /// Derivatives at the last point, one row per residual.
     jacobian: DMatrix<f64>,
 }
 
 impl<F> FromFunction<F> {
-    /// `function` returns residuals and derivatives at a point.
+    /// A problem from `function`, which returns residuals and derivatives at a point.
     pub fn new(function: F) -> FromFunction<F> {
         FromFunction { function, jacobian: DMatrix::zeros(0, 0) }
     }

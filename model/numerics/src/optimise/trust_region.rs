@@ -1,65 +1,74 @@
-//! How far the steps of a search may reach.
+//! Trust region: the largest length of the steps of a search.
 
-/// Share of the predicted decrease of the sum of squares from which on steps may reach further, and below which less far.
+/// The trust region may grow if the ratio of actual to predicted decrease of the sum of squares is at least this.
 const GOOD: f64 = 0.75;
+/// The trust region shrinks if the ratio of actual to predicted decrease of the sum of squares is below this.
 const POOR: f64 = 0.25;
-/// How many times as far steps may reach after a good one, and after a poor one.
+/// Size to which the trust region grows after a good step, as a multiple of the step's reach.
 const FURTHER: f64 = 3.0;
+/// Size to which the trust region shrinks after a poor step, as a multiple of the step's reach.
 const LESS_FAR: f64 = 0.5;
-/// After a step that failed they reach as far as it was carried, but no less and no more than these shares of it.
+/// After a failed step, the trust region shrinks to the share of the step that succeeded, limited to this range.
 const AFTER_FAILURE: [f64; 2] = [0.1, 0.5];
-/// The same after a step that was carried to its end and is worse there.
+/// Share of the step's reach to which the trust region shrinks if the full step succeeded but increased the sum of squares.
 const AFTER_WORSE: f64 = 0.25;
-/// How far the first step may reach, and the reach below which no step helps, as shares of a scale of the problem.
+/// First size of the trust region, as a share of the problem's scale.
 const FIRST_REACH: f64 = 0.5;
+/// Size of the trust region below which no step helps, as a share of the problem's scale.
 const SHORTEST: f64 = 1e-12;
-/// Damping with which the first is looked for, dampings between which one is, and the factor between two that are tried.
+/// Damping that is tried for the first step.
 const FIRST_DAMPING: f64 = 1e-3;
+/// Range of the damping.
 const DAMPINGS: [f64; 2] = [1e-10, 1e12];
+/// Factor between two successive trials of the damping.
 const DAMPING_FACTOR: f64 = 4.0;
 
-/// What a step does to a linearised problem.
+/// Effects of a step on the linearised problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
-    /// Decrease of the sum of squares.
+    /// Predicted decrease of the sum of squares.
     pub decrease: f64,
-    /// How far it moves the residuals: root of the sum of squares over unknowns, each unknown's move counted alone.
+    /// Length of the step, measured by the residuals: root of the sum over unknowns of the squared change that the unknown's step alone causes.
     pub reach: f64,
 }
 
-/// The reach that steps are allowed, by how good the last ones were.
+/// The largest allowed reach of a step, adapted to the quality of the previous steps.
 ///
 /// # Reference
-/// Nocedal and Wright, Numerical Optimization, 2nd ed., algorithm 4.1; the damping that a reach needs, sec. 10.3.
+/// Nocedal and Wright, Numerical Optimization, 2nd ed., algorithm 4.1; sec. 10.3 for the damping of a given reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrustRegion {
+    /// Largest reach that a step may have.
     longest: f64,
+    /// Reach below which no step helps.
     shortest: f64,
+    /// Damping of the last step.
     damping: f64,
 }
 
 impl TrustRegion {
-    /// For a problem whose residuals move by `scale` from where it makes sense to begin.
+    /// A trust region for a problem of the given scale: the norm of the residuals before any step.
     pub fn of_scale(scale: f64) -> TrustRegion {
         TrustRegion { longest: FIRST_REACH * scale, shortest: SHORTEST * scale, damping: FIRST_DAMPING }
     }
 
-    /// Whether steps are so short that none helps: the minimum is reached as far as rounding lets it be seen.
+    /// Whether the region is so small that no step helps: the minimum is reached within rounding.
     #[inline]
     pub fn is_exhausted(&self) -> bool {
         self.longest <= self.shortest
     }
 
-    /// Whether a step stays within it.
+    /// Whether the reach of a step lies within the region.
     #[inline]
     pub fn contains(&self, prediction: Prediction) -> bool {
         prediction.reach <= self.longest
     }
 
-    /// The step with the smallest damping that stays within, to `DAMPING_FACTOR`, from the last one on, by `solve`.
+    /// The step within the region with the smallest damping, to a factor of `DAMPING_FACTOR`. The search for the damping begins at the last one; `solve`
+    /// returns the step for a damping.
     ///
     /// # Errors
-    /// Those of `solve`.
+    /// The errors of `solve`.
     pub fn shortened<E>(&mut self, mut solve: impl FnMut(f64) -> Result<Prediction, E>) -> Result<Prediction, E> {
         let [least, most] = DAMPINGS;
         let mut prediction = solve(self.damping)?;
@@ -74,8 +83,8 @@ impl TrustRegion {
         Ok(prediction)
     }
 
-    /// After a step that was taken, with its decrease. Returns whether that was as good as predicted. Only where a poor step
-    /// is a fault of the linearised problem, as `is_comparable` says, do steps reach less far after it.
+    /// Adapts the region after an accepted step with its actual decrease. Returns whether the decrease was as good as predicted. The region shrinks only if
+    /// `is_comparable`: the linearised problem then is the cause of a poor step.
     pub fn take(&mut self, prediction: Prediction, decrease: f64, is_comparable: bool) -> bool {
         let gain = decrease / prediction.decrease;
         if gain >= GOOD {
@@ -86,13 +95,13 @@ impl TrustRegion {
         gain >= GOOD
     }
 
-    /// After a share of a step.
+    /// Shrinks the region to the given share of the step, after only that share was accepted.
     #[inline]
     pub fn take_part(&mut self, prediction: Prediction, share: f64) {
         self.longest = share * prediction.reach;
     }
 
-    /// After a step that was not taken: the share of it that was carried, `None` if it was carried to its end.
+    /// Shrinks the region after a rejected step. `carried` is the share of the step that succeeded; `None` if the full step succeeded but was worse.
     pub fn refuse(&mut self, prediction: Prediction, carried: Option<f64>) {
         let [least, most] = AFTER_FAILURE;
         self.longest = prediction.reach * carried.unwrap_or(AFTER_WORSE).clamp(least, most);

@@ -1,29 +1,29 @@
-//! Numbers and lists of numbers, each with quantity, unit and range.
+//! Numbers and lists of numbers, with quantity, unit and range.
 
 use super::{Kind, Refused, described, refused};
 use crate::keys::with_article;
 use toml::de::DeValue;
 
-/// A physical quantity and its unit; the unit is empty for dimensionless ones.
+/// Name of a physical quantity, and its unit; the unit is empty for a dimensionless quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quantity(pub &'static str, pub &'static str);
 
-/// Range of valid numbers. Ranges from zero exclude subnormal numbers, which have lost digits.
+/// Range of valid numbers. Ranges that start at zero exclude subnormal numbers, which have too few digits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
     /// Any finite number.
     Finite,
-    /// Depends on other values, as the text states; code that knows these values checks it.
+    /// A range that depends on other values, as the text states. The code that knows these values checks it.
     ByOthers(&'static str),
-    /// Above zero, up to this.
+    /// Above zero, up to this limit, included.
     Positive(f64),
-    /// Above the first limit, up to the second.
+    /// Above the first limit (excluded), up to the second (included).
     Above(f64, f64),
     /// Between two limits, both included.
     Within(f64, f64),
     /// Between two limits, both excluded.
     Between(f64, f64),
-    /// Magnitude up to this limit.
+    /// Magnitude up to this limit, included.
     AtMost(f64),
     /// Whole numbers between two limits, both included.
     Whole(f64, f64),
@@ -50,7 +50,7 @@ impl Range {
         }
     }
 
-    /// Description of quantity, unit and range, without article.
+    /// Description of quantity, unit and range, without an article.
     fn of(self, quantity: Quantity) -> String {
         let noun = quantity.noun();
         match self {
@@ -74,7 +74,7 @@ impl Quantity {
     }
 }
 
-/// A number with quantity, unit and range.
+/// A number with its quantity, unit and range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number(pub Quantity, pub Range);
 
@@ -98,7 +98,7 @@ impl Kind for Number {
     }
 }
 
-/// A list of `N` numbers, each within the range.
+/// A list of `N` numbers of one quantity, each within the range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Numbers<const N: usize>(pub Quantity, pub Range);
 
@@ -121,7 +121,7 @@ impl<const N: usize> Kind for Numbers<N> {
         let wrong = |found: String| Refused { expected: self.noun(), found };
         let DeValue::Array(items) = value else { return Err(wrong(described(value))) };
         let numbers: Option<Vec<f64>> = items.iter().map(|item| number(item.get_ref())).collect();
-        let numbers = numbers.ok_or_else(|| wrong("a list with other values".to_owned()))?;
+        let numbers = numbers.ok_or_else(|| wrong("a list with values that are not numbers".to_owned()))?;
         if let Some(other) = numbers.iter().find(|number| !number.is_finite()) {
             return Err(wrong(format!("a list with {other:?}")));
         }
@@ -134,7 +134,7 @@ impl<const N: usize> Kind for Numbers<N> {
     }
 }
 
-/// Lengths in mm, zero or more, at front and back: one number for both, or a list of two.
+/// Lengths at the front and back plate, mm, zero or more: one number for both plates, or a list of two.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SideLengths();
 
@@ -170,7 +170,7 @@ impl Kind for SideLengths {
     }
 }
 
-/// A property of the ribs: one value for all, or one per rib.
+/// A property of the ribs: one value for all ribs, or one value per rib.
 #[derive(Debug, Clone, PartialEq)]
 pub enum OfRibs<T> {
     /// The same value for all ribs.
@@ -179,16 +179,16 @@ pub enum OfRibs<T> {
     Each(Vec<T>),
 }
 
-/// Lengths of the brackets on the front and the back plate, mm.
+/// Lengths of the brackets of each rib on the front and the back plate, mm.
 pub type BracketLengths = OfRibs<[f64; 2]>;
 
 impl BracketLengths {
-    /// No brackets.
+    /// Brackets of zero length on all ribs.
     pub const NONE: BracketLengths = OfRibs::Alike([0.0; 2]);
 }
 
 impl<T: Copy> OfRibs<T> {
-    /// Value of a rib, numbered from 0 at the base.
+    /// Value for a rib; ribs are numbered from 0 at the base.
     pub fn of(&self, rib: usize) -> T {
         match self {
             OfRibs::Alike(all) => *all,
@@ -196,12 +196,12 @@ impl<T: Copy> OfRibs<T> {
         }
     }
 
-    /// Values per rib; `None` if all ribs share one.
+    /// One value per rib; `None` if all ribs share one value.
     pub fn each(self) -> Option<Vec<T>> {
         if let OfRibs::Each(each) = self { Some(each) } else { None }
     }
 
-    /// The distinct values: one shared by all ribs, or one per rib.
+    /// The stored values, mutable: one shared by all ribs, or one per rib.
     pub fn all_mut(&mut self) -> &mut [T] {
         match self {
             OfRibs::Alike(all) => std::slice::from_mut(all),
@@ -209,7 +209,7 @@ impl<T: Copy> OfRibs<T> {
         }
     }
 
-    /// The distinct values: one shared by all ribs, or one per rib.
+    /// The stored values: one shared by all ribs, or one per rib.
     pub fn all(&self) -> &[T] {
         match self {
             OfRibs::Alike(all) => std::slice::from_ref(all),
@@ -259,7 +259,7 @@ impl Kind for RibNumbers {
     }
 }
 
-/// Lengths in mm, zero or more, at the ends of ribs: as [`SideLengths`], or a list with a pair per rib.
+/// Lengths at the ends of the ribs, mm, zero or more: as [`SideLengths`], or a list with one pair per rib.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RibLengths();
 
@@ -299,7 +299,8 @@ impl Kind for RibLengths {
     }
 }
 
-/// A list of pairs of numbers. The text names them and their unit. An optional limit has their name and the largest magnitude of a coordinate, mm.
+/// A list of pairs of numbers. The text names the pairs and their unit. The optional limit consists of a name for the pairs and of the largest magnitude of a
+/// coordinate, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pairs(pub &'static str, pub Option<(&'static str, f64)>);
 
@@ -331,7 +332,7 @@ impl Kind for Pairs {
     }
 }
 
-/// A list of rows of finite numbers; the text names the rows.
+/// A list of rows of finite numbers. The text names the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rows(pub &'static str);
 
@@ -351,7 +352,7 @@ impl Kind for Rows {
     }
 }
 
-/// Reads a list of lists of numbers.
+/// Reads a list of lists of numbers from TOML.
 fn rows(value: &DeValue, noun: &str) -> Result<Vec<Vec<f64>>, Refused> {
     let row = |item: &DeValue| match item {
         DeValue::Array(row) => row.iter().map(|x| number(x.get_ref())).collect::<Option<Vec<f64>>>(),
@@ -363,7 +364,7 @@ fn rows(value: &DeValue, noun: &str) -> Result<Vec<Vec<f64>>, Refused> {
 }
 
 fn of_something_else(expected: String) -> Refused {
-    Refused { expected, found: "a list with other values".to_owned() }
+    Refused { expected, found: "a list with values of another kind".to_owned() }
 }
 
 fn number(value: &DeValue) -> Option<f64> {

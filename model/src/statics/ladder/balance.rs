@@ -1,4 +1,4 @@
-//! Residual of a finger: elimination with a factored stiffness, and Newton's correction.
+//! Residual of a finger in equilibrium equations: its elimination with a factored stiffness, and Newton's correction.
 
 use super::chain::{Between, ChainForces, ChainInterior, joints_of};
 use super::elements::OneLine;
@@ -13,7 +13,7 @@ use crate::mesh::Mesh;
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// Forces and work arrays for one motion under one load, or for several, one per lane. The stiffness is separate, in [`Factor`].
+/// Forces and work arrays for one motion under one load, or for several motions in SIMD lanes. The stiffness is stored separately, in [`Factor`].
 #[derive(Debug, Clone)]
 pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     pub(super) mesh: &'m Mesh,
@@ -21,21 +21,26 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     pub(super) applied: Applied<R>,
     /// Condensed forces of each line.
     pub(super) forces: Vec<ChainForces<R>>,
-    /// Forward substitutions y = L^-1 g of all eliminated unknowns: joints here, then rungs and tip.
+    /// Forward substitution y = L^-1 g of each joint.
     pub(super) ys: Vec<[R; 3]>,
+    /// Forward substitution y = L^-1 g of each rung.
     rung_ys: Vec<Ends<R>>,
+    /// Forward substitution y = L^-1 g of the tip.
     tip_y: [R; 3],
+    /// Elastic energy of all lines, N mm.
     pub(super) energy: R,
+    /// Work of the residual on the correction, N mm.
     work: R,
-    /// Corrections of each rung's nodes, then of the tip; set during back substitution.
+    /// Corrections of the nodes of each rung, mm and rad; back substitution sets them.
     corrections: Vec<Ends<R>>,
+    /// Correction of the tip, mm and rad.
     tip_correction: [R; 3],
-    /// Present for nonlinear kinematics if any line has inner nodes.
+    /// Exists for nonlinear kinematics if at least one line has inner nodes.
     pub(super) retraction: Option<Retraction<R>>,
 }
 
 impl<'m, R: Number> Balance<'m, R> {
-    /// Allocates the elimination for a mesh, in the number type of `like`.
+    /// Allocates the arrays for a mesh, in the number type of `like`.
     pub(in crate::statics) fn new(mesh: &'m Mesh, kinematics: Kinematics, like: R) -> Balance<'m, R> {
         let (frame, rungs, zero) = (mesh.frame(), mesh.finger().rib_count(), like.zero());
         let bends = kinematics != Kinematics::Linear && mesh.lines().iter().any(|line| line.members.len() > 1);
@@ -64,7 +69,7 @@ impl<'m, R: Number> Balance<'m, R> {
         self.applied.clear();
     }
 
-    /// Adds `factor` times the loads in one lane; `motion` is the motion of that lane.
+    /// Adds `factor` times the loads in one lane. `motion` is the motion in that lane.
     pub(in crate::statics) fn apply_loads(
         &mut self,
         lane: usize,
@@ -81,7 +86,7 @@ impl<'m, R: Number> Balance<'m, R> {
         self.energy
     }
 
-    /// The undeformable rib of a rung; `None` if the rib deforms.
+    /// The undeformable rib of the rung `level`; `None` if its rib deforms.
     #[inline(always)]
     fn rigid_rib(&self, stiffness: &Factor<R>, level: usize, motion: &FrameMotion<R>) -> Option<RigidRib<R>> {
         let frame = self.mesh.frame();
@@ -112,14 +117,14 @@ impl<'m, R: Number> Balance<'m, R> {
         Some(RigidRib { levers, together: with_back == with_front, front_pull })
     }
 
-    /// Factorises the tangent at a motion under the applied loads and stores the condensed forces.
+    /// Factorises the tangent stiffness at a motion under the applied loads, and stores the condensed forces.
     #[inline(always)]
     pub(in crate::statics) fn factorise(&mut self, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
         self.condense_lines(stiffness, motion);
         self.eliminate_rungs(stiffness, motion);
     }
 
-    /// Eliminates tip and rungs; the lines must be condensed.
+    /// Eliminates the tip, then the rungs towards the base. The lines must already be condensed.
     #[inline(always)]
     pub(super) fn eliminate_rungs(&mut self, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
         stiffness.eliminate_tip(self.applied.on_tip().curvature);
@@ -130,7 +135,7 @@ impl<'m, R: Number> Balance<'m, R> {
         }
     }
 
-    /// Eliminates the gradient from tip to base with a factored stiffness.
+    /// Eliminates the gradient from tip to base, with a stiffness that is already factored.
     #[inline(always)]
     pub(in crate::statics) fn eliminate_gradient(&mut self, stiffness: &Factor<R>) {
         let count = self.rung_ys.len();
@@ -164,7 +169,7 @@ impl<'m, R: Number> Balance<'m, R> {
         self.work = work;
     }
 
-    /// Adds Newton's correction to the linearised motion. Returns the correction's squared energy norm, N mm.
+    /// Adds Newton's correction to the linearised motion. Returns the squared energy norm of the correction, N mm.
     #[inline(always)]
     pub(in crate::statics) fn correct(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) -> R {
         let work = self.correct_nodes(stiffness, motion);
@@ -172,7 +177,8 @@ impl<'m, R: Number> Balance<'m, R> {
         work
     }
 
-    /// Adds Newton's correction without the [`Retraction`], so that nodes inside lines move in straight lines. Returns the same norm.
+    /// Adds Newton's correction without the [`Retraction`], so nodes inside lines move along straight lines. Returns the squared energy norm of the
+    /// correction, N mm.
     #[inline(always)]
     pub(super) fn correct_nodes(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) -> R {
         if let Some(retraction) = &mut self.retraction {
@@ -186,7 +192,7 @@ impl<'m, R: Number> Balance<'m, R> {
             self.corrections[level] = correction;
             let [front, back] = finger.rib_nodes(level).map(|node| mesh.frame_node(node));
             for (node, row) in [(back, 0), (front, 3)] {
-                // A tied node moves with the rung below; `follow_links` sets its motion.
+                // A tied node moves with the rung below; `follow_links` later sets its motion.
                 if rung.tied_row() == Some(row) {
                     continue;
                 }
@@ -214,7 +220,7 @@ impl<'m, R: Number> Balance<'m, R> {
         motion.rotations[frame.rotation_of(tip_node)] += tip[2];
         frame.follow_links(motion, linear);
 
-        // Back substitution along the chains, from the corrections of their ends.
+        // Back substitution along each chain, starting from the corrections of the chain's ends.
         for (index, line) in mesh.lines().iter().enumerate() {
             let joints = joints_of(line);
             if line.members.is_empty() || (joints.is_empty() && !stiffness.chains[index].is_pinned()) {
@@ -229,7 +235,7 @@ impl<'m, R: Number> Balance<'m, R> {
         self.work
     }
 
-    /// Moves the nodes inside lines by the [`Retraction`], so that they rotate with the last correction.
+    /// Corrects the nodes inside lines by the [`Retraction`], so that they rotate with the last correction.
     #[inline(always)]
     pub(super) fn mend_lines(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) {
         let Some(mut retraction) = self.retraction.take() else { return };
@@ -240,11 +246,11 @@ impl<'m, R: Number> Balance<'m, R> {
         self.retraction = Some(retraction);
     }
 
-    /// Corrections of a line's two ends.
+    /// Corrections of the two ends of a line.
     #[inline(always)]
     fn line_ends(&self, stiffness: &Factor<R>, index: usize) -> Ends<R> {
         let count = self.corrections.len();
-        // Level of the first end and sides (0 back, 1 front) of both ends.
+        // Level of the first end, and the plate (0 back, 1 front) of each end.
         let (level, sides) = match index {
             back if back <= count => (back, [0, 0]),
             front if front < 2 * (count + 1) => (front - (count + 1), [1, 1]),
@@ -255,14 +261,14 @@ impl<'m, R: Number> Balance<'m, R> {
             .carried(&joined(&self.key_correction(level, sides[0]), &self.key_correction(upper, sides[1])))
     }
 
-    /// Displacements of a line's first and last node in the last correction, mm.
+    /// Displacements of the first and last node of a line in the last correction, mm.
     #[inline(always)]
     pub(super) fn end_nodes(&self, stiffness: &Factor<R>, index: usize) -> [Vector2<R>; 2] {
         let [x, y, _, end_x, end_y, _] = self.line_ends(stiffness, index);
         [Vector2::new(x, y), Vector2::new(end_x, end_y)]
     }
 
-    /// Correction of the back (0) or front (1) node of a level: level 0 is the base, then the rungs, then the tip.
+    /// Correction of the back (0) or front (1) node of a level. Level 0 is the base; the rungs follow, then the tip.
     #[inline(always)]
     fn key_correction(&self, level: usize, side: usize) -> [R; 3] {
         match level {
@@ -274,7 +280,7 @@ impl<'m, R: Number> Balance<'m, R> {
 }
 
 impl Balance<'_> {
-    /// Largest displacement of a key node in the last correction, mm.
+    /// Largest magnitude of a key node's displacement in the last correction, mm.
     pub(super) fn largest_correction(&self) -> f64 {
         let nodes = self.corrections.iter().flat_map(halves).chain([self.tip_correction]);
         nodes.map(|[x, y, _]| x * x + y * y).fold(0.0, f64::max).sqrt()

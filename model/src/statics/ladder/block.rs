@@ -1,13 +1,13 @@
-//! One step of block elimination: N unknowns are eliminated, M neighbouring unknowns remain.
+//! One step of block elimination: it eliminates N unknowns, and M neighbouring unknowns remain.
 //!
-//! Every step of the ladder has this form: a node, the rotations of a pinned member, the tip, a rung. With the block's stiffness K, its
-//! coupling C to the neighbours and its gradient g, the block moves by x = -K^-1 (g + C neighbours). It adds -C^T K^-1 C to the
-//! neighbours' stiffness and -C^T K^-1 g to their gradient. With K = L D L^T both need only W = L^-1 C and y = L^-1 g.
+//! Every elimination step of the ladder has this form, whether it eliminates a node, the rotations of a pinned member, the tip or a rung. Let K be the
+//! block's stiffness, C its coupling to the neighbours, and g its gradient. The block moves by x = -K^-1 (g + C neighbours). It adds -C^T K^-1 C to the
+//! stiffness of the neighbours and -C^T K^-1 g to their gradient. With K = L D L^T, both need only W = L^-1 C and y = L^-1 g.
 
 use crate::number::Number;
 use finray_numerics::linear::{Ldl, copy_lane};
 
-/// The factored stiffness of a block and its coupling to its neighbours.
+/// The factored stiffness of a block, and its coupling to the neighbours.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block<R: Number, const N: usize, const M: usize> {
     factor: Ldl<R, N>,
@@ -22,7 +22,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         Block { factor: Ldl::empty(like), with: [[like.zero(); M]; N] }
     }
 
-    /// Copies one lane.
+    /// Copies one SIMD lane to `one`.
     #[inline(always)]
     pub(super) fn copy_lane(&self, lane: usize, one: &mut Block<f64, N, M>) {
         self.factor.copy_lane(lane, &mut one.factor);
@@ -31,7 +31,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         }
     }
 
-    /// Factorises the stiffness. Rows of `coupling` are the block's unknowns, columns the neighbours'.
+    /// Factorises the stiffness. Rows of `coupling` are the block's unknowns, its columns the neighbours' unknowns.
     #[inline(always)]
     pub(super) fn factorise(&mut self, stiffness: &[[R; N]; N], coupling: &[[R; M]; N]) {
         self.factor.factorise(stiffness);
@@ -39,24 +39,24 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         self.factor.forward(&mut self.with);
     }
 
-    /// Lanes in which the block is positive definite.
+    /// Lanes in which the block's stiffness is positive definite.
     #[inline(always)]
     pub(super) fn positive(&self) -> R::Mask {
         self.factor.positive
     }
 
-    /// Lanes in which each pivot exceeds its limit.
+    /// Lanes in which each pivot exceeds its limit in `limits`.
     #[inline(always)]
     pub(super) fn pivots_exceed(&self, limits: &[R; N]) -> R::Mask {
         self.factor.pivots_exceed(limits)
     }
 
-    /// Natural logarithm of the block's determinant.
+    /// Natural logarithm of the determinant of the block's stiffness.
     pub(super) fn log_determinant(&self) -> R {
         self.factor.log_determinant()
     }
 
-    /// Subtracts C^T K^-1 C from the upper triangle of the neighbours' stiffness.
+    /// Subtracts C^T K^-1 C from the neighbours' stiffness, of which only the upper triangle is valid.
     #[inline(always)]
     pub(super) fn reduce_stiffness(&self, neighbours: &mut [[R; M]; M]) {
         for row in 0..M {
@@ -65,7 +65,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
                 weights[i] = self.with[i][row];
             }
             let weights = self.factor.divided(&weights);
-            // Scalars start at an even column, so that the compiler pairs them in one instruction.
+            // For scalars, each row starts at an even column, so that the compiler pairs two numbers in one instruction.
             let first = if R::LANES == 1 { row & !1 } else { row };
             for column in first..M {
                 let mut sum = neighbours[row][column];
@@ -77,7 +77,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         }
     }
 
-    /// Forward substitution y = L^-1 g.
+    /// Forward substitution y = L^-1 g for a gradient g.
     #[inline(always)]
     pub(super) fn forward(&self, gradient: &[R; N]) -> [R; N] {
         self.factor.forward_vector(gradient)
@@ -94,7 +94,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         }
     }
 
-    /// Quadratic form g K^-1 g, given y = L^-1 g.
+    /// Quadratic form g^T K^-1 g, given y = L^-1 g.
     #[inline(always)]
     pub(super) fn work(&self, y: &[R; N]) -> R {
         let divided = self.factor.divided(y);

@@ -1,8 +1,8 @@
-//! Rigid brackets between the ends of a chain and the key nodes.
+//! Rigid brackets between the ends of a chain (a condensed rib) and the key nodes.
 //!
-//! A bracket v rotates with its key node. If the node moves by u and rotates by w, the end of the chain moves by u + w quarter_turn(v). A
-//! chain is formulated in its own end rotations (those of the key nodes unless it is pinned). The chain rule for rigid arms of a beam
-//! then transforms its stiffness and gradient from its ends to the key nodes.
+//! A bracket v rotates with its key node. If the node moves by u and rotates by w, the end of the chain moves by u + w quarter_turn(v). A chain is formulated
+//! in the rotations of its own ends, which equal those of the key nodes unless the chain is pinned. The chain rule for rigid arms then transforms its
+//! stiffness and gradient from its ends to the key nodes.
 
 use super::ends::{Ends, EndsMatrix};
 use crate::finger::Part;
@@ -11,16 +11,16 @@ use crate::mesh::Line;
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// The brackets at the first and second end of a chain in their current directions, mm.
+/// The brackets at the first and second end of a chain, in their current directions, mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Brackets<R>([Vector2<R>; 2]);
 
 impl<R: Number> Brackets<R> {
-    /// The brackets of a line; `None` if it has none.
+    /// The brackets of a line; `None` if the line has none.
     #[inline(always)]
     pub(super) fn of(frame: &PlaneFrame, line: &Line, motion: &FrameMotion<R>, linear: bool) -> Option<Brackets<R>> {
         let ends = [line.nodes[0], line.nodes[line.nodes.len() - 1]];
-        // Linked nodes of plates are key nodes, carried by an undeformable rib; they have no bracket.
+        // If a node of a plate is linked, an undeformable rib carries it as a key node, without bracket.
         if line.part != Part::Ribs || !ends.iter().any(|node| frame.is_linked(*node)) {
             return None;
         }
@@ -30,13 +30,13 @@ impl<R: Number> Brackets<R> {
         Some(Brackets(ends.map(bracket)))
     }
 
-    /// The brackets of one lane.
+    /// The brackets in one SIMD lane.
     #[inline(always)]
     pub(super) fn lane(&self, lane: usize) -> Brackets<f64> {
         Brackets(self.0.map(|v| v.map(|x| x.lane(lane))))
     }
 
-    /// The brackets of several lines, one per lane.
+    /// The brackets of several lines, one line per SIMD lane.
     #[inline(always)]
     pub(super) fn of_lanes(lanes: &[Brackets<f64>], like: R) -> Brackets<R> {
         let of = |lane: usize| &lanes[lane.min(lanes.len() - 1)].0;
@@ -45,7 +45,7 @@ impl<R: Number> Brackets<R> {
         Brackets([bracket(0), bracket(1)])
     }
 
-    /// Transforms a gradient at the chain's ends into the gradient at the key nodes.
+    /// Transforms a gradient by the motions of the chain's ends into the gradient by the motions of the key nodes.
     #[inline(always)]
     pub(super) fn carry_gradient(&self, gradient: &mut Ends<R>) {
         for (i, v) in self.0.iter().enumerate() {
@@ -54,7 +54,7 @@ impl<R: Number> Brackets<R> {
         }
     }
 
-    /// Transforms the stiffness at the chain's ends into that at the key nodes; only the upper triangle is read.
+    /// Transforms the stiffness by the motions of the chain's ends into that by the motions of the key nodes. Only the upper triangle is read.
     #[inline(always)]
     pub(super) fn carry_stiffness(&self, stiffness: &mut EndsMatrix<R>) {
         for row in 1..6 {
@@ -73,7 +73,7 @@ impl<R: Number> Brackets<R> {
         }
     }
 
-    /// Adds the geometric stiffness of forces on rotating brackets; `gradient` holds the forces of the elements at the ends, N.
+    /// Adds the geometric stiffness that forces cause on rotating brackets. `gradient` holds the elements' forces at the chain's ends, N.
     #[inline(always)]
     pub(super) fn add_turning(&self, gradient: &Ends<R>, stiffness: &mut EndsMatrix<R>) {
         for (i, v) in self.0.iter().enumerate() {
@@ -81,7 +81,7 @@ impl<R: Number> Brackets<R> {
         }
     }
 
-    /// Adds the terms of the brackets to the sum of each rotation's diagonal terms. Pivots are compared with that sum to detect cancellation.
+    /// Adds the brackets' terms to the sum of the diagonal terms of each rotation. Pivots are compared with this sum to detect cancellation.
     #[inline(always)]
     pub(super) fn carry_diagonal(&self, diagonal: &mut Ends<R>) {
         for (i, v) in self.0.iter().enumerate() {
@@ -90,7 +90,7 @@ impl<R: Number> Brackets<R> {
         }
     }
 
-    /// Corrections of the chain's ends, given those of the key nodes.
+    /// Corrections of the chain's ends that follow from those of the key nodes.
     #[inline(always)]
     pub(super) fn carried(&self, key_nodes: &Ends<R>) -> Ends<R> {
         let mut ends = *key_nodes;

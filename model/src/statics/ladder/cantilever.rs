@@ -1,12 +1,12 @@
-//! The elements from the first end of a chain to one of its nodes, as a growing cantilever.
+//! The elements from the first end of a chain to one of its nodes, as a cantilever that grows element by element.
 //!
-//! The position of the second end relative to the rotating first end determines how the elements deform. Expressed by that deflection, the
-//! stiffness matrix contains only the elements' stiffness. Expressed by nodal positions, it also resists the motion of either end alone. The joint
-//! motion of both ends is then a small difference of large numbers, and node-by-node elimination of n elements amplifies rounding errors by n^3. So
-//! the deflection of the next element is eliminated instead of the node before it. Elements in a row act as springs in series. The stiffness S so
-//! far and k of the next element combine to S - S (S + k)^-1 S, where little is subtracted since k is large.
+//! The position of the second end relative to the rotating first end determines how the elements deform. With this deflection as unknown, the stiffness
+//! matrix contains only the elements' stiffness. With nodal positions as unknowns, the matrix also resists a motion of one end alone. The common motion of
+//! both ends is then a small difference of large numbers, and eliminating n elements node by node amplifies rounding errors by n^3. The deflection of the
+//! next element is therefore eliminated instead of the node before it. Elements in a row act as springs in series. The stiffness S so far and the stiffness k
+//! of the next element combine to S - S (S + k)^-1 S. Little is subtracted, since k is large.
 //!
-//! A fourth unknown is the rotation of the whole chain, which rotates the elements' forces. A translation of the whole changes nothing.
+//! A fourth unknown is the rotation of the whole cantilever, which rotates the elements' forces. A translation of the whole changes nothing.
 
 use super::block::Block;
 use super::ends::{Ends, EndsMatrix};
@@ -14,21 +14,23 @@ use crate::element::{Response, quarter_turn};
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// Unknowns: deflection x, y (mm) and rotation (rad) of the second end relative to the first; rotation of the whole (rad).
+/// Unknowns of a cantilever: deflection x, y (mm) and rotation (rad) of the second end relative to the first; then the rotation of the whole (rad).
 pub(super) type Deflection<R = f64> = [R; 4];
 const TURN: usize = 3;
 
-/// Forces on a cantilever: gradient of its energy by the deflection (N, N mm), and by a translation of the whole (N).
+/// Forces on a cantilever: gradient of the energy by the deflection (N, N mm), and by a translation of the whole (N).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Forces<R: Number> {
+    /// Gradient of the energy by the deflection, N and N mm.
     by_deflection: Deflection<R>,
+    /// Gradient of the energy by a translation of the whole cantilever, N.
     by_displacement: [R; 2],
     /// Vector from the first to the second end, mm.
     lever: Vector2<R>,
 }
 
 impl<R: Number> Forces<R> {
-    /// Forces for a gradient on the two ends; `lever` is the vector from the first to the second, mm.
+    /// Forces for a gradient by the motions of the two ends. `lever` is the vector from the first to the second end, mm.
     #[inline(always)]
     pub(super) fn on(gradient: &Ends<R>, lever: Vector2<R>) -> Forces<R> {
         let [x, y, moment, end_x, end_y, end_moment] = *gradient;
@@ -40,7 +42,7 @@ impl<R: Number> Forces<R> {
         }
     }
 
-    /// Gradient on the two ends.
+    /// The gradient by the motions of the two ends.
     #[inline(always)]
     pub(super) fn on_ends(&self) -> Ends<R> {
         let [x, y, moment, turn] = self.by_deflection;
@@ -49,20 +51,20 @@ impl<R: Number> Forces<R> {
         [all_x - x, all_y - y, turn - moment - arm.x * x - arm.y * y, x, y, moment]
     }
 
-    /// Appends an element at the second end and eliminates its deflection. Returns y = L^-1 g of that elimination.
+    /// Appends an element at the second end and eliminates the element's deflection. Returns y = L^-1 g of this elimination.
     #[inline(always)]
     pub(super) fn extend(&mut self, joint: &Joint<R>, next: &Forces<R>) -> [R; 3] {
         let (arm, next_arm) = (quarter_turn(self.lever), quarter_turn(joint.lever));
         self.lever = sum(self.lever, joint.lever);
         let g = &mut self.by_deflection;
-        // The next element translates with the old second end.
+        // The next element translates with the second end so far.
         let [x, y] = next.by_displacement;
         self.by_displacement[0] += x;
         self.by_displacement[1] += y;
         g[0] += x;
         g[1] += y;
         g[TURN] += arm.x * x + arm.y * y + next.by_deflection[TURN];
-        // Change to the new second end; the next element rotates with the old one.
+        // Moves the gradient to the new second end; the next element rotates with the old one.
         g[2] += next.by_deflection[TURN] - next_arm.x * g[0] - next_arm.y * g[1];
         let by_next = &next.by_deflection;
         let y = joint.block.forward(&[by_next[0] - g[0], by_next[1] - g[1], by_next[2] - g[2]]);
@@ -71,7 +73,7 @@ impl<R: Number> Forces<R> {
     }
 }
 
-/// Elimination of the deflection of an element that was appended to a cantilever.
+/// Elimination of the deflection of one element that was appended to a cantilever.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Joint<R: Number = f64> {
     block: Block<R, 3, 4>,
@@ -86,7 +88,7 @@ impl<R: Number> Joint<R> {
         Joint { block: Block::empty(like), lever: Vector2::new(like.zero(), like.zero()) }
     }
 
-    /// Copies one lane.
+    /// Copies one SIMD lane to `one`.
     #[inline(always)]
     pub(super) fn copy_lane(&self, lane: usize, one: &mut Joint) {
         self.block.copy_lane(lane, &mut one.block);
@@ -99,7 +101,7 @@ impl<R: Number> Joint<R> {
         self.block.positive()
     }
 
-    /// Work of the residual on the correction of the element's deflection, N mm, given its y.
+    /// Work of the residual g on the correction of the element's deflection, N mm, given y = L^-1 g.
     #[inline(always)]
     pub(super) fn work(&self, y: &[R; 3]) -> R {
         self.block.work(y)
@@ -110,7 +112,7 @@ impl<R: Number> Joint<R> {
         self.block.log_determinant()
     }
 
-    /// Deflection of the cantilever without this element, given that with it and the y of the residual.
+    /// Deflection of the cantilever without this element, given its deflection with this element and y = L^-1 g of the residual g.
     #[inline(always)]
     pub(super) fn shortened(&self, y: &[R; 3], longer: &Deflection<R>) -> Deflection<R> {
         let [x, y, rotation] = self.block.motion(y, longer);
@@ -125,24 +127,24 @@ impl<R: Number> Joint<R> {
     }
 }
 
-/// Stiffness of a chain's first elements by [`Deflection`], with the nodes between eliminated.
+/// Stiffness of the first elements of a chain by the [`Deflection`], with the nodes between eliminated.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cantilever<R: Number> {
-    /// Symmetric; only the upper triangle is valid.
+    /// Stiffness by the deflection: a symmetric matrix of which only the upper triangle is valid.
     stiffness: [[R; 4]; 4],
     /// Vector from the first to the second end, mm.
     lever: Vector2<R>,
 }
 
 impl<R: Number> Cantilever<R> {
-    /// The cantilever of one element without loads. `carried` is the force at its second end, N, which rotates with the element.
+    /// The cantilever of one element without loads. `carried` is the force at the element's second end, N, which rotates with the element.
     ///
-    /// The stiffness by deflection is that of the second end alone. A rotation of the whole by w rotates the force f by w quarter_turn(f). The
-    /// moments about the first end, balanced before, change by -w f . lever.
+    /// The stiffness by the deflection is that of the second end alone. A rotation of the whole by w rotates the force f by w quarter_turn(f). Its moments
+    /// about the first end, which were in balance, change by -w f . lever.
     #[inline(always)]
     pub(super) fn of_element(element: &Response<R>, carried: Vector2<R>, lever: Vector2<R>) -> Cantilever<R> {
         let mut stiffness = [[lever.x.zero(); 4]; 4];
-        // Symmetric, so columns serve as rows.
+        // The matrix is symmetric, so its columns serve as rows.
         let columns = &element.tangent.data.0;
         for i in 0..3 {
             for j in i..3 {
@@ -155,7 +157,7 @@ impl<R: Number> Cantilever<R> {
         Cantilever { stiffness, lever }
     }
 
-    /// Adds the potential of a dead load on the element; the load does not rotate, so all its terms count.
+    /// Adds the potential of a dead load on the element. A dead load does not rotate, so all its terms count.
     #[inline(always)]
     pub(super) fn add_load(&mut self, potential: &Response<R>) {
         let tangent = &potential.tangent;
@@ -172,14 +174,14 @@ impl<R: Number> Cantilever<R> {
         self.stiffness[TURN][TURN] += by_turn[2] + arm.x * by_turn[3] + arm.y * by_turn[4] + by_turn[5];
     }
 
-    /// Appends an element at the second end and eliminates its deflection.
+    /// Appends an element at the second end and eliminates the element's deflection.
     #[inline(always)]
     pub(super) fn extend(&mut self, joint: &mut Joint<R>, next: &Cantilever<R>) {
         let arm = quarter_turn(next.lever);
         joint.lever = next.lever;
         self.lever = sum(self.lever, next.lever);
         let s = &mut self.stiffness;
-        // Change to the new second end: the old one lags by `arm` times its rotation.
+        // Moves the stiffness to the new second end: the old one lags behind it by `arm` times its rotation.
         let lifted = [s[0][0] * arm.x + s[0][1] * arm.y, s[0][1] * arm.x + s[1][1] * arm.y];
         s[2][2] -= arm.x * s[0][2] + arm.y * s[1][2];
         s[0][2] -= lifted[0];
@@ -217,7 +219,7 @@ impl<R: Number> Cantilever<R> {
         let s = &self.stiffness;
         let arm = quarter_turn(self.lever);
         let upper = |i: usize, j: usize| s[i.min(j)][i.max(j)];
-        // Column of the first end's rotation, which deflects the second end by minus the arm.
+        // Column of the first end's rotation, which moves the second end by minus the arm.
         let mut held = [arm.x; 3];
         for i in 0..3 {
             held[i] = upper(i, 0) * arm.x + upper(i, 1) * arm.y + upper(i, 2) - s[i][TURN];

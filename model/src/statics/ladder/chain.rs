@@ -1,7 +1,7 @@
-//! A chain of elements condensed onto its two ends: a plate between two key nodes, or a rib.
+//! A chain of elements condensed onto its two ends: a plate member between two key nodes, or a rib.
 //!
-//! The elements are appended one by one to a [`Cantilever`], so the work is proportional to their number. Stiffness and forces are
-//! separate, because the stiffness at rest serves many loads.
+//! The elements are appended one by one to a [`Cantilever`], so the work is proportional to their number. Stiffness and forces are separate, because the
+//! stiffness at rest serves for many loads.
 
 use super::SMALL_PIVOT;
 use super::block::Block;
@@ -18,35 +18,36 @@ use std::ops::Range;
 
 /// An element of a chain with its loads.
 pub(super) struct Element<'a, R: Number> {
-    /// Elastic energy with its derivatives by the two nodes.
+    /// Elastic energy, with its derivatives by the motions of the two nodes.
     pub elastic: Response<R>,
     /// Potential of the loads on the element.
     pub load: Option<&'a Response<R>>,
-    /// Vector from its first to its second node, mm.
+    /// Vector from the element's first to its second node, mm.
     pub lever: Vector2<R>,
 }
 
-/// Condensed stiffness of a chain. Its [`Joint`]s, one per element but the first, are stored in [`Factor`](super::Factor).
+/// Condensed stiffness of a chain. The [`Joint`]s of the chain, one per element but the first, are stored in [`Factor`](super::Factor).
 #[derive(Debug, Clone)]
 pub(super) struct Chain<R: Number = f64> {
-    /// Vectors from the first node to the second node of the first element, and to the end of the chain, mm.
+    /// Vector from the first node of the chain to the second node of its first element, mm.
     first_lever: Vector2<R>,
+    /// Vector from the first to the last node of the chain, mm.
     lever: Vector2<R>,
-    /// Elimination of the two end rotations of a pinned member, which no other member shares.
+    /// Elimination of the two end rotations of a pinned member; no other member has these rotations.
     pins: Option<Block<R, 2, 6>>,
-    /// Brackets between the chain's ends and the key nodes, if any.
+    /// Brackets between the chain's ends and the key nodes; `None` without brackets.
     brackets: Option<Brackets<R>>,
-    /// Condensed stiffness by its two ends, or by the key nodes of its brackets.
+    /// Condensed stiffness by the motions of the chain's two ends, or of the key nodes if the chain has brackets.
     pub stiffness: EndsMatrix<R>,
     pub positive: R::Mask,
-    /// Lanes in which no element is so soft beside the previous ones that cancellation has lost significant digits.
+    /// Lanes without significant loss of digits by cancellation. Digits are lost if an element is much softer than the elements before it.
     pub accurate: R::Mask,
-    /// Diagonal of the stiffness before pins are released.
+    /// Diagonal of the stiffness before the pinned rotations are eliminated.
     pub diagonal: Ends<R>,
 }
 
 impl<R: Number> Chain<R> {
-    /// The chain of a line, in the number type of `like`.
+    /// The chain of a line before its condensation, in the number type of `like`.
     #[inline(always)]
     pub(super) fn new(frame: &PlaneFrame, line: &Line, like: R) -> Chain<R> {
         let zero = like.zero();
@@ -64,7 +65,7 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Copies one lane to a chain of the same kind; only the upper triangles of symmetric matrices.
+    /// Copies one SIMD lane to a chain of the same kind. Of symmetric matrices, only the upper triangle is copied.
     #[inline(always)]
     pub(super) fn copy_lane(&self, lane: usize, one: &mut Chain) {
         let like = self.lever.x;
@@ -84,7 +85,7 @@ impl<R: Number> Chain<R> {
         (one.positive, one.accurate) = (like.holds(self.positive, lane), like.holds(self.accurate, lane));
     }
 
-    /// Whether the ends of the chain are pinned, so that they rotate independently of the nodes.
+    /// Whether the ends of the chain are pinned, so that they rotate independently of the key nodes.
     pub(super) fn is_pinned(&self) -> bool {
         self.pins.is_some()
     }
@@ -92,7 +93,7 @@ impl<R: Number> Chain<R> {
     /// Stores stiffness and gradient of a chain with a single element.
     #[inline(always)]
     pub(super) fn take(&mut self, forces: &mut ChainForces<R>, element: &Response<R>) {
-        // Symmetric, so columns serve as rows.
+        // The matrix is symmetric, so its columns serve as rows.
         self.stiffness = element.tangent.data.0;
         (self.positive, self.accurate) = (forces.work.always(), forces.work.always());
         forces.work = forces.work.zero();
@@ -100,7 +101,7 @@ impl<R: Number> Chain<R> {
         forces.raw = forces.gradient;
     }
 
-    /// Begins to condense several elements, given from the first to the second end.
+    /// Begins the condensation of several elements with the first one; the others follow in order.
     #[inline(always)]
     pub(super) fn begin(&mut self, forces: &mut ChainForces<R>, first: &Element<R>) -> PartialChain<R> {
         (self.positive, self.accurate) = (forces.work.always(), forces.work.always());
@@ -110,7 +111,7 @@ impl<R: Number> Chain<R> {
         PartialChain { stiffness, carried }
     }
 
-    /// Appends the next element and stores the joint's y = L^-1 g in `y`.
+    /// Appends the next element and stores y = L^-1 g of its joint in `y`.
     #[inline(always)]
     pub(super) fn extend(
         &mut self,
@@ -142,7 +143,7 @@ impl<R: Number> Chain<R> {
         forces.gradient = partial.carried.on_ends();
     }
 
-    /// Stores the diagonal, releases pins and transforms from the ends of brackets to the key nodes.
+    /// Stores the diagonal, eliminates pinned rotations, and transforms from the ends of brackets to the key nodes.
     #[inline(always)]
     pub(super) fn finish(&mut self, forces: &mut ChainForces<R>, brackets: Option<Brackets<R>>, linear: bool) {
         for i in 0..6 {
@@ -163,7 +164,7 @@ impl<R: Number> Chain<R> {
         self.release(forces);
     }
 
-    /// Condenses new gradients with the stored stiffness.
+    /// Condenses new gradients with the stored stiffness, which does not change.
     #[inline(always)]
     pub(super) fn load(
         &self,
@@ -187,7 +188,7 @@ impl<R: Number> Chain<R> {
         self.release(forces);
     }
 
-    /// Condenses the gradient of pinned ends and transforms it from the ends of brackets to the key nodes.
+    /// Eliminates pinned rotations from the gradient, and transforms it from the ends of brackets to the key nodes.
     #[inline(always)]
     fn release(&self, forces: &mut ChainForces<R>) {
         if let Some(block) = &self.pins {
@@ -199,7 +200,7 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Gradient at the two ends that is equivalent to the gradients `on_element` at the two nodes of each element.
+    /// Gradient by the motions of the chain's two ends that is equivalent to the gradients `on_element` by the motions of each element's nodes.
     pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], on_element: impl Fn(usize) -> Ends<R>) -> Ends<R> {
         let mut gradient = on_element(0);
         if !joints.is_empty() {
@@ -218,18 +219,18 @@ impl<R: Number> Chain<R> {
         gradient
     }
 
-    /// Corrections of the chain's two ends, given those of the key nodes.
+    /// Corrections of the chain's two ends that follow from those of the key nodes.
     #[inline(always)]
     pub(super) fn carried(&self, key_nodes: &Ends<R>) -> Ends<R> {
         self.brackets.as_ref().map_or(*key_nodes, |brackets| brackets.carried(key_nodes))
     }
 
-    /// Natural logarithm of the determinant of the pinned rotations; 0 without pins.
+    /// Natural logarithm of the determinant of the eliminated pinned rotations; 0 without pins.
     pub(super) fn log_determinant(&self) -> R {
         self.pins.as_ref().map_or(self.lever.x.zero(), Block::log_determinant)
     }
 
-    /// Back substitution from the corrections of the two ends to the inner nodes and the rotations of pinned ends.
+    /// Back substitution: from the corrections of the two ends to those of the inner nodes and of the pinned rotations.
     #[inline(always)]
     pub(super) fn correct(
         &self,
@@ -264,7 +265,7 @@ impl<R: Number> Chain<R> {
 }
 
 impl<R: Number> Element<'_, R> {
-    /// The element as a cantilever: its stiffness, its forces, and the gradient on its two nodes.
+    /// The element as a cantilever: its stiffness, its forces, and the gradient by the motions of its two nodes.
     #[inline(always)]
     fn cantilever(&self) -> (Cantilever<R>, Forces<R>, Ends<R>) {
         let mut gradient = numbers(&self.elastic.gradient);
@@ -283,11 +284,11 @@ impl<R: Number> Element<'_, R> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ChainForces<R: Number> {
     pins_y: [R; 2],
-    /// Gradient by its two ends, N and N mm.
+    /// Gradient by the motions of the two ends, N and N mm.
     pub gradient: Ends<R>,
-    /// Gradient at the two ends before any condensation, N and N mm.
+    /// Gradient by the motions of the two ends before any condensation, N and N mm.
     pub raw: Ends<R>,
-    /// Work of the residual on the correction of the eliminated unknowns, N mm.
+    /// Work of the residual on the corrections of the eliminated unknowns, N mm.
     pub work: R,
     /// Elastic energy of the elements, N mm.
     pub energy: R,
@@ -301,7 +302,7 @@ impl<R: Number> ChainForces<R> {
         ChainForces { pins_y: [zero; 2], gradient: [zero; 6], raw: [zero; 6], work: zero, energy: zero }
     }
 
-    /// Copies one lane.
+    /// Copies one SIMD lane to `one`.
     #[inline(always)]
     pub(super) fn copy_lane(&self, lane: usize, one: &mut ChainForces<f64>) {
         copy_lane(&self.pins_y, lane, &mut one.pins_y);
@@ -311,25 +312,25 @@ impl<R: Number> ChainForces<R> {
     }
 }
 
-/// The first elements of a chain as a cantilever, with their forces.
+/// The elements of a chain that are condensed so far, as a cantilever with its forces.
 pub(super) struct PartialChain<R: Number> {
     stiffness: Cantilever<R>,
     carried: Forces<R>,
 }
 
-/// The interior of a chain: its joints, the y of each, and its nodes.
+/// The interior of a chain: its joints, the y of each joint, and its inner nodes.
 pub(super) struct ChainInterior<'a, R: Number> {
     pub joints: &'a [Joint<R>],
     pub ys: &'a [[R; 3]],
     pub between: &'a Between,
 }
 
-/// Index ranges of a chain's inner nodes and rotations in a motion; both are contiguous.
+/// Index ranges of a chain's inner nodes and inner rotations in a motion. Both ranges are contiguous.
 #[derive(Debug, Clone)]
 pub(super) struct Between {
     pub nodes: Range<usize>,
     pub rotations: Range<usize>,
-    /// Rotation slots that the two ends are clamped to; at a pinned end, that of the pin.
+    /// Rotation slots that the two ends are clamped to; at a pinned end, the slot of the pin.
     ends: [usize; 2],
 }
 
@@ -352,7 +353,7 @@ impl Between {
     }
 }
 
-/// Range of a line's joints in an array with one entry per member: all its elements but the first.
+/// Range of a line's joints in an array with one entry per member. All elements of the line but the first have a joint.
 pub(super) fn joints_of(line: &Line) -> Range<usize> {
     match line.members.len() {
         0 => line.members.clone(),
@@ -360,7 +361,7 @@ pub(super) fn joints_of(line: &Line) -> Range<usize> {
     }
 }
 
-/// Eliminates the pinned rotations from the gradient of the ends. Returns their y = L^-1 g.
+/// Eliminates the pinned rotations from the gradient of the ends. Returns y = L^-1 g of this elimination.
 #[inline(always)]
 fn pass_pins<R: Number>(block: &Block<R, 2, 6>, gradient: &mut Ends<R>) -> [R; 2] {
     let y = block.forward(&[gradient[2], gradient[5]]);

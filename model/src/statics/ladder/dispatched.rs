@@ -1,6 +1,7 @@
-//! Elimination of one finger with the widest SIMD instructions of the machine, bitwise equal to the scalar one. Lines are condensed in lanes, rungs in turn.
+//! Elimination of one finger with the widest SIMD instructions of the machine, bitwise equal to the scalar elimination. Several lines are condensed at a time
+//! in SIMD lanes; rungs are eliminated one after the other.
 //!
-//! Structs rather than closures: the compiler uses these instructions for code inlined into [`WithSimd::with_simd`], but not for closures.
+//! Each task is a struct, not a closure. The compiler uses the wide instructions for code that is inlined into [`WithSimd::with_simd`], but not for closures.
 
 use super::balance::Balance;
 use super::factor::Factor;
@@ -8,17 +9,17 @@ use crate::frame::FrameMotion;
 use crate::number::Lanes;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Runs [`Balance::factorise`] with these instructions.
+/// Runs [`Balance::factorise`] with the widest SIMD instructions.
 pub(super) fn factorise(balance: &mut Balance, stiffness: &mut Factor, motion: &FrameMotion) {
     Arch::new().dispatch(Factorisation { balance, stiffness, motion });
 }
 
-/// Runs [`Balance::eliminate_gradient`] with these instructions.
+/// Runs [`Balance::eliminate_gradient`] with the widest SIMD instructions.
 pub(super) fn eliminate_gradient(balance: &mut Balance, stiffness: &Factor) {
     Arch::new().dispatch(Elimination { balance, stiffness });
 }
 
-/// Runs [`Balance::correct`] with these instructions.
+/// Runs [`Balance::correct`] with the widest SIMD instructions.
 pub(super) fn correct(balance: &mut Balance, stiffness: &Factor, motion: &mut FrameMotion) -> f64 {
     Arch::new().dispatch(Correction { balance, stiffness, motion })
 }

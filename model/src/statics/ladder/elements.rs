@@ -1,7 +1,7 @@
-//! The elements of one line, or of several lines in lanes, behind one interface.
+//! The elements of one line, or of several lines in SIMD lanes, behind one trait.
 //!
-//! Lines are independent until they are condensed onto the key nodes. Lines with the same number of elements therefore share the
-//! instructions, one per lane, each with its own beams, motion and loads.
+//! Lines are independent until they are condensed onto the key nodes. Lines with the same number of elements can therefore be computed by the same
+//! instructions, one line per lane. Each line keeps its own beams, motion and loads.
 
 use crate::element::Beam;
 use crate::frame::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame, RotationSlot};
@@ -9,30 +9,30 @@ use crate::mesh::Line;
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// Lanes of the widest supported register.
+/// Number of lanes of the widest supported SIMD register.
 const MOST_LANES: usize = 8;
 
-/// The elements of a line from one key node to the other, with the indices of their nodes in a motion.
+/// The elements of a line from one key node to the other, with the indices of the line's nodes in a motion.
 pub(super) trait Elements<R: Number>: Copy {
     /// Number of elements.
     fn count(&self) -> usize;
 
-    /// The element at an index from 0.
+    /// The element with the given index, counted from 0.
     fn member(&self, index: usize) -> Member<R>;
 
-    /// The node before element `index`; for `index` = count, the node after the last element.
+    /// The node before element `index`; if `index` is the number of elements, the node after the last element.
     fn node(&self, index: usize) -> NodeIndex;
 
-    /// The rotation slot of [`node`](Elements::node).
+    /// The rotation slot of the node that [`node`](Elements::node) returns.
     fn rotation(&self, index: usize) -> RotationSlot;
 }
 
-/// One line of a frame; indices refer to the motion of the frame.
+/// One line of a frame. Its indices refer to the motion of the frame.
 #[derive(Clone, Copy)]
 pub(super) struct OneLine<'a, R> {
     pub frame: &'a PlaneFrame,
     pub line: &'a Line,
-    /// Any value of the number type.
+    /// Any value, from which values of the number type are made.
     pub like: R,
 }
 
@@ -58,20 +58,21 @@ impl<R: Number> Elements<R> for OneLine<'_, R> {
     }
 }
 
-/// Lines with equal numbers of elements, one per lane. Their motion holds nodes and rotations from first to last, then the rotations that clamp the ends.
+/// Lines with equal numbers of elements, one line per lane. Their common motion holds nodes and rotations from the first to the last node, then the rotations
+/// to which the ends are clamped.
 #[derive(Clone, Copy)]
 pub(super) struct ParallelLines<'a, R> {
     frame: &'a PlaneFrame,
-    /// The line of each lane; the last line repeats in unused lanes.
+    /// The line in each lane. Unused lanes repeat the last line.
     lines: [&'a Line; MOST_LANES],
     members: [&'a [Member]; MOST_LANES],
-    /// Node and rotation slot of each line's first inner node; the others follow in order.
+    /// Indices of each line's first inner node and of its rotation slot. The other inner nodes follow in order.
     inner: [(NodeIndex, RotationSlot); MOST_LANES],
     like: R,
 }
 
 impl<'a, R: Number> ParallelLines<'a, R> {
-    /// Puts the lines with the given indices into lanes.
+    /// Assigns the lines with the given indices to lanes.
     #[inline(always)]
     pub(super) fn new(frame: &'a PlaneFrame, all: &'a [Line], lines: &[usize], like: R) -> ParallelLines<'a, R> {
         let members_of = |line: &Line| &frame.members()[line.members.clone()];
@@ -93,7 +94,7 @@ impl<'a, R: Number> ParallelLines<'a, R> {
         abreast
     }
 
-    /// Copies their motion from that of the frame.
+    /// Copies the motion of the lines from that of the frame.
     #[inline(always)]
     pub(super) fn take_motion(&self, of_frame: &FrameMotion, motion: &mut FrameMotion<R>) {
         let (count, like) = (self.count(), self.like);
@@ -114,7 +115,7 @@ impl<'a, R: Number> ParallelLines<'a, R> {
         }
     }
 
-    /// Copies the motion of one line's inner nodes to that of the frame.
+    /// Copies the motion of the inner nodes in one lane to the motion of the frame.
     #[inline(always)]
     pub(super) fn put_inner_motion(&self, motion: &FrameMotion<R>, lane: usize, of_frame: &mut FrameMotion) {
         let (node, rotation) = self.inner[lane];
@@ -128,7 +129,7 @@ impl<'a, R: Number> ParallelLines<'a, R> {
     }
 }
 
-/// Methods rather than closures: closures would not be inlined, and each lane operation would become a function call.
+/// These are methods, because closures would not be inlined, and each lane operation would become a function call.
 impl<R: Number> ParallelLines<'_, R> {
     #[inline(always)]
     fn beam(&self, index: usize) -> Beam<R> {
@@ -144,7 +145,7 @@ impl<R: Number> ParallelLines<'_, R> {
         }
     }
 
-    /// Rigid arm at an element's end, mm. Only the two ends of a line have arms and pins.
+    /// Rigid arm at an element's end, mm. Only the first and the last end of a line have arms and pins.
     #[inline(always)]
     fn arm(&self, index: usize, end: usize) -> Vector2<R> {
         let arm = |lane: usize| &self.members[lane][index].ends[end].arm;
@@ -168,7 +169,7 @@ impl<R: Number> ParallelLines<'_, R> {
         }
     }
 
-    /// The end of an element at an inner node.
+    /// The beam end at an inner node.
     #[inline(always)]
     fn between(&self, node: NodeIndex) -> BeamEnd<R> {
         BeamEnd { node, rotation: node, arm: Vector2::new(self.like.zero(), self.like.zero()) }

@@ -1,21 +1,21 @@
-//! Vectors and matrices by the motions of two ends.
+//! Vectors and matrices with one entry or row per motion of two ends.
 
 use crate::number::Number;
 use nalgebra::SVector;
 
-/// x, y (mm) and rotation (rad) of the first end, then of the second; or forces (N) and moments (N mm) conjugate to them.
+/// Motions x, y (mm) and rotation (rad) of the first end, then of the second end; or the forces (N) and moments (N mm) conjugate to them.
 pub(super) type Ends<R = f64> = [R; 6];
-/// Second derivatives by [`Ends`]; symmetric, only the upper triangle is valid.
+/// Second derivatives by the motions in [`Ends`]. The matrix is symmetric, and only its upper triangle is valid.
 pub(super) type EndsMatrix<R = f64> = [[R; 6]; 6];
 
-/// Splits [`Ends`] into its two ends.
+/// Splits [`Ends`] into the parts of its first and second end.
 #[inline(always)]
 pub(super) fn halves<R: Number>(ends: &Ends<R>) -> [[R; 3]; 2] {
     let [a, b, c, d, e, f] = *ends;
     [[a, b, c], [d, e, f]]
 }
 
-/// Joins two ends to [`Ends`].
+/// Joins the parts of two ends to [`Ends`].
 #[inline(always)]
 pub(super) fn joined<R: Number>(first: &[R; 3], second: &[R; 3]) -> Ends<R> {
     [first[0], first[1], first[2], second[0], second[1], second[2]]

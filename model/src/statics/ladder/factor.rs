@@ -1,4 +1,4 @@
-//! Factored stiffness of the finger: the part of the elimination that does not depend on the gradient.
+//! Factored stiffness of the finger: the part of the elimination that is independent of the gradient.
 
 use super::Ladder;
 use super::SMALL_PIVOT;
@@ -11,39 +11,39 @@ use crate::frame::FrameMotion;
 use crate::mesh::Mesh;
 use crate::number::Number;
 
-/// Block elimination of a finger's stiffness from tip to base.
+/// Block elimination of a finger's stiffness, from tip to base.
 #[derive(Debug, Clone)]
 pub(crate) struct Factor<R: Number = f64> {
     /// One chain per line of the mesh.
     pub(super) chains: Vec<Chain<R>>,
-    /// One joint per member of the frame: the elimination of its deflection. The first member of a line has none.
+    /// One joint per member of the frame, the elimination of the member's deflection. The first member of a line does not use its joint.
     pub(super) joints: Vec<Joint<R>>,
-    /// Rungs from the base to the tip.
+    /// Rungs (pairs of key nodes joined by a rib) from base to tip.
     pub(super) rungs: Vec<Rung<R>>,
-    /// The tip, coupled to the back and front node of the last rung.
+    /// The tip, coupled to the back and front node of the rung next to it.
     pub(super) tip: Block<R, 3, 6>,
     /// Lanes in which the stiffness is positive definite.
     pub(super) positive: R::Mask,
-    /// Lanes in which no pivot has lost more than three digits to cancellation.
+    /// Lanes in which no pivot lost more than three digits to cancellation.
     pub(super) accurate: R::Mask,
 }
 
 impl<R: Number> Factor<R> {
-    /// Without allocation, in the number type of `like`; for ladders that only use the stiffness at rest.
+    /// A factor without arrays, in the number type of `like`; for ladders that only use the stiffness at rest.
     pub(super) fn none(like: R) -> Factor<R> {
         let (chains, joints, rungs) = (Vec::new(), Vec::new(), Vec::new());
         let never = like.zero().exceeds(like.zero());
         Factor { chains, joints, rungs, tip: Block::empty(like), positive: never, accurate: never }
     }
 
-    /// With arrays for a mesh.
+    /// A factor with arrays for a mesh.
     pub(in crate::statics) fn with_room(mesh: &Mesh, like: R) -> Factor<R> {
         let mut factor = Factor::none(like);
         factor.make_room(mesh, like);
         factor
     }
 
-    /// Allocates the arrays for a mesh if needed.
+    /// Allocates the arrays for a mesh, unless they already exist.
     pub(super) fn make_room(&mut self, mesh: &Mesh, like: R) {
         if self.chains.is_empty() {
             let frame = mesh.frame();
@@ -59,7 +59,7 @@ impl<R: Number> Factor<R> {
         }
     }
 
-    /// Lines of the plate members above rung `level - 1` (0: base), back then front. Lines are ordered back, front, ribs, each from the base.
+    /// Indices of the plate members above rung `level - 1` (0: above the base), back then front. Lines are ordered back, front, ribs, each from the base.
     pub(super) fn plate_members(&self, level: usize) -> [usize; 2] {
         [level, self.rungs.len() + 1 + level]
     }
@@ -68,12 +68,12 @@ impl<R: Number> Factor<R> {
         2 * (self.rungs.len() + 1) + rung
     }
 
-    /// Stiffness of a rung's two nodes before the elimination of tip and rungs above it.
+    /// Stiffness of the two nodes of a rung, before tip and higher rungs are eliminated.
     #[inline(always)]
     fn rung_stiffness(&self, level: usize) -> EndsMatrix<R> {
         let stiffness = |line: usize| &self.chains[line].stiffness;
         let [below, above] = [self.plate_members(level), self.plate_members(level + 1)];
-        // The rib joins the rung's two nodes; an undeformable rib contributes zeros.
+        // The rib joins the two nodes of its rung; an undeformable rib contributes zeros.
         let mut sum = *stiffness(self.rib(level));
         for i in 0..3 {
             for j in i..3 {
@@ -84,7 +84,7 @@ impl<R: Number> Factor<R> {
         sum
     }
 
-    /// Sum of an end quantity over the lines that end at a rung.
+    /// Sum of a quantity at the ends of lines, over the lines that end at a rung.
     #[inline(always)]
     pub(super) fn rung_sum<'a>(&self, level: usize, at_ends: impl Fn(usize) -> &'a Ends<R>) -> Ends<R>
     where
@@ -99,7 +99,7 @@ impl<R: Number> Factor<R> {
         sum
     }
 
-    /// Natural logarithm of the stiffness's determinant; not a number if the stiffness is not positive definite.
+    /// Natural logarithm of the determinant of the stiffness; NaN if the stiffness is not positive definite.
     pub(super) fn log_determinant(&self, mesh: &Mesh) -> R {
         let tip = self.tip.log_determinant();
         let sum = |sum: R, part: R| sum + part;
@@ -116,7 +116,7 @@ impl<R: Number> Factor<R> {
         self.positive
     }
 
-    /// Eliminates the tip. `curvature` is the second derivative of the loads' potential by the tip's rotation, N mm.
+    /// Eliminates the tip. `curvature` is the second derivative of the loads' potential by the rotation of the tip, N mm.
     #[inline(always)]
     pub(super) fn eliminate_tip(&mut self, curvature: R) {
         let zero = curvature.zero();
@@ -147,7 +147,7 @@ impl<R: Number> Factor<R> {
         self.accurate = zero.both(self.accurate, self.tip.pivots_exceed(&limits));
     }
 
-    /// Eliminates a rung. `curvatures` are the second derivatives of the loads' potential by the rotations of its back and front node, N mm.
+    /// Eliminates a rung. `curvatures` are the second derivatives of the loads' potential by the rotations of the rung's back and front node, N mm.
     #[inline(always)]
     pub(super) fn eliminate_rung(&mut self, level: usize, rib: Option<RigidRib<R>>, curvatures: [R; 2]) {
         let zero = curvatures[0].zero();
@@ -174,14 +174,14 @@ impl<R: Number> Factor<R> {
 }
 
 impl Factor {
-    /// The linear stiffness.
+    /// The factored linear stiffness of a mesh.
     fn at_rest(mesh: &Mesh) -> Factor {
         let mut ladder = Ladder::new(mesh, crate::Kinematics::Linear);
         ladder.factorise(&FrameMotion::at_rest(mesh.frame()));
         ladder.own
     }
 
-    /// The stiffness at rest, stored with the mesh, if `rests`; otherwise the ladder's own.
+    /// Returns the stiffness at rest, which the mesh stores, if `rests`; otherwise the ladder's own factor.
     pub(super) fn chosen<'a>(mesh: &'a Mesh, own: &'a Factor, rests: bool) -> &'a Factor {
         let at_rest = rests.then(|| mesh.prepared(Factor::at_rest)).flatten();
         at_rest.unwrap_or(own)

@@ -1,4 +1,4 @@
-//! Condensation of lines together with the loads between their ends.
+//! Condensation of lines (plate members and ribs), together with the loads between their ends.
 
 use super::balance::Balance;
 use super::brackets::Brackets;
@@ -12,17 +12,17 @@ use crate::element::Response;
 use crate::frame::FrameMotion;
 use crate::number::Number;
 
-/// Results of condensing one line, or several in lanes: stiffness, forces, and a joint per element but the first.
+/// Storage for the results of condensing one line, or several in SIMD lanes: stiffness, forces, and a joint per element but the first.
 pub(super) struct Condensed<'a, R: Number> {
     pub chain: &'a mut Chain<R>,
     pub joints: &'a mut [Joint<R>],
     pub forces: &'a mut ChainForces<R>,
-    /// Forward substitutions of the joints.
+    /// Forward substitutions y = L^-1 g, one per joint.
     pub ys: &'a mut [[R; 3]],
 }
 
 impl<R: Number> Condensed<'_, R> {
-    /// Condenses at least one element with its loads.
+    /// Condenses a line of at least one element with its loads.
     #[inline(always)]
     pub(super) fn condense<'l>(
         self,
@@ -92,7 +92,7 @@ impl<R: Number> Balance<'_, R> {
         made.condense(elements, motion, self.kinematics, load_on, brackets);
     }
 
-    /// Sums the elastic energy in the order of the lines, so that results are bitwise reproducible.
+    /// Sums the elastic energy in the order of the lines, so that the result is bitwise reproducible.
     #[inline(always)]
     pub(super) fn sum_energy(&mut self) {
         self.energy = self.energy.zero();
@@ -103,7 +103,7 @@ impl<R: Number> Balance<'_, R> {
 }
 
 impl Balance<'_> {
-    /// Condenses the gradients of every line for small displacements. `unmoved`: the motion is zero, so elements have no forces.
+    /// Condenses the gradients of every line for small displacements. If `unmoved`, the motion is zero and elements have no forces.
     pub(super) fn load_lines(&mut self, stiffness: &Factor, motion: &FrameMotion, unmoved: bool) {
         let (frame, applied) = (self.mesh.frame(), &self.applied);
         self.energy = 0.0;

@@ -1,4 +1,4 @@
-//! Potentials of the loads by the motions of key nodes, and of elements between key nodes.
+//! Potentials of the loads, as functions of the motions of key nodes and of elements between key nodes.
 
 use super::Location;
 use crate::Kinematics;
@@ -9,27 +9,27 @@ use crate::number::Number;
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
-/// Potential of the loads on one key node, as derivatives by the node's motion.
+/// Derivatives of the loads' potential by the motion of one key node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OnNode<R> {
-    /// First derivatives by x, y (N) and rotation (N mm).
+    /// First derivatives by x, y (N) and by the rotation (N mm).
     pub gradient: [R; 3],
-    /// Second derivative by the rotation, N mm: the end of a rigid arm moves on a circle.
+    /// Second derivative by the rotation, N mm. It is not zero for a load at the end of a rigid arm, which moves on a circle.
     pub curvature: R,
 }
 
-/// Potentials of all loads at one motion.
+/// Potentials of all loads at one motion of the finger.
 #[derive(Debug, Clone)]
 pub(super) struct Applied<R> {
     nothing: OnNode<R>,
-    /// Back and front node of each rung, then the tip.
+    /// Potentials on key nodes: back and front node of each rung, then the tip.
     on_nodes: Vec<OnNode<R>>,
-    /// Loaded elements, by index, with the potential of loads between their nodes or on their first node.
+    /// Indices of loaded elements, with the potential of the loads between their nodes or on their first node.
     on_members: Vec<(usize, Response<R>)>,
 }
 
 impl<R: Number> Applied<R> {
-    /// No loads on a ladder of `rungs` rungs, in the number type of `like`.
+    /// No loads, for a ladder of `rungs` rungs, in the number type of `like`.
     pub(super) fn none(rungs: usize, like: R) -> Applied<R> {
         let nothing = OnNode { gradient: [like.zero(); 3], curvature: like.zero() };
         Applied { nothing, on_nodes: vec![nothing; 2 * rungs + 1], on_members: Vec::new() }
@@ -41,7 +41,7 @@ impl<R: Number> Applied<R> {
         self.on_members.clear();
     }
 
-    /// The loads on the key node of a rung at a row: 0 for the back node, 3 for the front node.
+    /// The loads on a key node of a rung. `row` is 0 for the back node and 3 for the front node.
     #[inline(always)]
     pub(super) fn on_rung(&self, rung: usize, row: usize) -> &OnNode<R> {
         &self.on_nodes[2 * rung + row / 3]
@@ -53,19 +53,19 @@ impl<R: Number> Applied<R> {
         &self.on_nodes[self.on_nodes.len() - 1]
     }
 
-    /// The loads on an element between key nodes, if any.
+    /// The loads on an element between key nodes; `None` without loads.
     #[inline(always)]
     pub(super) fn on_member(&self, member: usize) -> Option<&Response<R>> {
         self.on_members.iter().find(|(loaded, _)| *loaded == member).map(|(_, potential)| potential)
     }
 
-    /// Whether any element of a range carries a load.
+    /// Whether at least one element of a range carries a load.
     #[inline(always)]
     pub(super) fn on_any_member(&self, members: &Range<usize>) -> bool {
         self.on_members.iter().any(|(loaded, _)| members.contains(loaded))
     }
 
-    /// Adds `factor` times the loads in one lane; `motion` is the motion of that lane.
+    /// Adds `factor` times the loads in one SIMD lane. `motion` is the motion in that lane.
     pub(super) fn add(
         &mut self,
         lane: usize,
@@ -122,7 +122,7 @@ fn add_in_lane<R: Number>(sum: &mut R, lane: usize, part: f64) {
     sum.set_lane(lane, sum.lane(lane) + part);
 }
 
-/// Location of a frame node in the ladder. A tied node has the location of the node it moves with.
+/// Location of a frame node in the ladder. A tied node has the location of the node to which it is tied.
 pub(super) fn location(mesh: &Mesh, node: usize) -> Location {
     let (finger, node) = (mesh.finger(), mesh.frame().tied_to(node));
     if node == mesh.frame_node(finger.tip()) {
@@ -150,7 +150,7 @@ pub(super) fn place(mesh: &Mesh, load: &FrameLoad) -> Location {
     location(mesh, load.at_end(mesh.frame()).0.node)
 }
 
-/// The line of a member, and the member's index in that line.
+/// The index of the line that contains a member, and the member's index in that line.
 pub(super) fn element_of(mesh: &Mesh, member: usize) -> (usize, usize) {
     let found = mesh.lines().iter().enumerate().find(|(_, line)| line.members.contains(&member));
     found.map_or((0, 0), |(index, line)| (index, member - line.members.start))

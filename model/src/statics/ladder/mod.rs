@@ -1,12 +1,12 @@
-//! The finger as a ladder: plates condensed onto the key nodes, then pairs of key nodes eliminated from tip to base.
+//! The finger as a ladder. Plates and ribs are condensed onto the key nodes; then the pair of key nodes of each rib (a rung) is eliminated, from tip to base.
 //!
-//! A finger's equations extend in one direction only. Members are condensed onto their ends ([`chain`]). The back and front node of each rib remain as a
-//! block of six unknowns, coupled only to its two neighbours: a block tridiagonal system. Its elimination from the tip needs a fixed number of operations
-//! per rib and no heap memory. The sparse solver ([`SparseEquations`](super::SparseEquations)) verifies it.
+//! The equations of a finger extend in one direction only. Members are condensed onto their ends ([`chain`]). The back and front node of each rib remain as a
+//! block of six unknowns, coupled only to its two neighbours: a block tridiagonal system. Its elimination from the tip needs a fixed number of operations per
+//! rib and no heap memory. Tests compare it with the sparse solver ([`SparseEquations`](super::SparseEquations)).
 //!
-//! Stiffness and forces are separate. [`Factor`] holds the factored tangent; that at rest is computed once per mesh. It suffices for linear
-//! solutions and starts co-rotational ones. [`Balance`] holds the forces. Both are generic over [`Number`](crate::number::Number), for one
-//! load or for several, one per lane.
+//! Stiffness and forces are separate. [`Factor`] holds the factored tangent. The tangent at rest is computed only once per mesh; it suffices for linear
+//! solutions, and starts co-rotational ones. [`Balance`] holds the forces. Both are generic over [`Number`](crate::number::Number), for one load, or for
+//! several in SIMD lanes.
 
 mod balance;
 mod block;
@@ -32,11 +32,11 @@ pub(super) use balance::Balance;
 use ends::Ends;
 pub(super) use factor::Factor;
 
-/// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same holds for an element's share of
-/// a member's stiffness. The paper's finger keeps 2e-2 on any mesh; thin plates, and random fingers with errors above 1e-8, fall below this.
+/// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same holds for an element's share of a
+/// member's stiffness. The paper's finger stays at 2e-2 on any mesh. Thin plates, and random fingers with errors above 1e-8, fall below the limit.
 const SMALL_PIVOT: f64 = 1e-3;
 
-/// Location of a frame node in the ladder.
+/// Location of a frame node or of a load in the ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Location {
     Clamped,
@@ -45,27 +45,27 @@ enum Location {
         rung: usize,
         row: usize,
     },
-    /// Inside a line, `element` elements from its first end.
+    /// A node inside a line, `element` elements from the line's first end.
     Inside {
         line: usize,
         element: usize,
     },
 }
 
-/// Block elimination of a finger's equations.
+/// Equilibrium equations of a finger, solved by block elimination.
 #[derive(Debug, Clone)]
 pub struct Ladder<'m> {
     mesh: &'m Mesh,
     kinematics: Kinematics,
-    /// The stiffness at motions other than rest.
+    /// The factored stiffness at motions other than rest.
     own: Factor,
     /// Whether the last linearised motion uses the stiffness at rest, which the mesh stores.
     rests: bool,
-    /// Whether the ladder keeps its own linear factor instead of the mesh's, and whether that factor exists.
+    /// Two flags: whether the ladder keeps its own linear factor instead of the mesh's, and whether that factor exists.
     forgotten: bool,
     factored: bool,
     balance: Balance<'m>,
-    /// Gradients on each rung, then their forward substitutions, while sensitivities are computed.
+    /// While sensitivities are computed: gradients on each rung, then their forward substitutions.
     waiting: Vec<Ends>,
 }
 
@@ -88,7 +88,7 @@ impl<'m> Ladder<'m> {
         self.kinematics == Kinematics::Linear
     }
 
-    /// The last used stiffness.
+    /// The stiffness that was used last.
     fn factor(&self) -> &Factor {
         Factor::chosen(self.mesh, &self.own, self.rests)
     }
@@ -99,8 +99,8 @@ impl<'m> Ladder<'m> {
         dispatched::factorise(&mut self.balance, &mut self.own, motion);
     }
 
-    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics it does if nothing has moved, ribs deform, and all loads act
-    /// on nodes; loads on arms or between nodes have their own tangent.
+    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics, it does if nothing has moved, all ribs deform, and all loads act on
+    /// nodes. Loads on arms or between nodes contribute to the tangent.
     fn has_rest_stiffness(&self, unmoved: bool, loads: &[FrameLoad]) -> bool {
         if self.linear() {
             return !self.forgotten;

@@ -1,4 +1,4 @@
-//! Sensitivities of a finger in equilibrium to small added loads, from the factored tangent.
+//! Sensitivities of a finger in equilibrium to small additional loads, from the factored tangent.
 
 use super::chain::joints_of;
 use super::ends::{Ends, joined, numbers};
@@ -9,7 +9,7 @@ use crate::Vector;
 use crate::element::quarter_turn;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// A gradient on the two nodes of an element of a line: minus the forces, N and N mm.
+/// A gradient by the motions of an element's two nodes: minus the forces, N and N mm.
 struct OnElement {
     line: usize,
     element: usize,
@@ -17,7 +17,8 @@ struct OnElement {
 }
 
 impl Ladder<'_> {
-    /// Writes the markers' first-order displacements, mm, under `load` added at the last linearised `motion`. `out` is indexed by key node from 0.
+    /// Writes to `out` the markers' first-order displacements, mm, due to the additional `load` at the last linearised `motion`. `out` is indexed by key node
+    /// from 0.
     pub fn added_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let gradient = match *load {
@@ -32,7 +33,8 @@ impl Ladder<'_> {
         self.respond_to(motion, &self.placed(load, numbers(&gradient)), out);
     }
 
-    /// Writes the markers' first-order displacements per mm that a load moves along the front plate towards the tip. `out` is indexed by key node from 0.
+    /// Writes to `out` the markers' first-order displacements per mm that a load moves along the front plate towards the tip, mm per mm. `out` is indexed by
+    /// key node from 0.
     pub fn moved_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let slope = match *load {
@@ -48,8 +50,8 @@ impl Ladder<'_> {
         self.respond_to(motion, &self.placed(load, numbers(&-slope)), out);
     }
 
-    /// Writes the markers' first-order displacements, mm per unit of ln(modulus), at the last linearised `motion`. `shares` pairs a member with
-    /// the derivative of its ln(stiffness); its scaled nodal forces act as the added load. `out` is indexed by key node from 0.
+    /// Writes to `out` the markers' first-order displacements per unit of ln(modulus), mm, at the last linearised `motion`. `shares` pairs a member's
+    /// index with the derivative of its ln(stiffness). The member's scaled nodal forces act as the additional load. `out` is indexed by key node from 0.
     pub fn stiffened(&mut self, motion: &FrameMotion, shares: &[(usize, f64)], out: &mut [Vector]) {
         let members = self.mesh.frame().members();
         let mut share_of = vec![0.0; members.len()];
@@ -71,7 +73,7 @@ impl Ladder<'_> {
         self.respond(motion, &tip, out);
     }
 
-    /// Assigns the gradient of a load to an element: the loaded one, or one at the loaded node.
+    /// Assigns the gradient of a load to an element: to the loaded one, or to one that ends at the loaded node.
     fn placed(&self, load: &FrameLoad, gradient: Ends) -> OnElement {
         let line = match place(self.mesh, load) {
             Location::Inside { line, element } => return OnElement { line, element, gradient },
@@ -85,7 +87,7 @@ impl Ladder<'_> {
         OnElement { line, element, gradient: joined(&[0.0; 3], &[x, y, moment]) }
     }
 
-    /// Writes the response to a gradient on one element.
+    /// Writes to `out` the markers' response to a gradient on one element.
     fn respond_to(&mut self, motion: &FrameMotion, on: &OnElement, out: &mut [Vector]) {
         let OnElement { line, element, gradient } = *on;
         let on_element = |at: usize| if at == element { gradient } else { [0.0; 6] };
@@ -95,7 +97,7 @@ impl Ladder<'_> {
         self.respond(motion, &tip, out);
     }
 
-    /// Gradients on the elements of a line, condensed onto its ends.
+    /// Gradients on the elements of a line, condensed onto the line's ends.
     fn condensed(&self, line: usize, on_element: impl Fn(usize) -> Ends) -> Ends {
         let stiffness = self.factor();
         let joints = &stiffness.joints[joints_of(&self.mesh.lines()[line])];
@@ -108,10 +110,10 @@ impl Ladder<'_> {
         [0.0; 3]
     }
 
-    /// Adds gradients at the ends of a line to the rungs. Returns the gradient on the tip.
+    /// Adds gradients at the ends of a line to the gradients on the rungs. Returns the gradient on the tip.
     fn put_on(&mut self, line: usize, on_ends: &Ends, mut tip: [f64; 3]) -> [f64; 3] {
         let per_plate = self.waiting.len() + 1;
-        // Level (0 is the base, r + 1 is rung r) and row of the line's two ends.
+        // Level (0 is the base, r + 1 is rung r) and row of each end of the line.
         let ends = match line {
             back if back < per_plate => [(back, 0), (back + 1, 0)],
             front if front < 2 * per_plate => [(front - per_plate, 3), (front - per_plate + 1, 3)],
@@ -130,7 +132,7 @@ impl Ladder<'_> {
         tip
     }
 
-    /// Forward and back substitution along the rungs with the stored factors, for rungs and tip only.
+    /// Forward and back substitution along the rungs with the stored factors. Handles only rungs and tip.
     fn respond(&mut self, motion: &FrameMotion, tip: &[f64; 3], out: &mut [Vector]) {
         let count = self.waiting.len();
         let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);

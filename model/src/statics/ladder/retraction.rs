@@ -1,15 +1,15 @@
-//! Retraction of Newton's correction at the nodes inside a member, so that chords and nodes rotate together.
+//! Retraction of Newton's correction at the nodes inside a member, so that chords and nodes rotate by the same angle.
 //!
 //! Newton's method adds displacements and rotations linearly. A correction that rotates a plate member by `a` rotates its nodes by `a`. The chords of its
-//! elements rotate by atan(a) = a - a^3 / 3 only (less by `a e` if they also elongate by `e`). Both ends of an element of length h then rotate by
-//! phi = a^3 / 3 against its chord, which causes a shear force of 12 EI phi / h^2. That is negligible between key nodes. But rotations that keep the
-//! tangent positive definite shrink as h^(2/3), so finer meshes need more load steps. The end of a rigid arm or link is worse: it moves on a circle
-//! while its neighbours move in straight lines.
+//! elements rotate only by atan(a) = a - a^3 / 3 (less by `a e` if they also elongate by `e`). Both ends of an element of length h then rotate by phi = a^3 /
+//! 3 against its chord, which causes a shear force of 12 EI phi / h^2. This is negligible between key nodes. But the rotations for which the tangent stays
+//! positive definite shrink as h^(2/3), so finer meshes would need more load steps. The effect is larger at the end of a rigid arm or link, which moves on a
+//! circle while its neighbours move along straight lines.
 //!
-//! Any update that agrees with Newton's to first order converges as fast: a *retraction*. This one keeps Newton's update at the key nodes. It moves
-//! the nodes between them along a smooth curve that follows arms and links, and rotates them with their chords. A fine mesh then needs no more
-//! load steps and iterations than a coarse one. The curve must meet the key nodes without a kink. A curve correct to second order does not
-//! suffice, since the stiffness of elements grows without bound.
+//! Any update that agrees with Newton's to first order converges as fast; it is called a *retraction*. This retraction keeps Newton's update at the key
+//! nodes. It moves the nodes between them along a smooth curve that follows arms and links, and rotates the nodes with their chords. A fine mesh then needs
+//! no more load steps and iterations than a coarse mesh. The curve must meet the key nodes without a kink. A curve correct to second order does not suffice,
+//! since the stiffness of elements grows without bound.
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
@@ -19,41 +19,41 @@ use crate::frame::{BeamEnd, FrameMotion, Member, PlaneFrame, end_motions};
 use crate::number::{Number, arctangent, sine_and_versine};
 use nalgebra::Vector2;
 
-/// Rotations below this, rad, have second-order terms below rounding.
+/// For rotations below this, rad, second-order terms are below rounding.
 const NO_TURN: f64 = 1e-8;
 
-/// The motion before a correction, and a buffer for one line.
+/// The motion before a correction, and buffers for one line.
 #[derive(Debug, Clone)]
 pub(super) struct Retraction<R> {
     before: FrameMotion<R>,
-    /// Chord of each element before the correction, mm, and its rotation by the linear correction, rad.
+    /// Chord of each element before the correction, mm, and rotation of the chord by the linear correction, rad.
     chords: Vec<(Vector2<R>, R)>,
 }
 
 impl<R: Number> Retraction<R> {
-    /// Allocates for a frame, in the number type of `like`.
+    /// Allocates the buffers for a frame, in the number type of `like`.
     pub(super) fn new(frame: &PlaneFrame, like: R) -> Retraction<R> {
         Retraction { before: FrameMotion::of_zeros(frame, like), chords: Vec::new() }
     }
 
-    /// Without allocation.
+    /// A retraction without buffers.
     pub(super) fn empty() -> Retraction<R> {
         Retraction { before: FrameMotion::empty(), chords: Vec::new() }
     }
 
-    /// Copies the stored motion of some lines from that of their frame.
+    /// Copies the stored motion of some lines from the retraction of their frame.
     #[inline(always)]
     pub(super) fn take(&mut self, of_frame: &Retraction<f64>, lines: &ParallelLines<R>) {
         lines.take_motion(&of_frame.before, &mut self.before);
     }
 
-    /// Stores the motion before its correction.
+    /// Stores a motion before it is corrected.
     pub(super) fn remember(&mut self, motion: &FrameMotion<R>) {
         self.before.clone_from(motion);
     }
 
-    /// Updates the inner nodes of a line after a correction was added, in the lanes in which any of its nodes rotates. `end_nodes` are the
-    /// linear corrections of its first and last node, mm; the motion of a node at a rigid link differs from them.
+    /// Updates the inner nodes of a line after a correction was added, in the lanes in which at least one of its nodes rotates. `end_nodes` are the linear
+    /// corrections of the line's first and last node, mm. They differ from the motion of a node at a rigid link.
     #[inline(always)]
     pub(super) fn mend(&mut self, elements: impl Elements<R>, motion: &mut FrameMotion<R>, end_nodes: [Vector2<R>; 2]) {
         let count = elements.count();
@@ -71,14 +71,14 @@ impl<R: Number> Retraction<R> {
         let ends = [first.ends[0], last.ends[1]];
         let off = self.measure(elements, motion, ends, end_nodes);
 
-        // Inner nodes follow the ends linearly.
+        // Inner nodes first follow the ends linearly.
         for i in 1..count {
             let xi = i as f64 / count as f64;
             let u = &mut motion.displacements[elements.node(i)];
             advance(&mut u.x, turns, off[0].x * (1.0 - xi) + off[1].x * xi);
             advance(&mut u.y, turns, off[0].y * (1.0 - xi) + off[1].y * xi);
         }
-        // A cubic deflection across the member rotates the end chords back to Newton's rotations of the key nodes.
+        // A cubic deflection across the member then rotates the end chords back to Newton's rotations of the key nodes.
         let [from, to] = displacements(motion, ends);
         let whole = chord(&first, count as f64, from, to);
         // Closures would not be inlined here, and each lane operation would become a function call.
@@ -87,8 +87,8 @@ impl<R: Number> Retraction<R> {
         let end_chord = chord_in(motion, &last);
         let last_slope = slope(whole, count, end_chord, -self.surplus(count - 1, end_chord));
         let mut slopes = end_slopes([first_slope, last_slope], count);
-        // These slopes are exact for the end chords, but Newton's rotations apply at the end nodes, half an element away. The difference causes
-        // a shear force that grows as 1 / h. The effect of axial forces grows with it, so the tangent may lose positive definiteness.
+        // These slopes are exact for the end chords, but Newton's rotations apply at the end nodes, half an element away. The difference would cause a shear
+        // force that grows as 1 / h. The effect of axial forces would grow with it, so the tangent might lose positive definiteness.
         if count > 2 {
             let mut more = slopes;
             for (end, (at, next)) in [(0, 1), (count - 1, count - 2)].into_iter().enumerate() {
@@ -106,7 +106,7 @@ impl<R: Number> Retraction<R> {
             advance(&mut u.x, turns, across.x * lift);
             advance(&mut u.y, turns, across.y * lift);
         }
-        // An inner node rotates with the mean of its two chords.
+        // An inner node rotates with the mean rotation of its two chords.
         let mut below = self.surplus(0, chord_in(motion, &first));
         for index in 1..count {
             let member = elements.member(index);
@@ -116,8 +116,8 @@ impl<R: Number> Retraction<R> {
         }
     }
 
-    /// An element's chord, mm, and its rotation beyond the linear correction, rad, after the [`cubic`] with the given slopes is added across
-    /// the member. The element is the `index`-th of `count`.
+    /// Chord of an element (mm), and its rotation beyond the linear correction (rad), after the [`cubic`] with the given slopes is added across the member.
+    /// The element is the `index`-th of `count`.
     #[inline(always)]
     fn leaning(
         &self,
@@ -135,7 +135,7 @@ impl<R: Number> Retraction<R> {
         (lifted, self.surplus(index, lifted))
     }
 
-    /// Stores each chord and its rotation by the linear correction. Returns the offset of each end of the elastic part from that correction, mm.
+    /// Stores each chord and its rotation by the linear correction. Returns the offset of each end of the elastic part from its linear correction, mm.
     #[inline(always)]
     fn measure(
         &mut self,
@@ -171,7 +171,7 @@ impl<R: Number> Retraction<R> {
         [difference(difference(new[0], old[0]), corrections[0]), difference(difference(new[1], old[1]), corrections[1])]
     }
 
-    /// Rotation of an element beyond the linear correction, rad, given its current chord, mm.
+    /// Rotation of an element beyond the linear correction, rad, given the element's current chord, mm.
     #[inline(always)]
     fn surplus(&self, index: usize, chord: Vector2<R>) -> R {
         let (before, turn) = self.chords[index];
@@ -179,14 +179,14 @@ impl<R: Number> Retraction<R> {
     }
 }
 
-/// Current chord of an element, mm.
+/// Current chord vector of an element, mm.
 #[inline(always)]
 fn chord_in<R: Number>(motion: &FrameMotion<R>, member: &Member<R>) -> Vector2<R> {
     let [from, to] = displacements(motion, member.ends);
     chord(member, 1.0, from, to)
 }
 
-/// Chord of `count` equal members in a row between two displaced ends, mm.
+/// Chord vector of `count` equal members in a row between two displaced ends, mm.
 #[inline(always)]
 fn chord<R: Number>(member: &Member<R>, count: f64, from: Vector2<R>, to: Vector2<R>) -> Vector2<R> {
     let (direction, length_mm) = (member.beam.direction, member.beam.length_mm * count);
@@ -209,7 +209,7 @@ fn cross<R: Number>(a: Vector2<R>, b: Vector2<R>) -> R {
     a.x * b.y - a.y * b.x
 }
 
-/// End slope of the [`cubic`] across `whole` that rotates a chord of `count` by `turn`, rad.
+/// End slope of the [`cubic`] across `whole` that rotates the chord of one of `count` elements by `turn`, rad.
 #[inline(always)]
 fn slope<R: Number>(whole: Vector2<R>, count: usize, chord: Vector2<R>, turn: R) -> R {
     let ((sine, versine), across) = (sine_and_versine(turn), quarter_turn(chord));
@@ -219,14 +219,14 @@ fn slope<R: Number>(whole: Vector2<R>, count: usize, chord: Vector2<R>, turn: R)
     R::select(share.exceeds(share.constant(0.5)), sine / share, turn)
 }
 
-/// Cubic s_0 xi (1 - xi)^2 - s_1 xi^2 (1 - xi) with slopes s_0 and s_1 at its two ends; dimensionless.
+/// Cubic s_0 xi (1 - xi)^2 - s_1 xi^2 (1 - xi) with the slopes s_0 and s_1 at its two ends; dimensionless.
 #[inline(always)]
 fn cubic<R: Number>(slopes: [R; 2], xi: f64) -> R {
     let rest = 1.0 - xi;
     (slopes[0] * rest - slopes[1] * xi) * (xi * rest)
 }
 
-/// End slopes of the [`cubic`] from the slopes of the first and last of `count` chords. Below three chords they are returned unchanged.
+/// End slopes of the [`cubic`] from the slopes of the first and last of `count` chords. With fewer than three chords, the slopes are returned unchanged.
 #[inline(always)]
 fn end_slopes<R: Number>(chords: [R; 2], count: usize) -> [R; 2] {
     if count < 3 {

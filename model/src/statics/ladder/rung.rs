@@ -1,27 +1,27 @@
-//! The back and front node of one rib: a block of six unknowns.
+//! A rung: the back and front node of one rib, as a block of six unknowns.
 
 use super::block::Block;
 use super::ends::{Ends, EndsMatrix};
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// Kinematics of an undeformable rib that joins the front node to the back node.
+/// Kinematics of an undeformable rib, which joins the front node to the back node.
 ///
-/// The rung's unknowns become generalised coordinates q: back x, y, rotation; rotation of the rib; rotation of the front node. If all rotate together,
-/// the last two are absent. Unused coordinates keep unit stiffness. The nodes move by u = T q.
+/// The rung's unknowns become generalised coordinates q: x, y and rotation of the back node, rotation of the rib, rotation of the front node. If rib and
+/// nodes rotate together, the last two coordinates are absent. Unused coordinates keep unit stiffness. The nodes move by u = T q.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidRib<R> {
-    /// Vectors from the back to the front node, one per rotation, in their current directions, mm: back bracket, rib, front bracket. If all
-    /// rotate together, the first is their sum.
+    /// Vectors from the back to the front node in their current directions, one per rotation, mm: back bracket, rib, front bracket. If rib and nodes rotate
+    /// together, the first vector is the sum of all three.
     pub levers: [Vector2<R>; 3],
-    /// Whether rib and both nodes rotate together.
+    /// Whether the rib and both of its nodes rotate by the same angle.
     pub together: bool,
-    /// Gradient of elements and loads at the front node, N; zero with linear kinematics. It adds geometric stiffness as levers rotate.
+    /// Gradient of elements and loads by the position of the front node, N; zero with linear kinematics. It adds geometric stiffness as the levers rotate.
     pub front_pull: Vector2<R>,
 }
 
 impl<R: Number> RigidRib<R> {
-    /// Nodal motion u = T q.
+    /// Motion of the nodes u = T q for generalised coordinates q.
     #[inline(always)]
     fn nodal(&self, q: &Ends<R>) -> Ends<R> {
         let [back, rib, front] = &self.levers;
@@ -34,7 +34,7 @@ impl<R: Number> RigidRib<R> {
         [q[0], q[1], q[2], x, y, q[4]]
     }
 
-    /// Generalised forces T^T f.
+    /// Generalised forces T^T f for nodal forces f.
     #[inline(always)]
     fn generalised(&self, f: &Ends<R>) -> Ends<R> {
         let none = f[0].zero();
@@ -51,7 +51,7 @@ impl<R: Number> RigidRib<R> {
     #[inline(always)]
     fn generalised_stiffness(&self, stiffness: &EndsMatrix<R>) -> EndsMatrix<R> {
         let full: EndsMatrix<R> = std::array::from_fn(|i| std::array::from_fn(|j| stiffness[i.min(j)][i.max(j)]));
-        // K is symmetric, so T^T K T follows from T^T on each row, a transposition, and T^T on each row again.
+        // K is symmetric. T^T K T therefore follows by applying T^T to each row, transposing, and applying T^T to each row again.
         let half = transposed(&full.map(|row| self.generalised(&row)));
         let mut whole = half.map(|row| self.generalised(&row));
         let turns = if self.together { 2..3 } else { 2..5 };
@@ -70,20 +70,20 @@ fn transposed<R: Number>(matrix: &EndsMatrix<R>) -> EndsMatrix<R> {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))
 }
 
-/// A node of a rung that coincides with a node of the rung below, because their ribs share a junction.
+/// A node of a rung that coincides with a node of the rung below, because the ribs of both rungs share a junction.
 ///
-/// Its three unknowns keep unit stiffness without coupling, so their y equals their gradient. Stiffness, gradient and couplings of the node move to the
-/// node below.
+/// The three unknowns of the tied node keep unit stiffness without coupling, so their y equals their gradient. Stiffness, gradient and couplings of the node
+/// move to the node below.
 #[derive(Debug, Clone, Copy)]
 struct TiedNode<R> {
-    /// Its first unknown: 0 for the back node, 3 for the front node.
+    /// Index of the node's first unknown: 0 for the back node, 3 for the front node.
     row: usize,
-    /// Its original stiffness, upper triangle.
+    /// The node's stiffness before it is moved, upper triangle only.
     stiffness: [[R; 3]; 3],
 }
 
 impl<R: Number> TiedNode<R> {
-    /// Moves the node's stiffness to the node below. Rows of `coupling` are the rung's unknowns, columns those of the rung below.
+    /// Moves the node's stiffness to the node below. Rows of `coupling` are the unknowns of this rung, columns those of the rung below.
     #[inline(always)]
     fn release(&mut self, stiffness: &mut EndsMatrix<R>, coupling: &mut EndsMatrix<R>) {
         let (row, other, zero) = (self.row, 3 - self.row, stiffness[0][0].zero());
@@ -99,7 +99,7 @@ impl<R: Number> TiedNode<R> {
     }
 }
 
-/// x, y and rotation of the back node, then of the front node, eliminated towards the rung below.
+/// A rung with the unknowns x, y and rotation of the back node, then of the front node. It is eliminated towards the rung below.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rung<R: Number> {
     block: Block<R, 6, 6>,
@@ -108,19 +108,19 @@ pub(super) struct Rung<R: Number> {
 }
 
 impl<R: Number> Rung<R> {
-    /// A rung before its elimination, in the number type of `like`. `tied` is the first unknown of a node tied to the rung below.
+    /// A rung before its elimination, in the number type of `like`. `tied` is the index of the first unknown of a node that is tied to the rung below.
     pub(super) fn empty(like: R, tied: Option<usize>) -> Rung<R> {
         let tied = tied.map(|row| TiedNode { row, stiffness: [[like.zero(); 3]; 3] });
         Rung { block: Block::empty(like), rib: None, tied }
     }
 
-    /// The first unknown (0 back, 3 front) of a node tied to the rung below; `None` without one.
+    /// Index of the first unknown (0 back, 3 front) of a node that is tied to the rung below; `None` if no node is tied.
     #[inline(always)]
     pub(super) fn tied_row(&self) -> Option<usize> {
         self.tied.as_ref().map(|tied| tied.row)
     }
 
-    /// Eliminates the rung. `back` and `front` are the stiffnesses of the plate members from the rung below.
+    /// Eliminates the rung. `back` and `front` are the stiffnesses of the plate members between this rung and the rung below.
     #[inline(always)]
     pub(super) fn eliminate(
         &mut self,
@@ -149,24 +149,24 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Lanes in which the block is positive definite.
+    /// Lanes in which the rung's stiffness is positive definite.
     #[inline(always)]
     pub(super) fn positive(&self) -> R::Mask {
         self.block.positive()
     }
 
-    /// Lanes in which each pivot exceeds its limit; `None` with an undeformable rib, whose unknowns differ.
+    /// Lanes in which each pivot exceeds its limit; `None` with an undeformable rib, because its unknowns differ.
     #[inline(always)]
     pub(super) fn pivots_exceed(&self, limits: &Ends<R>) -> Option<R::Mask> {
         self.rib.is_none().then(|| self.block.pivots_exceed(limits))
     }
 
-    /// Natural logarithm of the block's determinant.
+    /// Natural logarithm of the determinant of the rung's stiffness.
     pub(super) fn log_determinant(&self) -> R {
         self.block.log_determinant()
     }
 
-    /// Subtracts the eliminated rung's contribution from the stiffness of the rung below.
+    /// Subtracts the contribution of the eliminated rung from the stiffness of the rung below.
     #[inline(always)]
     pub(super) fn reduce_stiffness(&self, below: &mut EndsMatrix<R>) {
         self.block.reduce_stiffness(below);
@@ -179,7 +179,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Forward substitution y = L^-1 g for a gradient on the rung's nodes, with g in generalised coordinates.
+    /// Forward substitution y = L^-1 g for a gradient by the motions of the rung's nodes; g is the gradient in generalised coordinates.
     #[inline(always)]
     pub(super) fn forward(&self, gradient: &Ends<R>) -> Ends<R> {
         match self.rib {
@@ -188,7 +188,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Work of the residual on the correction of the rung, N mm, given its y.
+    /// Work of the residual g on the correction of the rung, N mm, given y = L^-1 g.
     #[inline(always)]
     pub(super) fn work(&self, y: &Ends<R>) -> R {
         let mut y = *y;
@@ -199,7 +199,7 @@ impl<R: Number> Rung<R> {
         self.block.work(&y)
     }
 
-    /// Subtracts the eliminated gradient from that of the rung below, given its y.
+    /// Subtracts the contribution of the eliminated rung from the gradient of the rung below, given y = L^-1 g of the rung's gradient g.
     #[inline(always)]
     pub(super) fn reduce_gradient(&self, y: &Ends<R>, below: &mut Ends<R>) {
         self.block.reduce_gradient(y, below);
@@ -210,7 +210,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Motion of both nodes, given y and the motion of the rung below; then the rotation of a hinged undeformable rib, rad.
+    /// Motion of both nodes, given y = L^-1 g and the motion of the rung below; then the rotation of an undeformable rib with hinges, rad.
     #[inline(always)]
     pub(super) fn motion(&self, y: &Ends<R>, below: &Ends<R>) -> (Ends<R>, Option<R>) {
         let mut q = self.block.motion(y, below);

@@ -1,4 +1,4 @@
-//! Condensation and retraction of several lines at once, one per lane.
+//! Condensation and retraction of several lines at once, one line per SIMD lane.
 
 use super::balance::Balance;
 use super::brackets::Brackets;
@@ -14,12 +14,12 @@ use crate::number::Number;
 use finray_numerics::linear::copy_lane;
 use nalgebra::{SMatrix, Vector2};
 
-/// Whether scalar computation is faster: a pass in lanes costs about 1.5 scalar ones.
+/// Whether there are so few lines that scalar computation is faster: one pass in lanes takes about as long as 1.5 scalar passes.
 fn are_few<L: Number>(lines: &[usize]) -> bool {
     lines.len() == 1 || L::LANES == 1
 }
 
-/// Buffers for the inner unknowns of lines in lanes.
+/// Buffers for the inner unknowns of several lines in SIMD lanes.
 struct Room<L: Number> {
     motion: FrameMotion<L>,
     chain: Option<Chain<L>>,
@@ -28,7 +28,7 @@ struct Room<L: Number> {
 }
 
 impl Balance<'_> {
-    /// Same as [`condense_lines`](Balance::condense_lines), with several lines at once in the number type of `like`.
+    /// Same as [`condense_lines`](Balance::condense_lines), but for several lines at once in the number type of `like`.
     #[inline(always)]
     pub(super) fn condense_abreast<L: Number>(&mut self, stiffness: &mut Factor, motion: &FrameMotion, like: L) {
         let mut room = Room { motion: FrameMotion::empty(), chain: None, joints: Vec::new(), ys: Vec::new() };
@@ -87,7 +87,7 @@ impl Balance<'_> {
         }
     }
 
-    /// The loads on the element at one index of several lines; zero in lanes without load.
+    /// The loads on the elements with one index in several lines; zero in lanes without load.
     fn loads_abreast<L: Number>(&self, indices: &[usize], element: usize, like: L) -> Response<L> {
         let load = |lane: usize| {
             let line = &self.mesh.lines()[indices[lane.min(indices.len() - 1)]];
@@ -101,7 +101,7 @@ impl Balance<'_> {
         }
     }
 
-    /// Same as [`mend_lines`](Balance::mend_lines), with several lines at once in the number type of `like`.
+    /// Same as [`mend_lines`](Balance::mend_lines), but for several lines at once in the number type of `like`.
     #[inline(always)]
     pub(super) fn mend_abreast<L: Number>(&mut self, stiffness: &Factor, motion: &mut FrameMotion, like: L) {
         let (frame, all) = (self.mesh.frame(), self.mesh.lines());

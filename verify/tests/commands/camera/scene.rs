@@ -82,12 +82,12 @@ fn shades_and_references_of_a_scene_are_checked() {
         (
             "[base]",
             "[base]\nsigma_mm = 0.1\nsigma_deg = 0.1\nturn_deg_per_n = 11",
-            "base.turn_deg_per_n: expected an angle in degrees a newton, -10 to 10",
+            "base.turn_deg_per_n: expected an angle in degrees per newton, -10 to 10",
         ),
         (
             "[base]",
             "[base]\nsigma_mm = 0.1\nsigma_deg = 0.1\nturn_sigma_deg_per_n = -1",
-            "base.turn_sigma_deg_per_n: expected an angle in degrees a newton, 0 to 10",
+            "base.turn_sigma_deg_per_n: expected an angle in degrees per newton, 0 to 10",
         ),
         (
             "[markers]",
@@ -119,7 +119,7 @@ fn shades_and_references_of_a_scene_are_checked() {
         (
             "[base]",
             "[contact]\npad_length_mm = 300.0\n[base]",
-            "contact.pad_length_mm: expected a length in mm, no more than the front plate's 150.16, found 300.0",
+            "contact.pad_length_mm: expected a length in mm, at most the front plate's 150.16, found 300.0",
         ),
         ("[base]", "[contact]\nfriction_sigma = 0.1\n[base]", "contact.friction is missing: expected a coefficient"),
         (
@@ -130,12 +130,12 @@ fn shades_and_references_of_a_scene_are_checked() {
         (
             "[base]",
             "[contact]\nfriction = 0.1\nnormal = \"undeformed\"\nnormal_over_mm = 5\n[base]",
-            "contact.normal_over_mm: expected nothing",
+            "contact.normal_over_mm: expected no value with normal",
         ),
         (
             "bracket_mm = 3.0",
             "bracket_mm = [[3.0, 2.0]]",
-            "finger.ribs.bracket_mm: expected a pair for each of 4 ribs, found 1",
+            "finger.ribs.bracket_mm: expected one pair for each of 4 ribs, found 1 pairs",
         ),
     ] {
         let text = finray_fixtures::BRACKETED_SCENE.replacen(from, to, 1);

@@ -77,9 +77,9 @@ fn objects_that_cannot_be_are_refused() {
             "line 30: contact.object.radius_mm: expected a length in mm above zero, up to 10000, found -1.0",
         ),
         ("\"disc\"", "\"cube\"", "line 29: contact.object.shape: expected one of \"disc\", \"ellipse\", \"polygon\""),
-        ("\"disc\"", "\"ellipse\"", "line 30: contact.object.radius_mm: expected nothing, found a key that an ellipse"),
+        ("\"disc\"", "\"ellipse\"", "line 30: contact.object.radius_mm: expected no such key, found a key that an"),
         ("radius_mm = 20.0", "rotation_deg = 3", "contact.object.radius_mm is missing"),
-        ("= 0.05", "= 0.05\nrotation_deg = 3", "line 33: contact.object.rotation_deg: expected nothing"),
+        ("= 0.05", "= 0.05\nrotation_deg = 3", "line 33: contact.object.rotation_deg: expected no such key"),
         (
             "pose_mm = [75.45, 29.45]",
             "",

@@ -1,4 +1,4 @@
-//! The pixels about an edge, and the sums over them that form its least-squares equations.
+//! The pixels about an edge, and sums over these pixels for the least-squares equations of the edge.
 
 use super::plane_map::{Pixels, PlaneMap, Polar, turn};
 use super::shades::Shades;
@@ -7,28 +7,28 @@ use super::{BAND, Edge, PARTS, UNKNOWNS};
 use finray_model::Vector;
 use nalgebra::{SMatrix, SVector};
 
-/// Number of channels of brightness and of colour.
+/// Number of channels: one for brightness, two for colour.
 const CHANNELS: [f64; PARTS] = [1.0, 2.0];
 
-/// The pixels about an edge, a list per quantity, with the light of background and disc at each.
+/// The pixels about an edge, one list per quantity, with the light of background and disc at each pixel.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Band {
-    /// Distance outside the edge at the time of gathering, px.
+    /// Distance of each pixel outside the edge when the pixels were gathered, px.
     outside: Vec<f32>,
-    /// Derivatives of that distance by the edge's centre (direction times px per unit of the map), and by its radius (px per unit).
+    /// Decrease of that distance per movement of the edge's centre along the map's two axes, and (`px`) per growth of its radius, px per unit of the map.
     nearer: [Vec<f32>; 2],
     px: Vec<f32>,
     sector: Vec<u32>,
-    /// For brightness and colour: squared contrast, contrast times light above background, squared light above background.
+    /// For brightness and for colour, three values per pixel: squared contrast, contrast times light above background, and squared light above background.
     light: [[Vec<f32>; 3]; PARTS],
-    /// For brightness and colour at the last edge: share of the disc, its change per px inwards, and that change times the distance
-    /// in blurs.
+    /// For brightness and for colour at the last edge, three values per pixel: share of the disc, its change per px inwards, and that change times the
+    /// distance in units of the blur.
     share: [[Vec<f32>; 3]; PARTS],
     edge: Edge,
 }
 
 impl Band {
-    /// Gathers the pixels about an edge.
+    /// Gathers the pixels about an edge, with the light of background and disc at each.
     pub fn gather(&mut self, pixels: &Pixels, map: &PlaneMap, edge: &Edge, shades: &Shades) {
         let Band { outside, nearer, px, sector, light, share, .. } = self;
         let lists = nearer.iter_mut().chain(light.iter_mut().flatten()).chain([&mut *outside, &mut *px]);
@@ -62,8 +62,8 @@ impl Band {
         self.edge = *edge;
     }
 
-    /// Sums at the current edge, which is close to the edge of gathering. `trust` is the weight of each sector's pixels. With a known outline, sums for
-    /// radius and blur are omitted.
+    /// Computes the sums at the current edge, which is close to the edge at which the pixels were gathered. `trust` is the weight of each sector's pixels.
+    /// With a known outline, sums for radius and blur are omitted.
     pub fn sum<const IS_OUTLINE_OPEN: bool>(
         &mut self,
         edge: &Edge,
@@ -83,7 +83,7 @@ impl Band {
         let [share_y, share_c] = self.share.each_ref().map(|lists| lists.each_ref().map(|list| &list[..count]));
         let [x, y] = self.nearer.each_ref().map(|list| &list[..count]);
         let (px, sector) = (&self.px[..count], &self.sector[..count]);
-        // Products xx, xy, yy, xr, yr, rr of centre and radius; then x, y, r with each blur, and each blur with itself.
+        // Sums of the products xx, xy, yy, xr, yr, rr of centre and radius; then of x, y and r with each blur, and of each blur with itself.
         let mut together = [0.0_f64; 6];
         let mut with_blur = [[0.0_f64; 4]; PARTS];
         let mut pulls = [0.0_f64; 3 + PARTS];
@@ -98,7 +98,7 @@ impl Band {
                 let [own, with, other] = light.map(|list| list[i]);
                 let [covered, steepness, widening] = share.map(|list| list[i]);
                 let weight = weights[part];
-                // Squared residual, and residual times contrast.
+                // Squared residual, and product of residual and contrast.
                 let residual2 = other - covered * (2.0 * with - covered * own);
                 let along = weight * (with - covered * own);
                 squared += weight * residual2;
@@ -143,7 +143,7 @@ impl Band {
         sums.noise = [brightness, colour / 2.0];
     }
 
-    /// The disc's share of the light of every pixel at the current edge.
+    /// Computes the disc's share of the light of each pixel at the current edge.
     fn shares(&mut self, edge: &Edge, part: usize) {
         let count = self.outside.len();
         let shift = if part == 1 { edge.colour_shift } else { Vector::zeros() };
@@ -164,7 +164,7 @@ impl Band {
     }
 }
 
-/// Normal matrix from the products of centre and radius, and of the blurs with them and with themselves.
+/// Normal matrix, from the products of centre and radius with each other, with the blurs, and of each blur with itself.
 fn normal_matrix(together: [f64; 6], with_blur: [[f64; 4]; PARTS]) -> SMatrix<f64, UNKNOWNS, UNKNOWNS> {
     let [xx, xy, yy, xr, yr, rr] = together;
     let [[xb, yb, rb, bb], [xc, yc, rc, cc]] = with_blur;
@@ -179,7 +179,7 @@ fn normal_matrix(together: [f64; 6], with_blur: [[f64; 4]; PARTS]) -> SMatrix<f6
     normal
 }
 
-/// Normal distribution, accurate to 1e-6, and its density. Both are cut at [`BAND`], where the edge ends.
+/// Normal distribution function, accurate to 1e-6, and its density. Both are cut off at [`BAND`], where the edge ends.
 ///
 /// # Reference
 /// Abramowitz and Stegun, Handbook of Mathematical Functions, 26.2.17.
@@ -188,7 +188,7 @@ pub(super) fn normal_distribution(x: f32) -> (f32, f32) {
     let far = x.abs();
     let t = 1.0 / (1.0 + 0.231_641_9 * far);
     let polynomial = t * (0.319_381_53 + t * (-0.356_563_78 + t * (1.781_477_9 + t * (-1.821_256 + t * 1.330_274_4))));
-    // The eighth power of a short series gives exp(-x^2 / 2).
+    // exp(-x^2 / 2) as the eighth power of a short series.
     let v = -x * x / 16.0;
     let root = 1.0 + v * (1.0 + v * (0.5 + v * (1.0 / 6.0 + v * (1.0 / 24.0 + v * (1.0 / 120.0)))));
     let (squared, inverse_root_of_tau) = (root * root, 0.398_942_3);

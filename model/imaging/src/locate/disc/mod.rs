@@ -1,12 +1,12 @@
-//! Centre of a disc from the light of the pixels about its edge.
+//! Measurement of the centre of a disc from the light of the pixels about its edge.
 //!
-//! A pixel at the distance d (px) outside the disc's edge shows background + (disc - background) Phi(-d / b). This is an edge blurred by a Gaussian of
-//! standard deviation b, with Phi the normal distribution. Brightness and colour have separate b, since compressed images store colour with fewer pixels.
-//! The disc's light varies linearly over its inside. The background is constant per sector around it, since plates and ribs cross it. Centre, radius and
-//! both b follow from least squares over the pixels of the edge. Pixels are weighted by the squared contrast, as noise is equal everywhere. Sectors that
-//! do not look like an edge (an occluder, another marker) are omitted.
+//! A pixel at the distance d (px) outside the disc's edge is modelled as background + (disc - background) Phi(-d / b). This is an edge blurred by a Gaussian
+//! of standard deviation b, with Phi the normal distribution function. Brightness and colour have separate b, because compressed images store colour with
+//! fewer pixels. The disc's light varies linearly over its inside. The background is constant within each sector around the disc, because plates and ribs
+//! cross it. Centre, radius and both b follow from least squares over the pixels of the edge. Pixels are weighted by the squared contrast, because the noise
+//! is the same everywhere. Sectors that do not look like an edge (an occluder, another marker) are omitted.
 //!
-//! Distances are measured in the finger's plane, where the disc is a circle, so perspective and lens distortion are taken into account.
+//! Distances are measured in the finger's plane, where the disc is a circle, so that perspective and lens distortion are taken into account.
 
 mod band;
 mod plane_map;
@@ -22,43 +22,51 @@ use plane_map::{Pixels, PlaneMap};
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
 use sums::{SectorSums, Sums};
 
-/// Number of unknowns of an edge: centre (two), radius, blurs of brightness and colour.
+/// Number of unknowns of an edge: centre (two coordinates), radius, blur of brightness and blur of colour.
 const UNKNOWNS: usize = 5;
 /// Number of parts of the light: brightness and colour.
 const PARTS: usize = 2;
-/// Prior standard deviation of the difference of both blurs, px, for noise of two grey levels; it constrains a blur that a marker hardly shows.
+/// Prior standard deviation of the difference between the blurs of brightness and colour, px, for a noise of [`USUAL_NOISE`]. It constrains a blur that a
+/// marker hardly shows.
 const BLURS_APART_PX: f64 = 0.15;
+/// Noise for which [`BLURS_APART_PX`] holds, grey levels.
 const USUAL_NOISE: f64 = 2.0;
-/// Half width of the band of pixels about the edge, in b.
+/// Half width of the band of pixels about the edge, in standard deviations of the edge's blur.
 const BAND: f64 = 2.5;
-/// Initial and smallest b, px. The width of a pixel alone is a blur of 0.29 px.
+/// Initial standard deviation of the edge's blur, px.
 const FIRST_BLUR_PX: f64 = 0.9;
+/// Smallest standard deviation of the edge's blur, px. The width of a pixel alone causes 0.29 px.
 const LEAST_BLUR_PX: f64 = 0.25;
-/// Largest blur of markers, as a share of their radius; beyond it no pixel of a disc shows its undisturbed light.
+/// Largest blur of markers, as a share of their radius. With a larger blur, no pixel of a disc shows the disc's undisturbed light, and the image is rejected.
 pub(super) const LARGEST_BLUR: f64 = 0.33;
-/// Largest relative deviation of the radius from the expected one.
+/// Largest relative deviation of a disc's radius from the expected radius. Other discs are rejected.
 const RADIUS_TOLERANCE: f64 = 0.25;
-/// Largest residual standard deviation, as a share of the contrast; smaller for grey discs, which rays can measure instead (`rim`). Photographed screws
-/// with shiny heads, and rims sharpened by the camera, exceed it.
+/// Largest residual standard deviation of a coloured disc, as a share of the contrast. A disc with more is rejected.
 const LARGEST_RESIDUAL: f64 = 0.2;
+/// Largest residual standard deviation of a grey disc, as a share of the contrast. It is smaller, because rays can measure such discs instead (`rim`).
+/// Photographed screws with shiny heads, and rims sharpened by the camera, exceed it.
 const LARGEST_GREY_RESIDUAL: f64 = 0.07;
-/// Largest expected distance of the centre from the start of the search, px.
+/// Largest expected distance of the centre from the starting point of the search, px.
 const ROOM_PX: f64 = 1.0;
-/// Largest number of rounds that gather pixels about the current edge, most steps per round, and the step of the centre at which a round ends, px.
+/// Largest number of rounds, each of which gathers the pixels about the current edge.
 const ROUNDS: usize = 9;
+/// Largest number of Gauss-Newton steps per round.
 const STEPS: usize = 5;
+/// A round ends when the step of the centre is below this, px.
 const STILL_PX: f64 = 0.002;
-/// Motion of the edge in a round, px, below which it is near, so that unlikely sectors are omitted; and below which it has been found.
+/// If the edge moves by less than this in a round, px, it counts as near, and unlikely sectors are omitted.
 const NEAR_PX: f64 = 1.0;
+/// If the edge moves by less than this in a round, px, it counts as found.
 const THERE_PX: f64 = 0.25;
-/// Largest change of the centre in the last step, px; it is included in the standard deviation.
+/// Largest change of the centre in the last step, px; larger changes reject the disc. The change is included in the standard deviation.
 const SETTLED_PX: f64 = 0.05;
-/// Smallest standard deviation of a centre, px: shading, rounding to grey levels, and errors of the edge model.
+/// Lower bound of the standard deviation of a centre, px. It covers shading, rounding to grey levels, and errors of the edge model.
 const LEAST_SD_PX: f64 = 0.005;
-/// Standard deviation for small or blurred discs, px, times (blur / radius)^2: their edges leave little of the surroundings visible. Both values come
-/// from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
+/// Standard deviation for small or blurred discs, px, to be multiplied by (blur / radius)^2. The edges of such discs leave little of the surroundings
+/// visible. This value and the lower bound come from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
 const SMALL_SD_PX: f64 = 0.45;
-/// Standard deviation for rings, px, times the share of neighbouring light in the middle of the ring, where no pixel shows the ring's light alone.
+/// Standard deviation for rings, px, to be multiplied by the share of neighbouring light in the middle of the ring, where no pixel shows the ring's light
+/// alone.
 const RING_SD_PX: f64 = 0.4;
 
 /// A measured disc.
@@ -66,64 +74,71 @@ const RING_SD_PX: f64 = 0.4;
 pub(super) struct Disc {
     /// Centre in the finger frame, mm.
     pub centre: Vector,
-    /// Pixel of the centre.
+    /// Pixel of the disc's centre.
     pub pixel: Pixel,
-    /// Standard deviation of one coordinate of the centre, mm.
+    /// Standard deviation of one coordinate of the disc's centre, mm.
     pub sd_mm: f64,
-    /// Radius and blurs, measured or given.
+    /// Radius and blurs of the disc, measured or given.
     pub outline: Outline,
-    /// Variance of the centre from the residuals' power of two and of three periods around the edge, relative to independent pixels; dimensionless. Above 1
-    /// if errors of neighbouring pixels are correlated, as after compression.
+    /// Two estimates of the centre's variance, divided by the variance for independent pixel errors; dimensionless. They come from the power of the
+    /// residuals that have two and three periods around the edge. They exceed 1 if errors of neighbouring pixels are correlated, as after compression.
     pub excess_variances: [f64; 2],
-    /// Mean squared residual of brightness and of colour about the edge, squared grey levels.
+    /// Mean squared residual of brightness and of colour about the edge, in squared grey levels.
     pub noise: [f64; PARTS],
 }
 
-/// Outline that the discs of an image share.
+/// Radius and blurs that all discs of an image share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Outline {
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Standard deviations of the blur of brightness and of colour, px.
+    /// Standard deviations of the blur of brightness and of the blur of colour, px.
     pub blurs_px: [f64; PARTS],
 }
 
-/// Normal equations of a disc for the displacement of colour against brightness, with its centre eliminated, divided by the residual variance.
+/// Normal equations of a disc for the displacement of colour relative to brightness. The disc's centre is eliminated, and all terms are divided by the
+/// residual variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ColourShift {
+    /// Normal matrix, 2 x 2, for a displacement along the finger's axes in px.
     pub normal: Matrix2<f64>,
+    /// Right-hand side of the normal equations.
     pub gradient: Vector2<f64>,
 }
 
-/// Unknowns of the search: centre and radius in the units of the plane map, and blurs (px).
+/// Unknowns of the search: centre and radius in the units of the plane map, and blurs in px.
 #[derive(Debug, Clone, Copy, Default)]
 struct Edge {
+    /// Centre of the edge in the map's coordinates and units.
     centre: Vector,
+    /// Radius of the edge in the map's units.
     radius: f64,
+    /// Standard deviations of the blur of brightness and of the blur of colour, px.
     blurs: [f64; PARTS],
+    /// Displacement of colour relative to brightness along the finger's axes, px.
     colour_shift: Vector,
 }
 
 impl Edge {
-    /// Half width of the band about the edge in which brightness or colour changes, px.
+    /// Half width of the band about the edge in which brightness or colour change, px.
     fn band(&self) -> f64 {
         BAND * self.blurs[0].max(self.blurs[1])
     }
 }
 
-/// An image with the weights of its light.
+/// An image with its camera and the weights of its light.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View<'a> {
     pub image: &'a RgbImage,
     pub camera: &'a Camera,
     /// Height of the discs above the finger's plane, mm.
     pub height_mm: f64,
-    /// For grey discs and rings, inner radius of a ring, mm, inside which any appearance is allowed; 0 for a whole disc. Their surroundings may have as much
-    /// contrast, so the edge is measured only where the background is even.
+    /// Inner radius of a grey ring, mm, inside which any appearance is allowed; 0 for a whole grey disc; `None` for coloured discs. The surroundings of
+    /// grey marks may have as much contrast, so the edge is measured only where the background is even.
     pub grey_inner_mm: Option<f64>,
-    /// Weights of squared differences of brightness and colour: inverse to their noise, 1 for the less noisy part; 0 omits colour.
+    /// Weights of squared differences of brightness and of colour, inverse to their noise; 1 for the less noisy of the two. A weight of 0 omits colour.
     pub weights: [f64; PARTS],
-    /// Displacement of colour against brightness along the finger's axes, px; caused by encoders that subsample colour, and by lenses.
+    /// Displacement of colour relative to brightness along the finger's axes, px. Encoders that subsample colour cause it, and lenses.
     pub colour_shift_px: Vector,
 }
 
@@ -137,17 +152,17 @@ pub(super) struct Buffers {
 }
 
 impl View<'_> {
-    /// Measures a disc of about `radius_mm` near a pixel; `None` if there is none.
+    /// Measures a disc with a radius of about `radius_mm` near the pixel `about`. Returns `None` if no disc is there.
     pub fn measure(&self, radius_mm: f64, about: &Pixel, buffers: &mut Buffers) -> Option<Disc> {
         Search::new(self, Outline { radius_mm, blurs_px: [FIRST_BLUR_PX; PARTS] }, about, true, buffers)?.found()
     }
 
-    /// Measures only the centre of a disc with known radius and blurs.
+    /// Measures only the centre of a disc, whose radius and blurs are known.
     pub fn measure_centre(&self, outline: Outline, about: &Pixel, buffers: &mut Buffers) -> Option<Disc> {
         Search::new(self, outline, about, false, buffers)?.found()
     }
 
-    /// Same as [`measure_centre`](View::measure_centre), with the disc's equations for a further displacement of colour.
+    /// Same as [`measure_centre`](View::measure_centre); also returns the disc's equations for a further displacement of colour.
     pub fn measure_centre_and_colour(
         &self,
         outline: Outline,
@@ -159,27 +174,28 @@ impl View<'_> {
     }
 }
 
-/// The search for one edge.
+/// The search for the edge of one disc.
 struct Search<'a> {
     view: &'a View<'a>,
     map: PlaneMap,
+    /// The edge at the current step of the search.
     edge: Edge,
-    /// The edge at the start.
+    /// The edge at the starting point of the search.
     expected: Edge,
-    /// Whether radius and blurs are unknown, too.
+    /// Whether radius and blurs are also unknown.
     is_outline_open: bool,
-    /// See [`View::grey_inner_mm`]; in the map's units.
+    /// Inner radius as in [`View::grey_inner_mm`], in the units of the map.
     grey_inner: Option<f64>,
-    /// Largest blur whose band and background fit into the gathered pixels, px.
+    /// Largest blur for which the gathered pixels contain band and background, px.
     largest_blur_px: f64,
     buffers: &'a mut Buffers,
 }
 
 /// The last step of a search.
 struct Step {
-    /// Change of the centre, px.
+    /// Length of the change of the centre, px.
     change_px: f64,
-    /// Block of the inverse normal matrix for the centre.
+    /// Block of the inverse normal matrix that belongs to the centre.
     inverse: Matrix2<f64>,
 }
 
@@ -196,7 +212,7 @@ impl<'a> Search<'a> {
         let edge =
             Edge { centre: Vector::zeros(), radius, blurs: expected.blurs_px, colour_shift: view.colour_shift_px };
         let radius_px = map.radius_px(radius);
-        // Room for an edge with a larger radius (by the tolerance), twice the blur or the largest blur, and the background.
+        // Distance for an edge with a larger radius (by the tolerance), with twice the blur or the largest blur, and for the background.
         let (wider, band) = match is_outline_open {
             true => (1.0 + RADIUS_TOLERANCE, (2.0 * edge.band()).max(BAND * LARGEST_BLUR * radius_px)),
             false => (1.0, edge.band()),
@@ -210,10 +226,10 @@ impl<'a> Search<'a> {
 
     fn found(&mut self) -> Option<Disc> {
         let weights = self.view.weights;
-        // With a known outline, the centre is known approximately.
+        // If the outline is known, the centre is known approximately.
         let mut is_near = !self.is_outline_open;
         for round in 0..ROUNDS {
-            // In the first round, sectors are judged after one step, since a slightly displaced edge looks unlikely.
+            // In the first round, sectors are judged only after one step, because a slightly displaced edge would look unlikely.
             let judged_from = usize::from(round == 0);
             let from = self.edge;
             let Buffers { pixels, shades, band, .. } = &mut *self.buffers;
@@ -250,7 +266,7 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// One Gauss-Newton step; `None` if the edge is lost.
+    /// Makes one Gauss-Newton step. Returns `None` if the edge is lost.
     fn step(&mut self) -> Option<Step> {
         let sums = &self.buffers.sums;
         let edge = &mut self.edge;
@@ -259,7 +275,7 @@ impl<'a> Search<'a> {
         if self.is_outline_open {
             let mut normal = sums.normal;
             let mut gradient = sums.gradient;
-            // The lens causes both blurs, so they are equal except for compression.
+            // The lens causes both blurs, so they are equal up to the effects of compression.
             let tie = (USUAL_NOISE / BLURS_APART_PX).powi(2);
             for (part, other) in [(3, 4), (4, 3)] {
                 normal[(part, part)] += tie;
@@ -286,7 +302,7 @@ impl<'a> Search<'a> {
         is_near.then(|| Step { change_px: change.fixed_rows::<2>(0).norm(), inverse })
     }
 
-    /// Normal equations for the displacement of colour at the measured disc, with the centre eliminated.
+    /// Normal equations for the displacement of colour at the measured disc; the centre is eliminated.
     fn colour_shift(&mut self) -> Option<ColourShift> {
         let Buffers { shades, band, sums, .. } = &mut *self.buffers;
         let variance = sums.residual_variance();
@@ -298,7 +314,7 @@ impl<'a> Search<'a> {
         Some(ColourShift { normal: normal / variance, gradient: sums.gradient.fixed_rows::<2>(0) / variance })
     }
 
-    /// Standard deviation by [`RING_SD_PX`], px; zero for discs.
+    /// Standard deviation by [`RING_SD_PX`], px; zero for discs without hole.
     fn ring_sd_px(&self) -> f64 {
         let Some(inner) = self.grey_inner.filter(|inner| *inner > 0.0) else { return 0.0 };
         let half_width = 0.5 * (self.edge.radius - inner);
@@ -331,7 +347,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Variance of the centre from the residuals' power of two and of three periods around the edge, relative to `variance_px2`.
+/// Two estimates of the centre's variance, divided by `variance_px2` (dimensionless): from the power of the residuals with two and with three periods around
+/// the edge.
 fn excess_variances(sectors: &[SectorSums], inverse: &Matrix2<f64>, variance_px2: f64) -> [f64; 2] {
     let angle = std::f64::consts::TAU / sectors.len() as f64;
     let to_next = Complex::cis(angle);

@@ -1,4 +1,4 @@
-//! Map from the pixels about a marker to the finger's plane.
+//! Map from the pixels about a marker to positions in the finger's plane.
 
 use super::Edge;
 use finray_model::Vector;
@@ -6,11 +6,11 @@ use finray_model::camera::{Camera, Pixel};
 use image::RgbImage;
 use nalgebra::Matrix2;
 
-/// Brightness as in JPEG and television (0.299 R + 0.587 G + 0.114 B, ITU-R BT.601), and two orthogonal components of colour. All are scaled so that
-/// equal noise in red, green and blue is equal in all three.
+/// Brightness as in JPEG and television (0.299 R + 0.587 G + 0.114 B, ITU-R BT.601), and two orthogonal components of colour. The components are scaled so
+/// that equal noise in red, green and blue gives equal noise in all three.
 fn light_of(pixel: &[u8]) -> [f32; 3] {
     let [r, g, b] = [f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2])];
-    // The rows are (0.299, 0.587, 0.114), (0.587, -0.299, 0) and their cross product, each of length 1.
+    // The rows are (0.299, 0.587, 0.114), (0.587, -0.299, 0) and their cross product, each scaled to length 1.
     [
         0.447_233_1 * r + 0.878_012_8 * g + 0.170_517 * b,
         0.891_062_7 * r - 0.453_880_3 * g,
@@ -18,29 +18,30 @@ fn light_of(pixel: &[u8]) -> [f32; 3] {
     ]
 }
 
-/// The pixels about a marker, a list per quantity.
+/// The pixels about a marker, one list per quantity.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pixels {
-    /// Positions in the plane relative to the map's origin, in the map's units.
+    /// Positions of the pixels in the finger's plane relative to the map's origin, in the map's units.
     pub at: [Vec<f32>; 2],
-    /// Brightness and two components of colour, grey levels.
+    /// Brightness and two components of colour of each pixel, grey levels.
     pub light: [Vec<f32>; 3],
-    /// Distance outside the last measured edge along the image, px.
+    /// Distance of each pixel outside the last measured edge, measured along the image, px.
     pub outside: Vec<f32>,
 }
 
-/// Second-order map from pixels to positions in the plane, about one pixel. Its unit, `unit_mm`, is about the size of a pixel.
+/// Second-order map from the pixels about one pixel to positions in the finger's plane. Its unit, `unit_mm`, is about the size of a pixel.
 pub(super) struct PlaneMap {
+    /// The middle pixel, about which the map is expanded.
     about: Pixel,
-    /// The point at the middle, mm, finger frame.
+    /// The position of the middle pixel in the finger's plane, mm, finger frame.
     pub origin: Vector,
-    /// Derivatives of a position by the pixel's coordinates, from differences over about one radius to both sides.
+    /// First derivatives of a position by the pixel's coordinates, from differences over about one marker radius to both sides.
     slope: Matrix2<f64>,
-    /// Second derivatives of a position by uu, uv and vv.
+    /// Second derivatives of a position by the pixel's coordinates: uu, uv and vv.
     curvature: [Vector; 3],
-    /// Root of the area of a pixel in the plane, mm.
+    /// Unit of the map, mm: root of the area of a pixel in the finger's plane.
     pub unit_mm: f64,
-    /// Derivatives of the pixel by the position in the plane.
+    /// First derivatives of the pixel by the position in the finger's plane.
     by_point: Matrix2<f64>,
 }
 
@@ -67,16 +68,15 @@ impl PlaneMap {
         })
     }
 
-    /// Longest radius, px, of the image of a disc with a radius in the map's units.
+    /// Longest radius in the image, px, of a disc whose radius is given in the map's units.
     pub fn radius_px(&self, radius: f64) -> f64 {
-        // The largest singular value of `by_point`.
+        // The scale is the largest singular value of `by_point`.
         let (squares, determinant) = (self.by_point.norm_squared(), self.by_point.determinant());
         let spread = (squares * squares - 4.0 * determinant * determinant).max(0.0).sqrt();
         radius * (0.5 * (squares + spread)).sqrt()
     }
 
-    /// Gathers the pixels of the image within `reach` px of the middle. A disc at the image border is measured by the visible part of its
-    /// surroundings.
+    /// Gathers the pixels of the image within `reach` px of the middle. Of a disc at the image border, only the visible part of the surroundings is gathered.
     pub fn gather(&self, image: &RgbImage, reach: f64, pixels: &mut Pixels) {
         pixels.at.iter_mut().chain(&mut pixels.light).for_each(Vec::clear);
         let within = |middle: f64, reach: f64, size: u32| {
@@ -90,7 +90,7 @@ impl PlaneMap {
             let v = row as f64 - self.about.y;
             let half = (reach * reach - v * v).max(0.0).sqrt();
             let columns = within(self.about.x, half, image.width());
-            // Polynomial in u: constant, slope, half the curvature.
+            // Coefficients of a polynomial in u: constant, slope, half the curvature.
             let rest = self.slope.column(1) * v + vv * (0.5 * v * v);
             let by_u = self.slope.column(0) + uv * v;
             for (axis, list) in pixels.at.iter_mut().enumerate() {
@@ -111,7 +111,7 @@ impl PlaneMap {
         pixels.outside.resize(pixels.at[0].len(), 0.0);
     }
 
-    /// Computes the distances of the pixels outside an edge, px.
+    /// Computes the distance of each pixel outside an edge, px.
     pub fn measure_from(&self, edge: &Edge, pixels: &mut Pixels) {
         let polar = self.about_edge(edge);
         let Pixels { at: [x, y], outside, .. } = pixels;
@@ -131,31 +131,33 @@ impl PlaneMap {
     }
 }
 
-/// An edge with the slope of the map.
+/// An edge with the slope of the map at its position.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AboutEdge {
+    /// Centre of the edge in the map's units.
     centre: [f32; 2],
+    /// Radius of the edge in the map's units.
     radius: f32,
-    /// Derivatives of the position, by columns.
+    /// First derivatives of the position by the pixel's coordinates, column by column.
     slope: [f32; 4],
 }
 
 /// Geometry of a point relative to an edge, in the map's units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Polar {
-    /// Vector from the centre to the point.
+    /// Vector from the edge's centre to the point.
     pub step: [f32; 2],
-    /// Length of that vector.
+    /// Length of the vector from the centre.
     pub far: f32,
-    /// That length times the length of one px along the vector.
+    /// Length of the vector from the centre, times the length of one px along it.
     pub along: f32,
 }
 
 impl AboutEdge {
-    /// Geometry of a point relative to the edge.
+    /// Geometry of the point (x, y) relative to the edge.
     #[inline]
     pub fn of(&self, x: f32, y: f32) -> Polar {
-        // Avoids a division by zero at the centre.
+        // Avoids a division by zero for a point at the centre.
         const LEAST: f32 = 1e-3;
         let step = [x - self.centre[0], y - self.centre[1]];
         let far = (step[0] * step[0] + step[1] * step[1]).sqrt().max(LEAST);
@@ -166,7 +168,8 @@ impl AboutEdge {
     }
 }
 
-/// Angle of a direction as a share of a full turn, accurate to 6e-4. Sectors need no more, and the exact arctangent would take half of the time.
+/// Angle of a direction as a share of a full turn, accurate to 6e-4. This suffices for sectors, and the exact arctangent would take half of the computing
+/// time.
 ///
 /// # Reference
 /// S. Rajan et al., Efficient approximations for the arctangent function, IEEE Signal Processing Magazine 23 (2006), eq. (7).
@@ -185,7 +188,7 @@ mod tests {
     use super::*;
     use finray_model::camera::{Distortion, Lens, Pose};
 
-    /// Pixels are counted correctly at and beyond the corners of an image.
+    /// Checks that the pixels at and beyond the corners of an image are counted correctly.
     #[test]
     fn pixels_are_gathered_at_the_border() {
         let [width, height] = [64, 48];

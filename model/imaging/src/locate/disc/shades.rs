@@ -7,61 +7,69 @@ use nalgebra::Vector3;
 
 /// Width of the ring outside the band in which the background is sampled, px.
 pub(super) const BACKGROUND_PX: f64 = 3.0;
-/// Length of a sector along the edge, px, and limits of the number of sectors.
+/// Length of a sector along the edge, px.
 const SECTOR_PX: f64 = 1.3;
+/// Smallest and largest number of sectors around the edge.
 const SECTORS: [usize; 2] = [12, 96];
-/// Share of the sectors that are assumed to have an even background; their scatter measures the noise.
+/// Share of the sectors that are assumed to have an even background. The scatter of the light in these sectors measures the noise.
 const EVEN_SECTORS: f64 = 0.3;
-/// Scatter of an even background in addition to noise, grey levels.
+/// Scatter of an even background that is allowed in addition to noise, grey levels.
 const SHADING: f32 = 2.0;
-/// Largest difference of a pixel inside the disc from the median, in any component of light, grey levels; others belong to an occluder.
+/// Largest difference between a pixel inside the disc and the median, in any component of light, grey levels. Pixels beyond it belong to an occluder.
 const ALIKE: f32 = 40.0;
-/// Largest step of a grey disc's background between sectors, and largest scatter within one: as a share of the contrast, and in
-/// standard deviations of the noise.
+/// Largest step of a grey disc's background between neighbouring sectors, and largest scatter within a sector, as a share of the contrast. It combines with
+/// [`UNEVEN_NOISE`] as a root sum of squares. Beyond the sum, the background counts as uneven.
 const UNEVEN_SHARE: f32 = 0.1;
+/// Part of the limit of an uneven background that comes from noise, in standard deviations of the noise.
 const UNEVEN_NOISE: f32 = 3.0;
-/// Largest margin from both edges of a ring within which its light is not sampled, as a share of its width.
+/// Largest margin from both edges of a ring within which the ring's light is not sampled, as a share of the ring's width.
 const RING_MARGIN: f64 = 0.4;
-/// Approximate number of inner pixels that are used, and number of those used for the median; more add no information.
+/// Approximate number of inner pixels that are used; more add no information.
 const INSIDE_PIXELS: usize = 400;
+/// Number of inner pixels from which the median is computed; more add no information.
 const MEDIAN_PIXELS: usize = 48;
-/// Smallest number of pixels from which the slope of light is estimated.
+/// The slope of the light is estimated only from at least this number of pixels.
 const SLOPE_PIXELS: usize = 12;
-/// Smallest contrast of a sector over all components of light, grey levels.
+/// Smallest contrast of a sector over all components of light, grey levels. A sector with less contrast is omitted.
 const LEAST_CONTRAST: f32 = 12.0;
-/// A sector is not an edge of the disc if its mean squared residual exceeds that of even sectors by this many standard deviations.
+/// A sector is not an edge of the disc if its mean squared residual exceeds that of even sectors by more than this number of standard deviations.
 const UNLIKELY: f32 = 4.0;
-/// Smallest variance of a grey level that is assumed, squared grey levels; rounding causes 1/12.
+/// Lower bound of the assumed variance of a grey level, in squared grey levels. Rounding alone causes 1/12.
 const LEAST_VARIANCE: f32 = 0.5;
-/// Share of the sectors that are kept in any case, and that must show an edge.
+/// Share of the sectors that are kept in any case, and share of the sectors that must show an edge.
 pub(super) const KEPT_SECTORS: f64 = 0.4;
 
 /// Light of the disc and of its background.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Shades {
-    /// Light inside by the vector from the centre: constant, slope by x, slope by y.
+    /// Light inside the disc as a linear function of the vector from the centre: constant, slope by x, slope by y.
     inside: [Vector3<f32>; 3],
+    /// Light of the background in each sector: brightness and two components of colour, grey levels.
     outside: Vec<Vector3<f32>>,
-    /// Weight of each sector's pixels, 0..1: less if an edge of plate or rib crosses its background, which then varies within
-    /// the sector.
+    /// Weight of each sector's pixels, 0..1. It is below 1 if the edge of a plate or rib crosses the sector's background, which then varies within the
+    /// sector.
     pub trust: Vec<f32>,
+    /// Sums of the background's light in each sector.
     sectors: Vec<Background>,
-    /// Indices of the pixels inside the disc.
+    /// Indices of the pixels that lie inside the disc.
     inner: Vec<u32>,
-    /// Buffer for medians.
+    /// Buffer for the computation of medians.
     sorted: Vec<f32>,
 }
 
-/// Background pixels of a sector.
+/// Light of the background pixels of one sector.
 #[derive(Debug, Clone, Copy, Default)]
 struct Background {
+    /// Number of background pixels.
     count: f32,
+    /// Sum of their light: brightness and two components of colour, grey levels.
     light: Vector3<f32>,
+    /// Sum of their squared light over all components, in squared grey levels.
     squares: f32,
 }
 
 impl Background {
-    /// Variance of the light, squared grey levels.
+    /// Variance of the light, in squared grey levels.
     fn variance(&self) -> f32 {
         match self.count > 1.0 {
             true => ((self.squares - self.light.norm_squared() / self.count) / (self.count - 1.0)).max(0.0),
@@ -71,12 +79,12 @@ impl Background {
 }
 
 impl Shades {
-    /// Samples the pixels inside and outside an edge; `None` if there is no disc. `grey_inner` is the inner radius of a grey disc or ring, see
-    /// [`super::View`], in the map's units.
+    /// Samples the pixels inside and outside an edge. Returns `None` if the edge surrounds no disc. `grey_inner` is the inner radius of a grey disc or ring,
+    /// in the map's units; see [`super::View`].
     pub fn gather(&mut self, pixels: &Pixels, map: &PlaneMap, edge: &Edge, grey_inner: Option<f64>) -> Option<()> {
         let band = edge.band();
         let sectors = ((std::f64::consts::TAU * edge.radius / SECTOR_PX) as usize).clamp(SECTORS[0], SECTORS[1]);
-        // In small discs every pixel is blurred; their middle represents the inside.
+        // In small discs every pixel is blurred, so the middle pixels represent the inside.
         let deepest = |inner: f64| if inner > 0.0 { RING_MARGIN * (edge.radius - inner) } else { 0.5 * edge.radius };
         let inner = grey_inner.unwrap_or(0.0);
         let depth = -band.min(deepest(inner)) as f32;
@@ -116,7 +124,7 @@ impl Shades {
         let count = self.sectors.len();
         self.outside.clear();
         for i in 0..count {
-            // A sector without pixels, at the image border, gets its nearest neighbour's background.
+            // A sector without pixels, at the image border, gets the background of its nearest neighbour.
             let seen = |k: usize| self.sectors[k % count].count > 0.0;
             let beside = |away: &usize| seen(i + away) || seen(i + count - away);
             let away = (0..=count / 2).find(beside)?;
@@ -130,7 +138,7 @@ impl Shades {
         Some(())
     }
 
-    /// Noise variance, squared grey levels: variance of the background in even sectors.
+    /// Noise variance, in squared grey levels: the variance of the background in even sectors.
     fn noise(&mut self) -> f32 {
         self.sorted.clear();
         self.sorted.extend(self.sectors.iter().map(Background::variance));
@@ -138,8 +146,8 @@ impl Shades {
         *self.sorted.select_nth_unstable_by(at, f32::total_cmp).1
     }
 
-    /// Weights of the sectors, which fall with the variance of their backgrounds. An edge that crosses one background may reach the disc in a
-    /// neighbouring sector.
+    /// Computes the weights of the sectors, which fall with the variance of their backgrounds. If a plate's edge crosses the background of one sector, it may
+    /// reach the disc in a neighbouring sector.
     fn find_trust(&mut self) {
         let noise = self.noise() + SHADING * SHADING;
         let even = |sector: &Background| noise / (noise + (sector.variance() - 2.0 * noise).max(0.0));
@@ -147,8 +155,8 @@ impl Shades {
         self.trust.extend(self.sectors.iter().map(|sector| even(sector).powi(2)));
     }
 
-    /// Weights for grey discs: 1 only where the background is even, within sectors and between neighbours. A strip that crosses the edge at a slant, or ends
-    /// outside it, has other light at the edge than farther out. Its blurred edge also affects the next sectors.
+    /// Computes the weights for grey discs: 1 only where the background is even, both within sectors and between neighbouring sectors. A strip that crosses
+    /// the edge at a slant, or ends outside the edge, has other light at the edge than farther out. Its blurred edge also affects the next sectors.
     fn trust_even(&mut self) {
         let (count, noise) = (self.sectors.len(), self.noise());
         self.sorted.clear();
@@ -168,7 +176,7 @@ impl Shades {
         }
     }
 
-    /// Fits a plane to the brightness inside the disc; its relative slope also applies to colour. Omits pixels of an occluder.
+    /// Fits a plane to the brightness inside the disc, and applies its relative slope also to colour. Omits pixels of an occluder.
     fn find_inside(&mut self, pixels: &Pixels, edge: &Edge) -> Option<()> {
         let mut median = [0.0; 3];
         for (median, light) in median.iter_mut().zip(&pixels.light) {
@@ -179,7 +187,7 @@ impl Shades {
             *median = *self.sorted.select_nth_unstable_by(middle, f32::total_cmp).1;
         }
         let centre = [edge.centre.x as f32, edge.centre.y as f32];
-        // Sums of 1, x, y, xx, xy, yy; of brightness times 1, x, y; and of colour.
+        // Sums of 1, x, y, xx, xy, yy; of brightness times 1, x, y; and of each colour component.
         let mut moments = [0.0_f64; 6];
         let mut brightness = [0.0_f64; 3];
         let mut colour = [0.0_f64; 2];
@@ -203,7 +211,7 @@ impl Shades {
             }
             count += 1;
         }
-        // Few pixels determine a mean but no slope.
+        // Few pixels determine a mean, but not a slope.
         if count < SLOPE_PIXELS {
             self.inside = [Vector3::from(median), Vector3::zeros(), Vector3::zeros()];
             return Some(());
@@ -211,7 +219,7 @@ impl Shades {
         let [n, x, y, xx, xy, yy] = moments;
         let normal = nalgebra::Matrix3::new(n, x, y, x, xx, xy, y, xy, yy).cholesky()?;
         let plane = normal.solve(&Vector3::from(brightness));
-        // Illumination scales all channels equally, and compression degrades colour more, so colour gets the slope of brightness.
+        // Illumination scales all channels equally, and compression degrades colour more. Colour therefore gets the slope of brightness.
         let relative = [plane[1], plane[2]].map(|slope| slope / plane[0].max(1.0));
         let mean = [x / n, y / n];
         let falls_to = 1.0 + relative[0] * mean[0] + relative[1] * mean[1];
@@ -226,7 +234,7 @@ impl Shades {
         self.inside[0] + self.inside[1] * step[0] + self.inside[2] * step[1]
     }
 
-    /// Sector index of a direction, and the background in that direction, interpolated between the middles of two sectors.
+    /// Index of the sector in a direction, and the background in that direction, interpolated between the middles of two sectors.
     #[inline]
     pub fn outside_at(&self, turn: f32) -> (u32, Vector3<f32>) {
         let count = self.outside.len();
@@ -240,7 +248,7 @@ impl Shades {
         (number as u32, self.outside[number] * (1.0 - share) + self.outside[other] * share)
     }
 
-    /// Sets the weight to zero for sectors without contrast, or with a residual above that of even sectors. Returns the share of sectors that are kept.
+    /// Sets the weight of sectors without contrast, or with a residual above that of even sectors, to zero. Returns the share of sectors that are kept.
     pub fn distrust_unlikely(&mut self, sums: &Sums) -> f64 {
         let channels = sums.channels as f32;
         let mean = |of: &SectorSums| of.squares / (channels * of.count).max(1.0);
@@ -251,7 +259,7 @@ impl Shades {
             true => LEAST_VARIANCE,
             false => self.sorted.select_nth_unstable_by(at, f32::total_cmp).1.max(LEAST_VARIANCE),
         };
-        // Residual relative to the limit from noise; infinite without contrast.
+        // Ratio of a sector's residual to the limit from the noise; infinite without contrast.
         let excess = |of: &SectorSums| {
             let (count, contrast2) = (of.count.max(1.0), of.contrast2 / of.count.max(1.0));
             let has_edge = of.count > 0.0 && contrast2 > LEAST_CONTRAST * LEAST_CONTRAST;
@@ -264,7 +272,7 @@ impl Shades {
         self.sorted.clear();
         self.sorted.extend(sums.by_sector.iter().map(excess));
         let at = (self.sorted.len() as f64 * KEPT_SECTORS) as usize;
-        // If most sectors are disturbed, the least disturbed are kept; their residual then widens the standard deviation.
+        // If most sectors are disturbed, the least disturbed ones are kept. Their residual then increases the standard deviation.
         let limit = self.sorted.select_nth_unstable_by(at, f32::total_cmp).1.clamp(1.0, f32::MAX);
         let mut kept = 0;
         for (trust, of) in self.trust.iter_mut().zip(&sums.by_sector) {
@@ -278,7 +286,7 @@ impl Shades {
     }
 }
 
-/// Index of the sector of a direction, and the position within it, 0..1.
+/// Index of the sector in a direction, and the position within that sector, 0..1.
 #[inline]
 fn sector(turn: f32, sectors: usize) -> (usize, f32) {
     let at = turn * sectors as f32;

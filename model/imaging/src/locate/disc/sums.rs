@@ -1,43 +1,45 @@
-//! Least-squares equations of an edge: sums over the pixels about it.
+//! Least-squares equations of an edge: sums over the pixels about the edge.
 
 use super::{PARTS, UNKNOWNS};
 use nalgebra::{SMatrix, SVector, Vector2};
 
-/// Sums over the pixels of the band; centre and radius are in the map's units.
+/// Sums over the pixels of the band about an edge. Centre and radius are in the units of the plane map.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sums {
-    /// Normal matrix of the least squares.
+    /// Normal matrix of the least-squares problem.
     pub normal: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
     /// Right-hand side of the normal equations.
     pub gradient: SVector<f64, UNKNOWNS>,
-    /// Number of pixels, weighted by trust.
+    /// Number of pixels, each weighted by the trust in its sector.
     pub count: f64,
-    /// Number of weighted channels: one for brightness, two for colour.
+    /// Number of channels that have a weight: one for brightness, two for colour.
     pub channels: f64,
-    /// Sum of the weighted squared residuals, squared grey levels.
+    /// Sum of the weighted squared residuals, in squared grey levels.
     pub squares: f64,
-    /// Sum of the weighted squared contrasts, squared grey levels.
+    /// Sum of the weighted squared contrasts, in squared grey levels.
     pub weight: f64,
-    /// Sums of the squared residuals of brightness and, halved, of colour, squared grey levels.
+    /// Sums of the squared residuals of brightness and of colour, in squared grey levels. The sum for colour is halved, because colour has two channels.
     pub noise: [f64; PARTS],
+    /// Sums over the pixels of each sector.
     pub by_sector: Vec<SectorSums>,
 }
 
 impl Sums {
-    /// Variance of the weighted residuals, squared grey levels.
+    /// Variance of the weighted residuals, in squared grey levels.
     pub fn residual_variance(&self) -> f64 {
         self.squares / (self.channels * self.count - UNKNOWNS as f64).max(1.0)
     }
 }
 
-/// Sums over the pixels of a sector.
+/// Sums over the pixels of one sector.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SectorSums {
-    /// Number of pixels.
+    /// Number of pixels in the sector.
     pub count: f32,
-    /// Sums of the weighted squared residuals and contrasts, squared grey levels.
+    /// Sum of the weighted squared residuals, in squared grey levels.
     pub squares: f32,
+    /// Sum of the weighted squared contrasts, in squared grey levels.
     pub contrast2: f32,
-    /// The centre's part of the gradient.
+    /// Part of the gradient that belongs to the centre.
     pub pull: Vector2<f32>,
 }

@@ -1,68 +1,78 @@
-//! Markers of one plate as the chain of least cost from its clamped node to the tip.
+//! Naming of the markers of one plate, as the chain of least cost from the plate's clamped node to the tip.
 
 use super::super::colour::Side;
 use super::{Candidate, Marked, Names};
 use finray_model::finger::Plate;
 use finray_model::{NodeId, Vector};
 
-/// Largest number of hidden nodes in a row that a chain may skip.
+/// Largest number of successive hidden nodes that a chain may skip.
 pub(super) const MOST_SKIPPED: usize = 4;
-/// Range of the distance between two nodes relative to the plate length between them. A chord is shorter than its arc, and measured distances
-/// scatter.
+/// Range of the distance between two nodes, relative to the plate length between them. A chord is shorter than its arc, and
+/// measured distances scatter.
 const CHORDS: [f64; 2] = [0.75, 1.05];
-/// Deviations of cost 1: relative excess of a chord's length, relative shortening per segment, and bend in degrees between two steps. The bend is that
-/// for steps a whole plate apart; it scales with the share of the plate between them.
+/// A chord that is longer than the plate between its nodes by this share has cost 1.
 const LONGER: f64 = 0.015;
+/// A chord that is shorter than the plate between its nodes by this share per segment has cost 1.
 const SHORTER: f64 = 0.06;
+/// A bend between two steps by this angle, degrees, has cost 1 if the steps are a whole plate apart. The angle scales with the share of the plate between.
 const TURN_DEG: f64 = 168.0;
-/// Largest bend between steps, in multiples of that of cost 1, and in degrees.
+/// Largest bend between two steps, as a multiple of the bend of cost 1. A chain with a larger bend is excluded.
 const LARGEST_TURN: f64 = 4.3;
+/// Largest bend between two steps, degrees. A chain with a larger bend is excluded.
 const LARGEST_TURN_DEG: f64 = 120.0;
-/// Relative deviation of a rib's length of cost 1.
+/// A rib whose length deviates by this share has cost 1.
 const RIB: f64 = 0.05;
-/// Relative deviation of cost 1 for undeformable ribs: noise and pose only.
+/// An undeformable rib whose length deviates by this share has cost 1. Only noise and errors of the pose cause such a deviation.
 const RIGID_RIB: f64 = 0.01;
-/// Largest cost of a rib, so that a rib that buckles or ends at a false marker does not break a chain.
+/// Upper limit of the cost of a rib, so that one rib that buckles or ends at a false marker does not break a chain.
 const RIB_MOST: f64 = 12.0;
-/// Cost of a hidden node, and of a clamped node without a marker at its position.
+/// Cost of a hidden node, and cost of a clamped node without a marker at its position.
 pub(super) const HIDDEN: f64 = 6.0;
-/// Largest distance of a clamped node's marker from its stated position, as a share of the plate's length.
+/// Largest distance between the marker of a clamped node and the node's stated position, as a share of the plate's length.
 const CLAMPED: f64 = 0.01;
 /// Standard deviation of a bracket's stated length, mm.
 const BRACKET_MM: f64 = 0.5;
 
-/// The naming problem of one plate.
+/// The assignment of candidates to the nodes of one plate.
 pub(super) struct Chain<'a> {
     pub(super) marked: Marked<'a>,
     plate: Plate,
     candidates: &'a [Candidate],
-    /// Nodes from the base to the tip, with their positions along the plate, mm.
+    /// Nodes of the plate from the base to the tip.
     pub(super) nodes: Vec<NodeId>,
+    /// Positions of the nodes along the plate, mm from the base.
     pub(super) lengths_mm: Vec<f64>,
-    /// For each node, the position of its rib's other end if named, mm; and the rib's undeformed length, mm.
+    /// For each node: position of the other end of its rib, mm, finger frame; `None` if that end has no marker or there is no rib.
     ribs: Vec<Option<Vector>>,
+    /// For each node: undeformed length of its rib, mm.
     ribs_mm: Vec<f64>,
-    /// Candidates of each node.
+    /// Indices of the candidates that may be each node.
     pub(super) choices: Vec<Vec<usize>>,
 }
 
-/// A chain: its cost and the candidate of each node along the plate.
+/// An assignment for one plate: the cost of its chain, and the candidate of each node along the plate.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Named {
+    /// Cost of the chain, dimensionless.
     pub(super) cost: f64,
+    /// Index of the candidate of each node along the plate; `None` for a hidden node.
     pub(super) named: Vec<Option<usize>>,
 }
 
-/// A partial chain, described by its last two nodes.
+/// A partial chain, represented by its last two nodes.
 #[derive(Debug, Clone, Copy)]
 struct Link {
+    /// Position of the last node in the order along the plate.
     position: usize,
+    /// Index of the candidate that is the last node.
     candidate: usize,
-    /// Index of the previous link; `None` for the first link from the clamped node.
+    /// Index of the previous link of the chain; `None` for the first link from the clamped node.
     before: Option<usize>,
-    /// Step from the previous position, mm.
+    /// Vector from the previous to the last node of the link, mm.
     step: Vector,
+    /// Position of the node before the last one in the order along the plate.
     from: usize,
+    /// Cost of the partial chain, dimensionless.
     cost: f64,
 }
 
@@ -79,19 +89,19 @@ impl<'a> Chain<'a> {
             ribs_mm[rib + 1] = (marked.position(front) - marked.position(back)).norm();
             ribs[rib + 1] = at(other);
         }
-        // The tip also ends the back plate, whose last segment constrains it like a rib.
+        // The tip is also the end of the back plate, whose last segment constrains it like a rib.
         if plate == Plate::Front {
             let before = NodeId(finger.tip().0 - 1);
             ribs_mm[nodes.len() - 1] = (marked.position(before) - finger.position(finger.tip())).norm();
             ribs[nodes.len() - 1] = at(before);
         }
-        // Candidates of the other plate are taken, except the tip.
+        // Candidates that are assigned to the other plate are excluded, except the tip.
         let other = finger.plate_nodes(if plate == Plate::Front { Plate::Back } else { Plate::Front });
         let taken: Vec<usize> =
             other.iter().filter(|node| **node != finger.tip()).filter_map(|node| names[node.0 - 1]).collect();
         let last = nodes.len() - 1;
         let choices = (0..nodes.len()).map(|position| {
-            // The tip has the front plate's colour and is named by the front plate.
+            // The tip has the front plate's colour, and is assigned with the front plate.
             let side = if position == last || plate == Plate::Front { Side::Front } else { Side::Back };
             if position == last && plate == Plate::Back {
                 return names[finger.tip().0 - 1].into_iter().collect();
@@ -109,19 +119,20 @@ impl<'a> Chain<'a> {
 
     pub(super) fn write(&self, found: &Named, names: &mut Names) {
         for (position, (node, candidate)) in self.nodes.iter().zip(&found.named).enumerate() {
-            // The tip is named by the front plate only.
+            // The tip is assigned only with the front plate.
             if self.plate == Plate::Front || position + 1 < self.nodes.len() {
                 names[node.0 - 1] = *candidate;
             }
         }
     }
 
-    /// The chain of least cost; `None` if no chain starts at the base.
+    /// The chain with the least cost; `None` if no chain starts at the base.
     pub(super) fn cheapest(&self) -> Option<Named> {
         self.cheapest_within(f64::INFINITY, None)
     }
 
-    /// The chain of least cost that does not assign the candidate `without.1` to position `without.0`; `None` if none costs at most `most`.
+    /// The chain with the least cost that does not assign the candidate `without.1` to position `without.0`. `None` if every such chain costs more than
+    /// `most`.
     pub(super) fn cheapest_within(&self, most: f64, without: Option<(usize, usize)>) -> Option<Named> {
         let finger = self.marked.finger;
         let base = finger.base(self.plate);
@@ -134,7 +145,7 @@ impl<'a> Chain<'a> {
         let unseen = if finger.has_marker(self.nodes[0]) { HIDDEN } else { 0.0 };
         let start = clamped.map_or(unseen, |(_, away)| (away / (0.5 * largest_mm)).powi(2));
         let mut links: Vec<Link> = Vec::new();
-        // Indices of the links that end at each position.
+        // Indices of the links that end at each position along the plate.
         let mut ending: Vec<Vec<usize>> = vec![Vec::new(); self.nodes.len()];
         let along = (self.marked.position(self.nodes[1]) - base).normalize();
         let mut best: Vec<(usize, f64, usize)> = Vec::new();
@@ -157,7 +168,7 @@ impl<'a> Chain<'a> {
                 }
                 let from = position.saturating_sub(MOST_SKIPPED + 1).max(1);
                 for before in from..position {
-                    // Chains with the same last step continue equally, so only the cheapest per previous candidate is kept.
+                    // Chains with the same last step continue in the same way, so only the cheapest chain per previous candidate is kept.
                     best.clear();
                     for &link in &ending[before] {
                         let last = links[link];
@@ -190,7 +201,7 @@ impl<'a> Chain<'a> {
             }
         }
         let last = self.nodes.len() - 1;
-        // A node without a marker costs nothing if hidden.
+        // A node that has no marker costs nothing if it is hidden.
         let hidden = |from: usize| (from + 1..=last).filter(|k| finger.has_marker(self.nodes[*k])).count();
         let whole = |link: &Link| link.cost + HIDDEN * hidden(link.position) as f64;
         let best = (0..links.len()).min_by(|&a, &b| whole(&links[a]).total_cmp(&whole(&links[b])))?;
@@ -198,7 +209,7 @@ impl<'a> Chain<'a> {
         (cost <= most).then(|| Named { cost, named: self.named(&links, best, clamped.map(|(candidate, _)| candidate)) })
     }
 
-    /// Candidates of a chain by position, from its last link back to the clamped node.
+    /// Candidates of a chain by position along the plate, collected from the last link back to the clamped node.
     fn named(&self, links: &[Link], last: usize, clamped: Option<usize>) -> Vec<Option<usize>> {
         let mut named = vec![None; self.nodes.len()];
         named[0] = clamped;
@@ -210,11 +221,11 @@ impl<'a> Chain<'a> {
         named
     }
 
-    /// Cost of a step between two positions along the plate, including hidden nodes between them; `None` if its length is impossible.
+    /// Cost of a step between two positions along the plate, including the cost of hidden nodes between them. `None` if the length of the step is impossible.
     pub(super) fn step_cost(&self, from: usize, to: usize, step: &Vector) -> Option<f64> {
         let length_mm = self.lengths_mm[to] - self.lengths_mm[from];
         let ratio = step.norm() / length_mm;
-        // Hinges lie beside the plate, and the base's position may be uncertain.
+        // Hinges lie beside the plate, and the position of the base may be uncertain. Both allow further lengths of a step.
         let turn_rad = TURN_DEG.to_radians() * length_mm / self.lengths_mm[self.nodes.len() - 1];
         let brackets_mm = self.marked.finger.marker_offset(self.nodes[to]).norm() * turn_rad;
         let base_mm = if from == 0 { self.marked.base_sd_mm } else { 0.0 };
@@ -227,7 +238,7 @@ impl<'a> Chain<'a> {
         Some(((ratio - 1.0) / unit).powi(2) + HIDDEN * (segments - 1.0))
     }
 
-    /// Cost of the bend from the clamped direction to the first step, which is as uncertain as the base; `None` if the bend is impossible.
+    /// Cost of the bend from the clamped direction to the first step. The clamped direction is as uncertain as the base. `None` if the bend is impossible.
     pub(super) fn first_turn_cost(&self, along: &Vector, step: &Vector, apart_mm: f64) -> Option<f64> {
         let base_deg = (self.marked.base_sd_mm / step.norm()).atan().to_degrees();
         turn_cost(along, step, (apart_mm / self.lengths_mm[self.nodes.len() - 1], base_deg))
@@ -237,7 +248,7 @@ impl<'a> Chain<'a> {
         self.ribs[position].map_or(0.0, |other| self.length_cost(position, (at - other).norm()).min(RIB_MOST))
     }
 
-    /// Cost of the length of the rib at a position, given in mm. At the tip, the last segment of the other plate counts as a rib.
+    /// Cost of the measured length (mm) of the rib at a position along the plate. At the tip, the last segment of the other plate counts as a rib.
     pub(super) fn length_cost(&self, position: usize, found_mm: f64) -> f64 {
         let is_tip = position + 1 == self.nodes.len();
         let is_rigid = self.marked.finger.description().ribs.strip.is_none() && !is_tip;
@@ -250,8 +261,8 @@ impl<'a> Chain<'a> {
     }
 }
 
-/// Cost of the bend between two steps; `None` if it is impossible. `share` is the distance of their middles as a share of the plate, `sd_deg` an additional
-/// standard deviation of the direction, degrees.
+/// Cost of the bend between two steps; `None` if the bend is impossible. `share` is the distance between the middles of the steps as a share of the plate's
+/// length. `sd_deg` is an additional standard deviation of the direction, degrees.
 pub(super) fn turn_cost(before: &Vector, step: &Vector, (share, sd_deg): (f64, f64)) -> Option<f64> {
     let unit_deg = (TURN_DEG * share).hypot(sd_deg);
     let turn_deg = turn_deg(before, step);

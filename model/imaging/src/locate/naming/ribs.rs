@@ -1,30 +1,36 @@
-//! Naming of both plates at once: the chain of ribs of least cost, each rib a pair of candidates at the rib's length.
+//! Naming of both plates at once, as the chain of ribs with the least cost. A rib is a pair of candidates whose distance is the rib's length.
 //!
-//! If nothing distinguishes the plates, naming one plate alone may take markers of the other. Pairs are few, and no marker belongs to two of them.
+//! If no colour distinguishes the plates, naming one plate alone may take markers of the other plate. Pairs of candidates are few, and no marker belongs to
+//! two of them.
 
 use super::chain::{Chain, HIDDEN, MOST_SKIPPED, turn_cost};
 use super::{Candidate, Marked, Names};
 use finray_model::Vector;
 use finray_model::finger::Plate;
 
-/// Largest cost of a pair, that of a length deviation of three times the deviation of cost 1.
+/// Largest cost of a pair: that of a length that deviates by three times the deviation of cost 1.
 const MOST_OF_RIB: f64 = 9.0;
-/// Largest number of pairs of a rib that are considered, those with the best length first.
+/// Largest number of pairs that are considered for a rib; pairs with the best lengths come first.
 const MOST_PAIRS: usize = 64;
 
-/// A partial chain of ribs, described by its last rib.
+/// A partial chain of ribs, represented by its last rib.
 #[derive(Debug, Clone, Copy)]
 struct Link {
+    /// Number of the last rib in the order from the base.
     rib: usize,
+    /// Indices of the candidates that are the front and the back end of the last rib.
     pair: [usize; 2],
+    /// Index of the previous link of the chain; `None` for the first link.
     before: Option<usize>,
-    /// Steps of the front and the back plate from the previous rib of the chain, mm, and the index of that rib.
+    /// Steps of the front and the back plate from the chain's previous rib to the last rib, mm.
     steps: [Vector; 2],
+    /// Number of the previous rib in the order from the base.
     from: usize,
+    /// Cost of the partial chain, dimensionless.
     cost: f64,
 }
 
-/// Names of the ribs' ends; all `None` if no rib can be named.
+/// Candidates for the ends of the ribs, by key node; all `None` if no rib is found.
 pub(super) fn names_of_ribs(marked: Marked, candidates: &[Candidate]) -> Names {
     let finger = marked.finger;
     let none: Names = vec![None; finger.key_node_count()];
@@ -59,7 +65,7 @@ pub(super) fn names_of_ribs(marked: Marked, candidates: &[Candidate]) -> Names {
                 }
             }
             for before in rib.saturating_sub(MOST_SKIPPED + 1).max(1)..rib {
-                // Chains with the same last step continue equally, so only the cheapest per previous pair is kept.
+                // Chains with the same last step continue in the same way, so only the cheapest chain per previous pair is kept.
                 let mut best: Vec<([usize; 2], Link)> = Vec::new();
                 for &index in &ending[before] {
                     let last = links[index];
@@ -101,7 +107,7 @@ pub(super) fn names_of_ribs(marked: Marked, candidates: &[Candidate]) -> Names {
     names
 }
 
-/// Pairs of candidates that may be the front and back end of a rib, with their costs.
+/// Pairs of candidates that may be the front and the back end of a rib, each with its cost.
 fn pairs(chains: &[Chain; 2], candidates: &[Candidate], rib: usize) -> Vec<([usize; 2], f64)> {
     let mut pairs: Vec<([usize; 2], f64)> = Vec::new();
     for &front in &chains[0].choices[rib] {

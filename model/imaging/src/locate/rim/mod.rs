@@ -1,11 +1,11 @@
-//! Bright or dark discs and rings in grey images, measured by their outer rim.
+//! Measurement of bright or dark discs and rings in grey images by their outer rim.
 //!
 //! The inside of a ring (a screw's head, a hole) and its surroundings may have any appearance. The rim is where the light changes most along a ray from the
 //! centre. Rays are cast in the plane of the markers, where the rim is a circle, independent of perspective and lens distortion.
 //!
-//! Strips that cross a rim at a slant (a rib, a bracket) shift the edges found by rays systematically, by some hundredths of a pixel. The centre therefore
-//! comes from the model of a blurred edge (`disc`), fitted where the background is even. If the model does not fit, as on a screw lit from one side, the
-//! centre comes from the rays.
+//! Strips that cross a rim at a slant (a rib, a bracket) shift the edges that rays find, systematically, by some hundredths of a pixel. The centre is
+//! therefore taken from the model of a blurred edge (`disc`), fitted where the background is even. If the model does not fit, as for a screw that is lit from
+//! one side, the centre is taken from the rays.
 
 mod votes;
 
@@ -17,72 +17,76 @@ use image::{GrayImage, RgbImage};
 use nalgebra::{Complex, Matrix2, Matrix3, Vector3};
 use votes::Slopes;
 
-/// Number of rays from a centre, and step along each, px.
+/// Number of rays that are cast from a centre.
 const RAYS: usize = 64;
+/// Distance between samples along a ray, px.
 const STEP_PX: f64 = 0.25;
-/// Range of the edge along a ray, relative to the expected radius.
+/// Range in which the edge is searched for along a ray, relative to the expected radius.
 const REACH: [f64; 2] = [0.75, 1.3];
-/// Length on each side of an edge over which the light is averaged, px.
+/// Length on each side of an edge over which light is averaged, px.
 const SIDE_PX: f64 = 1.0;
-/// Smallest change of light across a rim, grey levels.
+/// Smallest change of light across a rim, grey levels. A ray with less finds no edge.
 const LEAST_CONTRAST: f64 = 8.0;
-/// Smallest share of the rays that must meet the rim.
+/// Share of the rays that must find the rim; with fewer, there is no rim.
 const LEAST_SHARE: f64 = 0.6;
-/// Largest deviation of a ray's edge from the circle, in standard deviations; and the smallest standard deviation assumed, px.
+/// A ray is an outlier if its edge deviates from the circle by more than this number of standard deviations.
 const OUTLIER: f64 = 3.0;
+/// Lower bound of the standard deviation in the test for outliers, px.
 const LEAST_SPREAD_PX: f64 = 0.15;
-/// Largest relative deviation of a marker's radius from the stated one, since the sharpest edge may lie beside the rim.
+/// Largest relative deviation of a marker's radius from the stated radius. It is this large because the sharpest edge may lie beside the rim.
 const RADIUS_TOLERANCE: f64 = 0.2;
-/// Largest standard deviation of the rim about its circle, as a share of the radius.
+/// Largest standard deviation of the edges about the circle, as a share of the radius. With more, there is no rim.
 const LARGEST_SPREAD: f64 = 0.1;
-/// Smallest distance between the centres of two rims, in radii; markers do not overlap.
+/// Smallest distance between the centres of two rims, in radii, since markers do not overlap.
 const APART: f64 = 1.8;
-/// Number of rounds that cast rays from the current centre, and that omit rays within each. In the first rounds of the latter, only the smallest required
-/// share of rays counts.
+/// Number of rounds that cast rays from the current centre, and of rounds that fit a circle to the edges of each cast.
 const ROUNDS: usize = 4;
+/// Number of first rounds of each fit of a circle in which only the smallest required share of the rays is used.
 const TRIMMED_ROUNDS: usize = 2;
-/// Smallest standard deviation of a centre by rays, px; twice that by the edge model.
+/// Lower bound of the standard deviation of a centre found by rays, px. For a centre by the edge model, the bound is half of it.
 const LEAST_SD_PX: f64 = 0.01;
 
-/// Weights of brightness and colour: rims are measured in grey.
+/// Weights of brightness and colour. Colour has no weight, because rims are measured in grey.
 const BRIGHTNESS_ALONE: [f64; 2] = [1.0, 0.0];
 
 /// A measured rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rim {
-    /// Centre, mm, in the frame of the camera's pose.
+    /// Position of the rim's centre, mm, in the frame of the camera's pose.
     pub centre: Vector,
-    /// Pixel of the centre.
+    /// Pixel of the rim's centre.
     pub pixel: Pixel,
-    /// Radius, mm.
+    /// Radius of the rim, mm.
     pub radius_mm: f64,
     /// Standard deviation of one coordinate of the centre, mm.
     pub sd_mm: f64,
-    /// Standard deviation of one coordinate of the centre by rays, mm; a measure of roundness.
+    /// Standard deviation of one coordinate of the centre as found by rays, mm. It measures the roundness of the rim.
     pub rays_sd_mm: f64,
-    /// For a centre by the edge model, as [`Disc::excess_variances`]; `None` for a centre by rays.
+    /// For a centre found by the edge model: the variances of [`Disc::excess_variances`]. `None` for a centre found by rays.
     pub excess_variances: Option<[f64; 2]>,
 }
 
 impl Rim {
-    /// Standard deviation of one coordinate of the centre, mm; multiplied by `wider` for a centre by the edge model.
+    /// Standard deviation of one coordinate of the centre, mm. For a centre found by the edge model, it is multiplied by `wider`.
     pub fn widened_sd_mm(&self, wider: f64) -> f64 {
         if self.excess_variances.is_some() { self.sd_mm * wider } else { self.sd_mm }
     }
 }
 
-/// Shape of the rims to find.
+/// Shape of the rims that are searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RimShape {
-    /// Outer radius, and inner radius inside which any appearance is allowed, mm.
+    /// Outer radius, mm.
     pub radius_mm: f64,
+    /// Inner radius, mm, inside which any appearance is allowed; 0 for a disc.
     pub inner_radius_mm: f64,
+    /// Brightness of the mark relative to its surroundings.
     pub shade: Shade,
-    /// Height above the finger's plane, mm.
+    /// Height of the rims above the finger's plane, mm.
     pub height_mm: f64,
 }
 
-/// An image with its slopes of light.
+/// A grey image with its camera and the slopes of its light.
 pub(super) struct GreyView<'a> {
     camera: &'a Camera,
     image: &'a RgbImage,
@@ -97,7 +101,7 @@ impl<'a> GreyView<'a> {
     }
 }
 
-/// Rims of a shape that do not overlap, those with the most votes first. `radius_px` is their approximate radius in the image.
+/// Rims of a given shape that do not overlap; those with the most votes come first. `radius_px` is their approximate radius in the image, px.
 pub(super) fn rims(view: &GreyView, shape: &RimShape, radius_px: f64) -> Vec<Rim> {
     let centres = votes::centres(&view.slopes, radius_px, shape.shade);
     let mut buffers = Buffers::default();
@@ -110,7 +114,7 @@ pub(super) fn rims(view: &GreyView, shape: &RimShape, radius_px: f64) -> Vec<Rim
     found
 }
 
-/// Distance from the centre to the edge that each ray meets, mm.
+/// Distance from the centre to the edge that each ray finds, mm; `None` for a ray that finds none.
 type Edges = [Option<f64>; RAYS];
 
 fn direction(ray: usize) -> Vector {
@@ -118,7 +122,7 @@ fn direction(ray: usize) -> Vector {
     Vector::new(cosine, sine)
 }
 
-/// Measures the rim about a pixel; `None` if there is none.
+/// Measures the rim about a pixel. Returns `None` if no rim is there.
 fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buffers) -> Option<Rim> {
     let (circle, mm_a_px) = circle(view, shape, view.camera.on_plane(about, shape.height_mm).ok()?)?;
     let pixel = view.camera.project(&circle.centre.push(shape.height_mm)).ok()?;
@@ -129,7 +133,8 @@ fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buff
     Some(with_inner_edge(view, shape, rim).unwrap_or(rim))
 }
 
-/// Circle through the edges that rays from near a centre meet, about the frame's origin, and mm a px there; `None` if there is no rim.
+/// Circle through the edges that rays from near a centre find, relative to the origin of the plane's frame; and the length of one px there, mm. `None` if
+/// there is no rim.
 fn circle(view: &GreyView, shape: &RimShape, mut centre: Vector) -> Option<(Circle, f64)> {
     let camera = view.camera;
     let mut last = None;
@@ -153,8 +158,8 @@ fn circle(view: &GreyView, shape: &RimShape, mut centre: Vector) -> Option<(Circ
     last.filter(is_rim)
 }
 
-/// The rim of a ring with the centre of its inner edge, if that is a circle. Strips behind a ring shift its outer edge and not its inner one. Where
-/// both contradict each other, the standard deviation grows as the contradiction (Birge ratio).
+/// The rim of a ring, with the centre of its inner edge if that edge is a circle. Strips behind a ring shift its outer edge but not its inner edge. If both
+/// centres contradict each other, the standard deviation grows in proportion to the contradiction (Birge ratio).
 fn with_inner_edge(view: &GreyView, shape: &RimShape, rim: Rim) -> Option<Rim> {
     let shade = match shape.shade {
         Shade::Bright => Shade::Dark,
@@ -175,7 +180,7 @@ fn with_inner_edge(view: &GreyView, shape: &RimShape, rim: Rim) -> Option<Rim> {
     Some(Rim { centre, pixel, sd_mm: variance.sqrt(), ..rim })
 }
 
-/// Measures a rim by the model of a blurred edge; `None` if the model does not fit.
+/// Measures a rim by the model of a blurred edge. Returns `None` if the model does not fit.
 fn by_edge(view: &GreyView, shape: &RimShape, by_rays: &Rim, buffers: &mut Buffers) -> Option<Rim> {
     let view = View {
         image: view.image,
@@ -191,11 +196,11 @@ fn by_edge(view: &GreyView, shape: &RimShape, by_rays: &Rim, buffers: &mut Buffe
     Some(Rim { centre, pixel, radius_mm, sd_mm, excess_variances: Some(excess_variances), ..*by_rays })
 }
 
-/// Finds the largest change of light along each ray.
+/// Finds the position of the largest change of light along each ray.
 fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, mm_a_px: f64) -> Edges {
     let [nearest, farthest] = REACH.map(|share| share * shape.radius_mm);
     let side_mm = SIDE_PX * mm_a_px;
-    // Samples start outside the inside of a ring.
+    // Samples start beyond the inside of a ring.
     let from = (nearest - side_mm).max(shape.inner_radius_mm);
     let step = STEP_PX * mm_a_px;
     let count = ((farthest + side_mm - from) / step).ceil() as usize + 1;
@@ -212,7 +217,7 @@ fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, m
             let at = centre + along * (from + k as f64 * step);
             light.push(sign * brightness(grey, &camera.project(&at.push(shape.height_mm)).ok()?)?);
         }
-        // Decrease of light from the inner to the outer side of a point.
+        // Decrease of the light from the inner to the outer side of sample k.
         let fall = |k: usize| {
             let inside: f64 = light[k.saturating_sub(side)..k].iter().sum::<f64>() / k.min(side) as f64;
             let outside: f64 =
@@ -225,7 +230,7 @@ fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, m
         if fall(best) < LEAST_CONTRAST || best == first || best == last {
             return None;
         }
-        // Vertex of the parabola through the largest decrease and its neighbours.
+        // The edge is the vertex of the parabola through the largest decrease and its two neighbours.
         let [before, here, after] = [best - 1, best, best + 1].map(fall);
         let bend = before - 2.0 * here + after;
         let shift = if bend < 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
@@ -245,25 +250,27 @@ fn brightness(grey: &GrayImage, at: &Pixel) -> Option<f64> {
     Some((light(0, 0) * (1.0 - x) + light(1, 0) * x) * (1.0 - y) + (light(0, 1) * (1.0 - x) + light(1, 1) * x) * y)
 }
 
-/// A circle through the edges found by rays.
+/// A circle through the edges that rays found.
 #[derive(Debug, Clone, Copy)]
 struct Circle {
-    /// Centre relative to the origin of the rays, or of the plane's frame, mm.
+    /// Centre of the circle relative to the origin of the rays, or of the plane's frame, mm.
     centre: Vector,
+    /// Radius of the circle, mm.
     radius_mm: f64,
-    /// Share of the rays that count.
+    /// Share of the rays on which the circle is based.
     share: f64,
-    /// Standard deviations of the edges about the circle, and of one coordinate of its centre, mm.
+    /// Standard deviation of the edges about the circle, mm.
     spread_mm: f64,
+    /// Standard deviation of one coordinate of the circle's centre, mm.
     sd_mm: f64,
 }
 
 impl Circle {
-    /// Circle by least squares without outliers, to first order about the origin of the rays.
+    /// Fits a circle by least squares without outliers, to first order about the origin of the rays.
     ///
-    /// A plate beside a rim catches a quarter of the rays. These shift the circle so that half of the other rays become outliers. The first rounds therefore
-    /// fit the required share of rays closest to the circle (least trimmed squares: Rousseeuw, Van Driessen, Data Mining and Knowledge Discovery 12, 2006).
-    /// Later rounds omit outliers.
+    /// A plate beside a rim affects a quarter of the rays. These rays shift the circle, so that half of the other rays become outliers. The first rounds
+    /// therefore fit only the required share of the rays, those closest to the circle (least trimmed squares: Rousseeuw, Van Driessen, Data Mining and
+    /// Knowledge Discovery 12, 2006). Later rounds omit outliers.
     fn through(edges: &Edges, least_spread_mm: f64) -> Option<Circle> {
         let mut counts: [bool; RAYS] = std::array::from_fn(|ray| edges[ray].is_some());
         let mut circle = None;
@@ -310,14 +317,14 @@ impl Circle {
     }
 }
 
-/// Standard deviation of one coordinate of the centre, mm. Errors of neighbouring rays are correlated. A centre absorbs the errors of one period around the
-/// rim; the residuals of two to four periods show their power.
+/// Standard deviation of one coordinate of the centre, mm. Errors of neighbouring rays are correlated. The centre absorbs errors with one period around the
+/// rim, so their power is estimated from the residuals with two to four periods.
 fn centre_sd_mm(residuals: &[f64; RAYS], inverse: &Matrix2<f64>) -> f64 {
     let power = |periods: usize| {
         let turn = |ray: usize| Complex::cis(std::f64::consts::TAU * (periods * ray) as f64 / RAYS as f64);
         residuals.iter().enumerate().map(|(ray, off)| turn(ray) * *off).sum::<Complex<f64>>().norm_sqr() / RAYS as f64
     };
-    // For independent errors, the mean power equals their variance.
+    // For independent errors, the mean power equals the variance of an error.
     let variance = (power(2) + power(3) + power(4)) / 3.0;
     (variance * inverse.trace() / 2.0).sqrt()
 }

@@ -1,7 +1,7 @@
-//! Candidates for round rims of one size: every edge pixel votes for the centre of its circle.
+//! Candidates for round rims of one size: every edge pixel votes for the centre of the circle to which it belongs.
 //!
-//! Across the rim of a bright disc the light decreases outwards. The centre therefore lies one radius from each edge pixel along the gradient of light (for a
-//! dark disc, against it). Only circles of that radius collect the votes of a whole rim, independent of their inside and surroundings.
+//! Across the rim of a bright disc, the light decreases outwards. The centre therefore lies one radius from each edge pixel along the gradient of the light
+//! (for a dark disc, against it). Only circles of that radius collect votes along the whole rim, independent of their inside and surroundings.
 //!
 //! Reference: Loy, Zelinsky, Fast radial symmetry for detecting points of interest (IEEE PAMI 2003).
 
@@ -9,35 +9,38 @@ use finray_model::camera::Pixel;
 use finray_model::scene::Shade;
 use image::{GrayImage, ImageBuffer, Luma};
 
-/// Smallest slope of an edge, grey levels/px; Sobel's filter gives eight times the slope.
+/// Smallest slope of the light at which a pixel votes, grey levels/px.
 const LEAST_SLOPE: f32 = 5.0;
+/// Ratio of the result of Sobel's filter to the slope of the light.
 const SOBEL: f32 = 8.0;
-/// Range of radii that edges vote for, relative to the expected one: allows for distance, slant, and rims whose sharpest edge lies beside them.
+/// Range of radii for which edge pixels vote, relative to the expected radius. It allows for distance, slant, and rims whose sharpest edge lies beside them.
 const RADII: [f64; 2] = [0.85, 1.18];
-/// Smallest number of votes of a rim, as a share of its circumference in pixels.
+/// Smallest number of votes for a rim, as a share of its circumference in pixels.
 const LEAST_SHARE: f32 = 0.5;
-/// Smallest distance between two centres, in radii; closer ones are merged.
+/// Smallest distance between two centres, in radii. Closer centres are merged.
 const APART: f64 = 0.5;
-/// Largest number of centres that are considered, those with the most votes first.
+/// Largest number of centres that are considered; those with the most votes come first.
 const MOST: usize = 200;
 
 type Votes = ImageBuffer<Luma<f32>, Vec<f32>>;
 
-/// Sobel filter of an image's light along u and v, by rows: eight times the slope, grey levels/px.
+/// Slopes of an image's light along u and v by the Sobel filter, row by row: eight times the slope, grey levels/px.
 ///
-/// This implementation is faster than the general filters of imageproc, with which slopes and sums of votes took half of an image's time.
+/// This implementation is faster than the general filters of imageproc, with which slopes and sums of votes took half of the time for an image.
 pub(super) struct Slopes {
+    /// Width of the image, px.
     width: usize,
+    /// Slope of each pixel along u and along v, row by row: eight times grey levels/px.
     along: Vec<[i16; 2]>,
 }
 
 impl Slopes {
-    /// Computes the slopes; the border pixels are repeated outside the image.
+    /// Computes the slopes. Outside the image, the border pixels are repeated.
     pub fn of(grey: &GrayImage) -> Slopes {
         let [width, height] = [grey.width() as usize, grey.height() as usize];
         let row = |v: usize| &grey.as_raw()[v * width..(v + 1) * width];
         let mut along = Vec::with_capacity(width * height);
-        // For each column, light smoothed along v and its change along v, with an extra column on each side.
+        // For each column: light smoothed along v, and its change along v. One extra column on each side repeats the border.
         let (mut smoothed, mut changes) = (vec![0_i16; width + 2], vec![0_i16; width + 2]);
         for v in 0..height {
             let rows = row(v.saturating_sub(1)).iter().zip(row(v)).zip(row((v + 1).min(height - 1)));
@@ -60,7 +63,7 @@ impl Slopes {
     }
 }
 
-/// Centres of rims of about a radius (px), those with the most votes first.
+/// Centres of rims with a radius of about `radius_px`; those with the most votes come first.
 pub(super) fn centres(slopes: &Slopes, radius_px: f64, shade: Shade) -> Vec<Pixel> {
     let votes = summed(&cast(slopes, radius_px, shade));
     let (width, height) = votes.dimensions();
@@ -70,7 +73,7 @@ pub(super) fn centres(slopes: &Slopes, radius_px: f64, shade: Shade) -> Vec<Pixe
     for v in 1..height.saturating_sub(1) {
         for u in 1..width.saturating_sub(1) {
             let here = at(u, v);
-            // Among equal neighbours, the last one counts.
+            // Among neighbours with equal votes, the last pixel counts as the peak.
             let is_peak = || {
                 let around = (0..9).filter(|k| *k != 4).map(|k| (k, at(u + k % 3 - 1, v + k / 3 - 1)));
                 around.into_iter().all(|(k, other)| if k < 4 { here >= other } else { here > other })
@@ -90,7 +93,7 @@ pub(super) fn centres(slopes: &Slopes, radius_px: f64, shade: Shade) -> Vec<Pixe
     centres
 }
 
-/// Votes for each pixel.
+/// Number of votes for each pixel.
 fn cast(slopes: &Slopes, radius_px: f64, shade: Shade) -> Votes {
     let [width, height] = [slopes.width, slopes.height()];
     let mut votes = Votes::new(width as u32, height as u32);
@@ -118,7 +121,7 @@ fn cast(slopes: &Slopes, radius_px: f64, shade: Shade) -> Votes {
     votes
 }
 
-/// Sums of votes over each pixel and its neighbours; zero at the image border, where no rim has its centre.
+/// Sums of the votes for each pixel and its neighbours. Zero at the image border, where no rim has its centre.
 fn summed(votes: &Votes) -> Votes {
     let [width, height] = [votes.width().max(1) as usize, votes.height() as usize];
     let mut sums = Votes::new(votes.width(), votes.height());
