@@ -25,10 +25,10 @@ fn errors_stated_alike_are_those_of_the_residual() {
 #[test]
 fn the_fingers_part_is_told_from_the_markers() {
     let both = |stated_mm: f64| (0.5 * stated_mm).hypot(0.02);
-    let found = likeliest([0.01, 0.1].map(|stated_mm| of(both(stated_mm), stated_mm, 1000)).concat());
+    let found = likeliest([0.01, 0.1].map(|stated_mm| of(both(stated_mm), stated_mm, 1000)).concat(), true);
     assert!((found.noise_factor / 0.5 - 1.0).abs() < 0.01 && (found.model_mm / 0.02 - 1.0).abs() < 0.01, "{found:?}");
     // Errors that do not depend on the stated noise are model errors; the prior keeps the factor above zero.
-    let found = likeliest([0.01, 0.1].map(|stated_mm| of(0.02, stated_mm, 1000)).concat());
+    let found = likeliest([0.01, 0.1].map(|stated_mm| of(0.02, stated_mm, 1000)).concat(), true);
     assert!((found.model_mm / 0.02 - 1.0).abs() < 0.03 && found.noise_factor < 0.1, "{found:?}");
     // Noise that may not be reduced is as stated.
     assert_eq!(likeliest(of(0.05, 0.1, 100), false), MarkerErrors { noise_factor: 1.0, model_mm: 0.0 });

@@ -113,7 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     write_folder(&arguments.out, &report.files)?;
     let page = arguments.out.join("index.html");
     let mut sentences = report.verdict;
-    sentences.push(String::new());
+    sentences.push(format!("The report is in {}\n", page.display()));
     write_text(Path::new("-"), &sentences.join("\n"))?;
     if arguments.open
         && let Err(error) = open::that_detached(&page)

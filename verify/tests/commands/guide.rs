@@ -202,7 +202,12 @@ fn the_reference_of_files_explains_the_columns_that_are_there_and_no_others() {
         let (name, _) = section.split_once('\n').expect("a head");
         let shown = blocks(section).flat_map(|(head, block)| match head.split_once(' ') {
             Some(_) => block.lines().next().map(str::to_owned).into_iter().collect(),
-            None => examples(block).into_iter().map(|(_, output)| output.trim_end().to_owned()).collect::<Vec<_>>(),
+            None => {
+                let columns = |(_, output): (_, String)| {
+                    output.lines().find(|line| !line.starts_with("done: ")).map(str::to_owned)
+                };
+                examples(block).into_iter().filter_map(columns).collect::<Vec<_>>()
+            }
         });
         let shown: Vec<_> = shown.flat_map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>()).collect();
         let shown: BTreeSet<_> = shown.iter().map(String::as_str).filter(|column| !column.is_empty()).collect();

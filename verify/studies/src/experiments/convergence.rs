@@ -64,6 +64,7 @@ pub struct Convergence {
     pub loads: Vec<RefinedLoad>,
 }
 
+/// A load on one mesh, as a row of the report's table.
 #[derive(Debug, Serialize)]
 pub struct ConvergenceRow {
     load_node: NodeId,

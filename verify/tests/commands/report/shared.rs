@@ -91,8 +91,10 @@ impl Report {
         let answer = command.env("PATH", &programs).stdin(Stdio::null()).output().expect("finray ends");
         let [said, noted] = [answer.stdout, answer.stderr].map(|text| String::from_utf8(text).expect("UTF-8"));
         assert_eq!(answer.status.code(), Some(0), "{noted}");
+        let (noted, done) = noted.split_at(noted.find("done: ").expect("a last line"));
+        assert!(done.lines().count() == 1, "{done}");
         assert!(!programs.join("left").exists(), "the report waited for the opener");
-        Report { folder, said, noted }
+        Report { folder, said, noted: noted.to_owned() }
     }
 
     pub fn read(&self, name: &str) -> String {

@@ -66,7 +66,7 @@ fn times_say_who_took_them() {
         page[page.find("id=\"speed-error\"").expect("the section")..].split("</section>").next().unwrap_or_default();
     for said in [
         "The times of 2 of ",
-        "1 of the files there are not in criterion's format",
+        "1 of the files there are not in criterion",
         "on this machine: a desk, one core",
         ">criterion<",
         ">OpenSees 3.7.1.2<",
@@ -107,10 +107,10 @@ fn wrong_tables_of_other_programs_are_refused() {
         ("0.15", "-0.15", &["line 2: seconds: expected a number above 0"]),
         ("0.15", "fast", &["line 2: seconds: expected a finite number, found \"fast\""]),
         ("0.0002", "-1", &["line 2: expected an error of at least 0"]),
-        (",Torch,", ",,", &["line 3: program: expected words"]),
+        (",Torch,", ",,", &["line 3: program: expected text"]),
         ("program,version", "name,version", &["line 1: expected a column program"]),
         ("nodes,forces_n", "places,forces_n", &["line 1: expected a column nodes"]),
-        ("14-24,3", ",3", &["line 2: nodes: expected words"]),
+        ("14-24,3", ",3", &["line 2: nodes: expected text"]),
     ] {
         let peers = folder.put("peers.csv", PEERS.replacen(from, to, 1));
         let message = finray(&["report", "--quick", "--peers", &peers, "--out", &out]).refused();
