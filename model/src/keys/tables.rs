@@ -128,7 +128,7 @@ tables! {
     largest_strain: Number(STRAIN, Above(0.0, 1.0)), Optional, "Largest fibre strain at which the material is linear, as for the plates.";
     bracket_mm: RibLengths(), Or(BracketLengths::NONE),
         "Lengths of the rigid brackets from the plates to the joints, perpendicular to the plates and inwards.";
-    clip_mm: SideLengths(), Or([0.0; 2]), "Rigid length of the plate around each rib's end.";
+    clip_mm: SideLengths(), Or([0.0; 2]), "Rigid length of the plate at each rib's end, half of it on either side.";
 }
 
 tables! {
