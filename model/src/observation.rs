@@ -77,7 +77,7 @@ pub enum ObservationError {
         reason: MarkerError,
     },
     /// The standard deviations of the base's pose are negative.
-    #[error("standard deviations of the base: expected zero or more")]
+    #[error("each standard deviation of the base's pose must be zero or positive")]
     Base,
     /// Neither the markers nor the scene state a standard deviation.
     #[error(

@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Displacements instead of loads (CSV of `solve` or `press`); - for standard input
     #[arg(long, value_name = "FILE", conflicts_with_all = ["load", "load_at", "mesh_nodes"])]
     shape: Option<PathBuf>,
-    /// Pose of a movable base in the frame of the camera's pose
+    /// Pose of a movable base, in the same frame as the camera's pose
     #[arg(long, value_name = "X_MM,Y_MM,DEG", value_parser = moved_base, allow_hyphen_values = true)]
     base: Option<Isometry2<f64>>,
     /// Standard deviation of pixel noise, grey levels of 255

@@ -1,8 +1,7 @@
 //! Detection of the undeformed finger in an image without an initial pose, by its two rows of markers that meet at the tip.
 //!
 //! A camera maps straight lines to straight lines, after its distortion is removed. The line through two markers of a colour that contains the most markers
-//! is a plate. Two markers near the ends of each plate, matched to nodes near the plate's ends, define a homography. The homography that maps the most nodes
-//! to markers names the markers.
+//! is a plate. Two markers near the ends of each plate, matched to nodes near the plate's ends, define a homography. The homography that maps the most nodes onto markers decides which marker belongs to which node.
 
 use super::blobs::Blob;
 use super::colour::Side;

@@ -61,7 +61,7 @@ pub(super) struct Scatter {
 
 impl Scatter {
     /// Compares forces by the normal equations of a fit without its measured forces: matrix `normal` and vector `gradient`. The first `shared` unknowns belong
-    /// to all images. The last unknowns are relative forces, one for each entry of `off`. `off` holds the differences of these forces from the measured ones.
+    /// to all images. The last unknowns are relative forces, one for each entry of `off`. `off` holds each relative force minus its measured value.
     ///
     /// `None` if even exact forces would not determine all unknowns.
     pub fn new(

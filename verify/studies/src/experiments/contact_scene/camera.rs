@@ -2,8 +2,7 @@
 //!
 //! The camera sees the outlines of object and finger as points. Each coordinate of a point has an independent error with standard deviation s, also
 //! independent of the markers, which are other pixels. The direction of a contact comes from two such points at a distance b ([`baseline_mm`]), so
-//! its standard deviation is sqrt(2) s / b. The position of a contact between rods comes from the distance of two points along the plate, with
-//! standard deviation sqrt(2) s. The touching parts are assumed known; a contact at a single rod is at its node. If several parts touch as one
+//! its standard deviation is sqrt(2) s / b. Where the object touches the plate between two rods, the contact's position is the distance of two points along the plate, so its standard deviation is sqrt(2) s. The touching parts are assumed known; a contact at a single rod is at its node. If several parts touch as one
 //! contact, its force may act anywhere between them, so the standard deviation of a uniform distribution is added.
 
 use super::contacts::{HalfSpan, member_mm};

@@ -55,8 +55,7 @@ pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: 
     }
 }
 
-/// Times beams on several meshes and lattices of several finenesses under the drawn force, at `nodes` nodes along the front plate in three
-/// directions. Errors are against beams of [`CONVERGED_ELEMENTS`] elements per member. Empty for a finger without such nodes.
+/// Times beams on several meshes and lattices of several finenesses under the force that the report's figure shows, at `nodes` nodes along the front plate, in three directions at each. Errors are against beams of [`CONVERGED_ELEMENTS`] elements per member. Empty for a finger without such nodes.
 ///
 /// # Errors
 /// [`ExperimentError`] if the reference has no equilibrium or a lattice cannot be built.
