@@ -254,6 +254,12 @@ impl Measurement {
         &self.markers
     }
 
+    /// Root mean square of a displacement coordinate, mm.
+    pub fn displacement_rms_mm(&self) -> f64 {
+        let squares: f64 = self.markers.iter().map(|marker| marker.displacement.norm_squared()).sum();
+        (squares / self.coordinate_count() as f64).sqrt()
+    }
+
     /// Number of measured coordinates: two per marker.
     pub fn coordinate_count(&self) -> usize {
         2 * self.markers.len()

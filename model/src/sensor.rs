@@ -111,6 +111,10 @@ pub struct SensedForces {
     measured: Option<MeasuredContactForces>,
 }
 
+/// Without a stated noise, a warning names a residual above this share of the displacements: the right contacts leave less of a real finger's, of a force
+/// that bends the finger visibly.
+const LARGE_RESIDUAL: f64 = 0.1;
+
 /// A reason to trust forces less, or to state the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorWarning {
@@ -123,15 +127,32 @@ pub enum SensorWarning {
     },
     /// The standard deviations are infinite, because no residual remains from which to estimate the noise.
     NoResidual,
+    /// No noise is stated, and the residual is a large share of the displacements: the contacts or the finger may be wrong.
+    LargeResidual {
+        /// Root mean square of the residual, mm.
+        residual_rms_mm: f64,
+        /// Root mean square of the displacements, mm.
+        moved_rms_mm: f64,
+    },
 }
 
 impl std::fmt::Display for SensorWarning {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        let SensorWarning::Model { warning, is_linear } = self else {
-            return f.write_str(
-                "sigma_n is infinite: the noise is not stated, and as many unknowns as measured coordinates leave no residual to estimate it; state the noise \
-                 (--noise-mm)",
-            );
+        let (warning, is_linear) = match self {
+            SensorWarning::Model { warning, is_linear } => (warning, is_linear),
+            SensorWarning::NoResidual => {
+                return f.write_str(
+                    "sigma_n is infinite: the noise is not stated, and as many unknowns as measured coordinates leave no residual to estimate it; state \
+                     the noise (--noise-mm)",
+                );
+            }
+            SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm } => {
+                return write!(
+                    f,
+                    "the residual is {residual_rms_mm:.3} mm rms, the displacement {moved_rms_mm:.3} mm rms, and no noise is stated: unless markers err by as \
+                     much, sigma_n is too small; check the contacts and the finger, or state the noise (--noise-mm)"
+                );
+            }
         };
         let advice = match warning {
             Warning::UnknownLinearisation => "sigma_n does not include this error",
@@ -249,11 +270,14 @@ impl<'s> Sensor<'s> {
         let is_linear = estimator.is_linear();
         let of_model = estimate.warning.map(|warning| SensorWarning::Model { warning, is_linear });
         let no_residual = estimate.noise_mm.is_infinite().then_some(SensorWarning::NoResidual);
+        let (residual_rms_mm, moved_rms_mm) = (estimate.residual_rms_mm, question.measurement.displacement_rms_mm());
+        let is_large = question.noise_mm.is_none() && residual_rms_mm > LARGE_RESIDUAL * moved_rms_mm;
+        let large_residual = is_large.then_some(SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm });
         Ok(SensedForces {
             contacts,
             forces_n: estimate.forces_n,
             sigmas_n: estimate.sigmas_n,
-            warnings: of_model.into_iter().chain(no_residual).collect(),
+            warnings: of_model.into_iter().chain(no_residual).chain(large_residual).collect(),
             measured: None,
         })
     }

@@ -67,7 +67,7 @@ pub enum SensingError {
     /// A requested position, direction or force has too large a standard deviation.
     #[error(
         "not identifiable: {what} of contact {contact} is only known to {sigma:.2} {unit} (one standard deviation); reduce the noise, \
-         measure more nodes, or state position and direction"
+         measure more nodes, state position and direction, or ask for fewer contacts"
     )]
     Undetermined {
         /// Name of the quantity: "the position", "the direction" or "the force".

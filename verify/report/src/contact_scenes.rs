@@ -169,7 +169,7 @@ fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> 
     if series.is_empty() {
         return Ok(None);
     }
-    let title = format!("{}: true and sensed, {} mm noise", press.name, press.noise_mm);
+    let title = format!("{}: true (lines), sensed (signs), {} mm noise", press.name, press.noise_mm);
     let frame = Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", press.name));
     let end_mm = press.rows.iter().map(|row| row.travel_mm).fold(0.0, f64::max);
     // The axis extends beyond the last point, so that its symbol does not touch the edge of the plot.

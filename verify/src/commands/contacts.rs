@@ -42,6 +42,11 @@ impl Contacts {
         self.0.iter().map(question).collect::<Result<_, Failure>>().map(SensorContacts::Asked)
     }
 
+    /// Whether a contact of unknown position has no direction.
+    pub fn assume_normal(&self) -> bool {
+        self.0.iter().any(|asked| asked.position.is_none() && !asked.is_direction_given)
+    }
+
     /// Number of contacts.
     pub fn count(&self) -> usize {
         self.0.len()

@@ -217,10 +217,15 @@ pub fn trusted(map: &AccuracyMap) -> String {
     let counts = TrustCounts::of(&map.worst());
     let share = counts.share().map_or("none".to_owned(), |share| format!("{:.0} %", 100.0 * share));
     let (cells, limit) = (count(counts.carried(), "cell"), 100.0 * TRUSTED_ERROR);
-    match counts.without_equilibrium {
-        0 => format!("{share} of {cells} trusted (error up to {limit} %)"),
-        without => format!("{share} of {cells} trusted (error up to {limit} %), {without} more without equilibrium"),
-    }
+    let noise = match map.noise_mm {
+        0.0 => "no camera noise".to_owned(),
+        noise_mm => format!("{noise_mm} mm noise"),
+    };
+    let without = match counts.without_equilibrium {
+        0 => String::new(),
+        without => format!(", {without} more without equilibrium"),
+    };
+    format!("{share} of {cells} trusted (error up to {limit} %, {noise}){without}")
 }
 
 /// The path of a table; for a map, the suffix becomes csv if the path is the figure's.

@@ -115,8 +115,10 @@ pub struct AskedContact {
     pub position: Option<ContactPosition>,
     /// Standard deviation of a measured position, mm.
     pub position_sd_mm: Option<f64>,
-    /// Direction of the force.
+    /// Direction of the force; along the undeformed normal if none is given.
     pub direction: AskedDirection,
+    /// Whether a direction is given.
+    pub is_direction_given: bool,
     /// Standard deviation of a measured direction, degrees.
     pub direction_sd_deg: Option<f64>,
 }
@@ -193,7 +195,13 @@ pub fn contact_at_node(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
     let (direction, direction_sd_deg) = direction(towards)?;
     let position = Some(ContactPosition::Node(node(position)?));
-    Ok(AskedContact { position, position_sd_mm: None, direction, direction_sd_deg })
+    Ok(AskedContact {
+        position,
+        position_sd_mm: None,
+        direction,
+        is_direction_given: towards.is_some(),
+        direction_sd_deg,
+    })
 }
 
 /// Parses `S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`, or `auto` for the position.
@@ -207,7 +215,7 @@ pub fn contact_at_position(text: &str) -> Result<AskedContact, String> {
         }
     };
     let (direction, direction_sd_deg) = direction(towards)?;
-    Ok(AskedContact { position, position_sd_mm, direction, direction_sd_deg })
+    Ok(AskedContact { position, position_sd_mm, direction, is_direction_given: towards.is_some(), direction_sd_deg })
 }
 
 fn split_at_sign(text: &str) -> (&str, Option<&str>) {

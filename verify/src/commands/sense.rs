@@ -123,6 +123,11 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         // Wrong contacts are reported before the images are evaluated: they are wrong for every image.
         (None, _) => drop(question.sensor(&Observation::default())?),
     }
+    if arguments.contacts.assume_normal() {
+        print_message(
+            "note: `auto` has no direction: the force is taken along the plate's undeformed normal (0 degrees); auto@ANGLE_DEG states it, auto@auto estimates it",
+        );
+    }
     let text = read_text(&arguments.displacements)?;
     let table = ObservationTable::new(&arguments.displacements, &text, finger, Coordinates::Displacements)?;
     question.forces = arguments.forces.as_ref().map(|path| views::forces(path, &table.images()?)).transpose()?;

@@ -54,8 +54,7 @@ impl NonlinearEstimator<'_> {
     /// [`SensingError`] if there is no minimum, or the unknowns of a minimum that fits well are not identifiable.
     pub(super) fn minima(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Minima, SensingError> {
         let coordinates = measurement.coordinate_count();
-        let moved: f64 = measurement.markers().iter().map(|m| m.displacement.norm_squared()).sum();
-        let moved_rms_mm = (moved / coordinates as f64).sqrt();
+        let moved_rms_mm = measurement.displacement_rms_mm();
         // With priors, several minima may fit within a small share of the displacements, so only the noise limits the misfit.
         let share = if self.priors.count() == 0 { POOR_FIT } else { 0.0 };
         let poor = (share * moved_rms_mm).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
