@@ -57,7 +57,7 @@ fn a_command_ends_with_what_was_done_and_where_it_is() {
     let svg = folder.path("out.svg");
     assert_eq!(
         map.summary.as_deref(),
-        Some(&*format!("done: 100 % of 4 cells trusted (error up to 10 %); written to {out}, {svg}"))
+        Some(&*format!("done: 100 % of 4 cells trusted (error up to 10 %, 0.02 mm noise); written to {out}, {svg}"))
     );
 }
 

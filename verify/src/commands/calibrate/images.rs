@@ -177,7 +177,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<Done, Fai
     notes::print(&found);
     if measured == 0 && arguments.calibrated.is_some() {
         print_message(
-            "warning: no force was measured: 95 % intervals of forces sensed with this calibration may be too narrow; measure one force (--forces)",
+            "warning: no force was measured: forces sensed with this calibration share a large error; one measured force (--forces) removes most of it",
         );
     }
     for outlier in &estimate.outliers {

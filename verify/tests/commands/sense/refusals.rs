@@ -58,3 +58,26 @@ fn a_contact_on_the_rigid_arm_of_the_clamp_moves_nothing() {
         assert!(!message.contains("NaN"), "{message}");
     }
 }
+
+/// A wrong contact once gave 3.27 +- 0.22 N for 2 N without a word where no noise was stated: the residual is named. The right contact is given without one.
+#[test]
+fn a_wrong_contact_without_stated_noise_is_no_silent_answer() {
+    let shape = finray(&["solve", PAPER, "--load", "19:0,-2"]).done();
+    let at =
+        |node: &str| finray_reading(shape.as_bytes(), &["sense", PAPER, "--displacements", "-", "--contact", node]);
+    let (_, warnings) = at("15").warned();
+    assert_says(&warnings.concat(), &["the residual is 1.9", "no noise is stated", "--noise-mm"]);
+    assert_eq!(at("19").err, "");
+}
+
+/// `auto` without a direction once took the normal without a word.
+#[test]
+fn an_unknown_position_without_a_direction_says_which_is_taken() {
+    let shape = finray(&["solve", PAPER, "--load-at", "80:1,0"]).done();
+    let at = |contact: &str| {
+        let all = ["sense", PAPER, "--displacements", "-", "--noise-mm", "0.01", "--contact-at", contact];
+        finray_reading(shape.as_bytes(), &all)
+    };
+    assert_says(&at("auto").err, &["note: `auto` has no direction", "auto@auto"]);
+    assert_eq!(at("auto@0").err, "");
+}
