@@ -106,7 +106,7 @@ fn wrong_tables_of_other_programs_are_refused() {
         ),
         ("0.15", "-0.15", &["line 2: seconds: expected a number above 0"]),
         ("0.15", "fast", &["line 2: seconds: expected a finite number, found \"fast\""]),
-        ("0.0002", "-1", &["line 2: the error: expected a number of at least 0"]),
+        ("0.0002", "-1", &["line 2: expected an error of at least 0"]),
         (",Torch,", ",,", &["line 3: program: expected text"]),
         ("program,version", "name,version", &["line 1: expected a column program"]),
         ("nodes,forces_n", "places,forces_n", &["line 1: expected a column nodes"]),
