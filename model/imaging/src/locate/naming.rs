@@ -24,12 +24,12 @@ pub(super) struct Candidate {
     pub cost: f64,
 }
 
-/// Another chain counts as equally good if its cost is higher by at most this.
+/// Another chain counts as equally good if its cost exceeds the least cost by at most this (dimensionless).
 const ALIKE: f64 = 4.0;
-/// Largest number of nodes to which an equally good chain may assign other candidates. These nodes get no marker. If there are more, the assignment is
-/// rejected as ambiguous.
+/// Equally good chains may differ at up to this number of nodes; those nodes get no marker. If the chains differ at more nodes, the assignment is rejected as
+/// ambiguous.
 const MOST_DOUBTFUL: usize = 1;
-/// Number of rounds in which each plate is assigned with the result for the other plate.
+/// Number of rounds. Each round assigns the markers of both plates in turn, with the latest assignment of the other plate.
 const ROUNDS: usize = 3;
 
 /// Reason why markers cannot be assigned to nodes.
@@ -42,7 +42,7 @@ pub enum NamingError {
         found: usize,
         /// Number of free nodes that have a marker.
         all: usize,
-        /// Smallest number of markers that are needed.
+        /// Smallest number of markers with which a finger is recognised.
         least: usize,
     },
     /// Two positions of the base fit the markers equally well.
@@ -95,8 +95,8 @@ pub(super) fn name_at_cost(marked: Marked, candidates: &[Candidate]) -> Option<(
     Some((names, cost))
 }
 
-/// Assigns both plates in turn, each with the other plate's result for the ribs. If candidates may be on either plate, the plate that comes first may take
-/// markers of the other plate. Three starting points are then tried, and the cheapest result is used.
+/// Assigns both plates in turn. The cost of a plate includes the lengths of the ribs to the markers assigned on the other plate. If candidates may be on
+/// either plate, the plate that comes first may take markers of the other plate. Three starting points are then tried, and the cheapest result is used.
 fn likely(marked: Marked, candidates: &[Candidate]) -> (Names, [Option<Named>; 2]) {
     const FRONT_FIRST: [Plate; 2] = [Plate::Front, Plate::Back];
     let none: Names = vec![None; marked.finger.key_node_count()];

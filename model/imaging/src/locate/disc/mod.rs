@@ -39,12 +39,12 @@ const FIRST_BLUR_PX: f64 = 0.9;
 const LEAST_BLUR_PX: f64 = 0.25;
 /// Largest blur of markers, as a share of their radius. With a larger blur, no pixel of a disc shows the disc's undisturbed light, and the image is rejected.
 pub(super) const LARGEST_BLUR: f64 = 0.33;
-/// Largest relative deviation of a disc's radius from the expected radius. Other discs are rejected.
+/// A disc is rejected if its radius deviates from the expected radius by more than this, relative to the expected radius.
 const RADIUS_TOLERANCE: f64 = 0.25;
 /// Largest residual standard deviation of a coloured disc, as a share of the contrast. A disc with more is rejected.
 const LARGEST_RESIDUAL: f64 = 0.2;
-/// Largest residual standard deviation of a grey disc, as a share of the contrast. It is smaller, because rays can measure such discs instead (`rim`).
-/// Photographed screws with shiny heads, and rims sharpened by the camera, exceed it.
+/// Largest residual standard deviation of a grey disc, as a share of the contrast. The limit is below [`LARGEST_RESIDUAL`], because rays can measure rejected
+/// grey discs (`rim`). Photographed screws with shiny heads, and rims sharpened by the camera, exceed it.
 const LARGEST_GREY_RESIDUAL: f64 = 0.07;
 /// Largest expected distance of the centre from the starting point of the search, px.
 const ROOM_PX: f64 = 1.0;
@@ -56,9 +56,9 @@ const STEPS: usize = 5;
 const STILL_PX: f64 = 0.002;
 /// If the edge moves by less than this in a round, px, it counts as near, and unlikely sectors are omitted.
 const NEAR_PX: f64 = 1.0;
-/// If the edge moves by less than this in a round, px, it counts as found.
+/// If the edge moves by less than this in a round, px, the edge counts as found.
 const THERE_PX: f64 = 0.25;
-/// Largest change of the centre in the last step, px; larger changes reject the disc. The change is included in the standard deviation.
+/// A disc is rejected if its centre still moves by more than this in the last step, px. The standard deviation of the centre includes the last step.
 const SETTLED_PX: f64 = 0.05;
 /// Lower bound of the standard deviation of a centre, px. It covers shading, rounding to grey levels, and errors of the edge model.
 const LEAST_SD_PX: f64 = 0.005;
@@ -138,7 +138,7 @@ pub(super) struct View<'a> {
     pub grey_inner_mm: Option<f64>,
     /// Weights of squared differences of brightness and of colour, inverse to their noise; 1 for the less noisy of the two. A weight of 0 omits colour.
     pub weights: [f64; PARTS],
-    /// Displacement of colour relative to brightness along the finger's axes, px. Encoders that subsample colour cause it, and lenses.
+    /// Displacement of colour relative to brightness along the finger's axes, px. Lenses, and encoders that subsample colour, cause this displacement.
     pub colour_shift_px: Vector,
 }
 
@@ -212,7 +212,7 @@ impl<'a> Search<'a> {
         let edge =
             Edge { centre: Vector::zeros(), radius, blurs: expected.blurs_px, colour_shift: view.colour_shift_px };
         let radius_px = map.radius_px(radius);
-        // Distance for an edge with a larger radius (by the tolerance), with twice the blur or the largest blur, and for the background.
+        // The gathered pixels must suffice for a radius and a blur above the expected ones, and for the background.
         let (wider, band) = match is_outline_open {
             true => (1.0 + RADIUS_TOLERANCE, (2.0 * edge.band()).max(BAND * LARGEST_BLUR * radius_px)),
             false => (1.0, edge.band()),
