@@ -163,10 +163,9 @@ impl<'f> Locator<'f> {
         Ok(self.last.clone())
     }
 
-    /// Locates the markers in the next image of a stream: each near its last position, with the outline and noise of the last full search. If a fifth of the
-    /// markers of that search is missing or does not fit a finger, the whole image is searched. While a marker is missing, every tenth image is also searched
-    /// completely.
-    /// marker is missing.
+    /// Locates the markers in the next image of a stream: each near its last position, with the outline and noise of the last full search. If more than a
+    /// fifth of the markers of that search is missing or does not fit a finger, the whole image is searched. While a marker is missing, every tenth image is
+    /// also searched completely.
     ///
     /// # Errors
     /// [`LocateError`] as for [`Locator::locate`].
@@ -208,7 +207,7 @@ impl<'f> Locator<'f> {
         if (named.len() as f64) < FOUND_AGAIN * self.searched as f64 {
             return self.locate(image);
         }
-        // A few markers suffice to show motion blur. A full search then measures it; one also follows an image with motion blur.
+        // A few markers suffice to detect motion blur. A full search then measures the blur, and the image after a blurred one is also searched fully.
         let few = named.iter().step_by(FEW).map(|(_, disc)| disc);
         let blur_px = motion_blur_px(image, few, self.radius_px, outline.blurs_px[0]);
         if blur_px.or(common.motion_px).is_some() {

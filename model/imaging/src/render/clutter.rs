@@ -9,7 +9,7 @@ use image::Rgb32FImage;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// Range of the random size of a piece of clutter, in marker radii: the radius of a disc, or a measure of the side of a box.
+/// Range of the random size of a piece of clutter, in marker radii: the radius of a disc, or half the side of a box.
 const SIZES: [f64; 2] = [0.5, 2.5];
 /// A piece of clutter keeps this gap, in marker radii, from the centre of every marker, in addition to its own half diagonal.
 const CLEAR: f64 = 3.0;

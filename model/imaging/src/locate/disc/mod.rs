@@ -62,8 +62,8 @@ const THERE_PX: f64 = 0.25;
 const SETTLED_PX: f64 = 0.05;
 /// Lower bound of the standard deviation of a centre, px. It covers shading, rounding to grey levels, and errors of the edge model.
 const LEAST_SD_PX: f64 = 0.005;
-/// Standard deviation of the centre of a small or blurred disc, px: this value times (blur / radius)^2. The edges of such discs leave little of the surroundings
-/// visible. This value and the lower bound come from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
+/// Standard deviation of the centre of a small or blurred disc, px: this value times (blur / radius)^2. The edges of such discs leave little of the
+/// surroundings visible. This value and the lower bound come from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
 const SMALL_SD_PX: f64 = 0.45;
 /// Standard deviation for rings, px, to be multiplied by the share of neighbouring light in the middle of the ring, where no pixel shows the ring's light
 /// alone.

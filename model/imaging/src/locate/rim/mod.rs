@@ -3,7 +3,7 @@
 //! The inside of a ring (a screw's head, a hole) and its surroundings may have any appearance. The rim is where the light changes most along a ray from the
 //! centre. Rays are cast in the plane of the markers, where the rim is a circle, independent of perspective and lens distortion.
 //!
-//! Strips that cross a rim at a slant (a rib, a bracket) shift the edges that rays find, systematically, by some hundredths of a pixel. The centre is
+//! Strips that cross a rim at a slant (a rib, a bracket) systematically shift the edges that rays find, by some hundredths of a pixel. The centre is
 //! therefore taken from the model of a blurred edge (`disc`), fitted where the background is even. If the model does not fit, as for a screw that is lit from
 //! one side, the centre is taken from the rays.
 
@@ -33,17 +33,18 @@ const LEAST_SHARE: f64 = 0.6;
 const OUTLIER: f64 = 3.0;
 /// Lower bound of the standard deviation in the test for outliers, px.
 const LEAST_SPREAD_PX: f64 = 0.15;
-/// Largest relative deviation of a marker's radius from the stated radius. It is this large because the sharpest edge may lie beside the rim.
+/// A rim is rejected if its radius deviates from the stated radius by more than this share. The share is large, because the sharpest edge may lie beside the
+/// rim.
 const RADIUS_TOLERANCE: f64 = 0.2;
 /// Largest standard deviation of the edges about the circle, as a share of the radius. With more, there is no rim.
 const LARGEST_SPREAD: f64 = 0.1;
-/// Smallest distance between the centres of two rims, in radii, since markers do not overlap.
+/// Two rims are both kept only if their centres are at least this far apart, in radii, because markers do not overlap.
 const APART: f64 = 1.8;
-/// Number of rounds that cast rays from the current centre, and of rounds that fit a circle to the edges of each cast.
+/// Number of times that rays are cast, each time from the current centre; also the number of rounds of each circle fit.
 const ROUNDS: usize = 4;
-/// Number of first rounds of each fit of a circle in which only the smallest required share of the rays is used.
+/// In this number of first rounds, each circle fit uses only the smallest required share of the rays.
 const TRIMMED_ROUNDS: usize = 2;
-/// Lower bound of the standard deviation of a centre found by rays, px. For a centre by the edge model, the bound is half of it.
+/// Lower bound of the standard deviation of a centre found by rays, px. For a centre by the edge model, the bound is half of this value.
 const LEAST_SD_PX: f64 = 0.01;
 
 /// Weights of brightness and colour. Colour has no weight, because rims are measured in grey.
