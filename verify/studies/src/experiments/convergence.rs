@@ -154,7 +154,7 @@ fn path(mesh: &Mesh, node: NodeId, forces_n: &[f64]) -> Vec<Vec<Vector>> {
     equilibria.into_iter().map(|found| found.motion.displacements[..key_nodes].to_vec()).collect()
 }
 
-/// Errors of some solutions, listed in `order`. The first `doubled` of them double the number of elements each time.
+/// Errors of the solutions in the sequence `order`. The first `doubled` solutions double the number of elements each time.
 fn refine(solutions: &[&[Vector]], doubled: usize, order: &[usize]) -> Option<Refinement> {
     let [.., coarse, middle, fine] = solutions[..doubled] else { return None };
     let largest = worst(fine.iter().map(|u| u.norm()));

@@ -32,7 +32,7 @@ pub struct LatticeStudy {
     pub rows: Vec<FinenessRow>,
     /// Loads under which the rows were computed: by Newton's method, and by settling.
     pub loads: [LoadGrid; 2],
-    /// Errors with axial springs of a beam and with other ones, for [`FINENESS`] segments per member.
+    /// Errors with the axial springs of a beam and with other axial springs, for [`FINENESS`] segments per member.
     pub axial: Vec<AxialRow>,
     /// Forces at which axial springs are compared, N.
     pub axial_forces_n: Vec<f64>,
@@ -135,7 +135,7 @@ impl Evidence for LatticeStudy {
     }
 }
 
-/// Studies the lattice of the paper's finger in parallel with pressed objects, because each of them settles for long on a single thread. `maps`
+/// Studies the lattice of the paper's finger in parallel with pressed objects, because each object settles for long on a single thread. `maps`
 /// includes the map of least squares on the co-rotational finger without noise.
 pub(crate) fn run_beside_objects(
     context: &Context,

@@ -126,7 +126,7 @@ study! { |context|
         /// Map of the nonlinear estimator if position and direction of the contact are assumed instead of known.
         assumed: Option<AccuracyMap> = assumed::run(context);
     "limits of sensing":
-        /// Limits of sensing the drawn force on the co-rotational finger, by cell.
+        /// Limits of sensing the force at which maps are drawn, on the co-rotational finger, by cell (position, direction).
         explanations: explain::ExplanationMap = explain::run(context);
     "Table I":
         /// Table I for each assumed direction; only for the paper's finger.

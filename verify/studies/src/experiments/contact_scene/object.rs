@@ -211,7 +211,7 @@ impl PreparedObject {
     }
 }
 
-/// Position at which an object on its line first meets the straight line over the rods of the undeformed finger, in the finger frame, mm.
+/// Position (mm, finger frame) at which an object that moves along its line first meets the straight line over the rods of the undeformed finger.
 fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, at_mm: f64, along: Vector) -> Vector {
     let inward = finger.direction(0.0);
     let surface_mm = rod_radius_mm.max(0.5 * finger.description().front.thickness_mm);
