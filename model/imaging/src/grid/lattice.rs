@@ -4,7 +4,7 @@ use super::patches::Dot;
 use finray_model::camera::Pixel;
 use std::collections::{HashMap, VecDeque};
 
-/// Largest number of dots from which a lattice is grown; dots with the most regular surroundings come first.
+/// A lattice is grown from at most this number of dots in turn, those with the most regular surroundings first.
 const SEEDS: usize = 40;
 /// The search for a larger lattice ends when this share of the dots is in one lattice.
 const ENOUGH: f64 = 0.8;

@@ -29,7 +29,7 @@ pub(super) const LEAST_CONTRAST: f32 = 20.0;
 const LEAST_RESPONSE: f32 = 3.0;
 /// Corners are at least this far apart, px.
 const APART: u32 = 4;
-/// Largest number of corners that are considered, in raster order. An image with more corners shows something else.
+/// At most this number of corners is considered, in raster order. An image with more corners shows something else.
 const MOST_CORNERS: usize = 6000;
 
 /// A corner: its pixel, and the unit directions of its two edges.

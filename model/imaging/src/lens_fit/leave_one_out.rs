@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
-/// Smallest number of images from which a scatter is estimated.
+/// The scatter is estimated only from at least this number of images.
 const LEAST_IMAGES: usize = 3;
 
 /// Standard deviations of the lens's parameters by the jackknife: from the change of the parameters when one image is left out, for each image in turn.

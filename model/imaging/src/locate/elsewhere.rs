@@ -16,7 +16,8 @@ const PROPOSING: usize = 2;
 const BEND_SHARE: f64 = 0.2;
 /// A placement must predict the next markers along the plates within this distance, as a share of their distance from the base.
 const BENT: f64 = 0.35;
-/// The cost of another placement must be below that of the scene's pose by at least this. It is more than the cost of two hidden markers.
+/// Another placement is accepted only if its cost is lower than at the scene's camera pose by at least this. The value exceeds the cost of two hidden
+/// markers.
 const GAIN: f64 = 13.0;
 /// Another placement must assign at least this share of the finger's markers.
 const LEAST_NAMED: f64 = 0.65;

@@ -43,11 +43,11 @@ use together::{Common, located, measure_together};
 
 /// Radius of the search for a marker about its last position, in marker radii.
 const NEAR: f64 = 1.6;
-/// Smallest share of the previous markers that must be found near their last positions. If fewer are found, the whole image is searched.
+/// If less than this share of the previous markers is found near their last positions, the whole image is searched.
 const FOUND_AGAIN: f64 = 0.8;
 /// Number of images after which the whole image is searched again if a marker is missing.
 const SEARCH_AGAIN: usize = 10;
-/// Every n-th marker is tested for motion blur; this is n.
+/// One in this number of markers is tested for motion blur.
 const FEW: usize = 5;
 /// If the ratio of the patches' radius to the markers' radius, or its inverse, exceeds this, the camera or scale of the scene is reported as wrong.
 const OTHER_SIZE: f64 = 1.2;
@@ -61,8 +61,8 @@ pub struct Located {
     pub pixel: Pixel,
     /// Position of the marker's centre, mm, finger frame.
     pub position: Vector,
-    /// Standard deviation of one coordinate of the position, mm. It includes image noise, and the errors of shading and edge model found in rendered images.
-    /// It excludes errors of lens and pose.
+    /// Standard deviation of one coordinate of the position, mm. It covers image noise, and errors of shading and edge model as found in rendered
+    /// images. It excludes errors of lens and pose.
     pub sd_mm: f64,
 }
 
@@ -141,7 +141,7 @@ impl<'f> Locator<'f> {
         self.locate_about(image, true)
     }
 
-    /// Same as [`locate`](Locator::locate). If `pose_holds`, the finger must be exactly at the camera's pose, otherwise near it.
+    /// Same as [`locate`](Locator::locate). If `pose_holds`, the finger must be exactly where the camera's pose puts it, otherwise nearby.
     fn locate_about(&mut self, image: &RgbImage, pose_holds: bool) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let mut buffers = std::mem::take(&mut self.buffers);

@@ -73,7 +73,7 @@ pub(super) struct Marked<'f> {
 }
 
 impl<'f> Marked<'f> {
-    /// A finger whose base is exactly at the camera's pose.
+    /// A finger whose base is exactly where the scene's camera pose puts it.
     pub fn at_base(finger: &'f Finger) -> Marked<'f> {
         Marked { finger, base_sd_mm: 0.0 }
     }
@@ -211,7 +211,7 @@ mod tests {
                 let nodes = seen.len();
                 for _ in 0..number % 13 {
                     let at = Vector::new(chance.random_range(-30.0..180.0), chance.random_range(-70.0..70.0));
-                    // False markers keep a distance from true ones, because overlapping discs are measured as one disc or not at all.
+                    // False markers keep a distance from true markers, because overlapping discs are measured as a single disc or not at all.
                     if seen.iter().all(|(_, other)| (other.at - at).norm() > 4.0) {
                         let is_front = chance.random_range(0.0..1.0) < 0.5;
                         seen.push((NodeId(0), Candidate { sides: [is_front, !is_front], at, node: None, cost: 0.0 }));

@@ -59,7 +59,7 @@ pub struct SeenFinger {
 /// Pose of a finger's base in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenBase {
-    /// Transform (rotation, and translation in mm) from the finger frame, which moves with the base, to the frame of the camera's pose.
+    /// Transform (rotation, and translation in mm) from the finger frame, which moves with the base, to the finger frame at the scene's camera pose.
     pub pose: Isometry2<f64>,
     /// Whether the camera's pose or two references determine the base. Otherwise the markers determine the base only roughly, and displacements relative to
     /// the base are unknown.
@@ -75,7 +75,7 @@ pub struct SeenBase {
 }
 
 impl SeenBase {
-    /// A base that is exactly at the camera's pose.
+    /// A base that is exactly where the scene's camera pose puts it.
     fn fixed() -> SeenBase {
         SeenBase {
             pose: Isometry2::identity(),

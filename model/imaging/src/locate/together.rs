@@ -14,7 +14,7 @@ const UNEVEN: f64 = 3.0;
 
 /// A displacement of colour relative to brightness is corrected if it exceeds this number of standard deviations.
 const COLOUR_SIGMAS: f64 = 4.0;
-/// Largest number of corrections of the displacement of colour. Several may be needed, because each correction is of first order.
+/// Largest number of corrections of the displacement of colour. Several corrections may be needed, because each correction is of first order.
 const COLOUR_ROUNDS: usize = 4;
 /// Standard deviation of a coordinate due to motion blur, as a share of that blur. The error arises because the edge model assumes isotropic blur.
 const MOTION_SD: f64 = 0.1;

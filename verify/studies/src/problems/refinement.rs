@@ -8,8 +8,8 @@ use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::fine_mesh;
 
-/// Tolerance between the meshes, relative to the largest displacement: the rounding error of a double-precision solution on 684 nodes. It grows
-/// about as the fourth power of the number of nodes.
+/// Tolerance between the meshes, relative to the largest displacement: the rounding error of a double-precision solution on 684 nodes. This error
+/// grows about as the fourth power of the number of nodes.
 pub const ROUNDING_TOLERANCE: f64 = 1e-8;
 /// Force on the linear finger, N. The finger's shapes are proportional to the force, so any value serves.
 const ANY_FORCE_N: f64 = ReportForces::PAPER.drawn_n();

@@ -26,8 +26,8 @@ use sums::{SectorSums, Sums};
 const UNKNOWNS: usize = 5;
 /// Number of parts of the light: brightness and colour.
 const PARTS: usize = 2;
-/// Prior standard deviation of the difference between the blurs of brightness and colour, px, for a noise of [`USUAL_NOISE`]. It constrains a blur that a
-/// marker hardly shows.
+/// Prior standard deviation of the difference between the blurs of brightness and colour, px, for a noise of [`USUAL_NOISE`]. The prior constrains a
+/// blur that a marker hardly shows.
 const BLURS_APART_PX: f64 = 0.15;
 /// Noise for which [`BLURS_APART_PX`] holds, grey levels.
 const USUAL_NOISE: f64 = 2.0;
@@ -35,13 +35,13 @@ const USUAL_NOISE: f64 = 2.0;
 const BAND: f64 = 2.5;
 /// Initial standard deviation of the edge's blur, px.
 const FIRST_BLUR_PX: f64 = 0.9;
-/// Smallest standard deviation of the edge's blur, px. The width of a pixel alone causes 0.29 px.
+/// Lower bound of the standard deviation of the edge's blur, px. The width of a pixel alone causes 0.29 px.
 const LEAST_BLUR_PX: f64 = 0.25;
 /// Largest blur of markers, as a share of their radius. With a larger blur, no pixel of a disc shows the disc's undisturbed light, and the image is rejected.
 pub(super) const LARGEST_BLUR: f64 = 0.33;
 /// A disc is rejected if its radius deviates from the expected radius by more than this, relative to the expected radius.
 const RADIUS_TOLERANCE: f64 = 0.25;
-/// Largest residual standard deviation of a coloured disc, as a share of the contrast. A disc with more is rejected.
+/// A coloured disc is rejected if its residual standard deviation exceeds this share of the contrast.
 const LARGEST_RESIDUAL: f64 = 0.2;
 /// Largest residual standard deviation of a grey disc, as a share of the contrast. The limit is below [`LARGEST_RESIDUAL`], because rays can measure rejected
 /// grey discs (`rim`). Photographed screws with shiny heads, and rims sharpened by the camera, exceed it.
@@ -212,7 +212,7 @@ impl<'a> Search<'a> {
         let edge =
             Edge { centre: Vector::zeros(), radius, blurs: expected.blurs_px, colour_shift: view.colour_shift_px };
         let radius_px = map.radius_px(radius);
-        // The gathered pixels must suffice for a radius and a blur above the expected ones, and for the background.
+        // The gathered pixels must suffice for a larger radius and a larger blur than expected, and for the background.
         let (wider, band) = match is_outline_open {
             true => (1.0 + RADIUS_TOLERANCE, (2.0 * edge.band()).max(BAND * LARGEST_BLUR * radius_px)),
             false => (1.0, edge.band()),

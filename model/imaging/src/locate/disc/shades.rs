@@ -30,9 +30,10 @@ const INSIDE_PIXELS: usize = 400;
 const MEDIAN_PIXELS: usize = 48;
 /// The slope of the light is estimated only from at least this number of pixels.
 const SLOPE_PIXELS: usize = 12;
-/// Smallest contrast of a sector over all components of light, grey levels. A sector with less contrast is omitted.
+/// A sector is omitted if its contrast over all components of light is below this, grey levels.
 const LEAST_CONTRAST: f32 = 12.0;
-/// A sector is not an edge of the disc if its mean squared residual exceeds that of even sectors by more than this number of standard deviations.
+/// A sector is not an edge of the disc if its mean squared residual exceeds that of even sectors by more than this multiple of its standard
+/// deviation.
 const UNLIKELY: f32 = 4.0;
 /// Lower bound of the assumed variance of a grey level, in squared grey levels. Rounding alone causes 1/12.
 const LEAST_VARIANCE: f32 = 0.5;

@@ -17,9 +17,9 @@ const SHORTER: f64 = 0.06;
 /// A bend between two steps by this angle, degrees, has cost 1 if the steps are a whole plate length apart. For closer steps, the angle is proportionally
 /// smaller.
 const TURN_DEG: f64 = 168.0;
-/// Largest bend between two steps, as a multiple of the bend of cost 1. A chain with a larger bend is excluded.
+/// A chain is excluded if a bend between two of its steps exceeds this multiple of the bend of cost 1.
 const LARGEST_TURN: f64 = 4.3;
-/// Largest bend between two steps, degrees. A chain with a larger bend is excluded.
+/// A chain is excluded if a bend between two of its steps exceeds this angle, degrees.
 const LARGEST_TURN_DEG: f64 = 120.0;
 /// A rib whose length deviates by this share has cost 1.
 const RIB: f64 = 0.05;

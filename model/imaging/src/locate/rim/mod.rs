@@ -25,7 +25,7 @@ const STEP_PX: f64 = 0.25;
 const REACH: [f64; 2] = [0.75, 1.3];
 /// Length on each side of an edge over which light is averaged, px.
 const SIDE_PX: f64 = 1.0;
-/// Smallest change of light across a rim, grey levels. A ray with less finds no edge.
+/// A ray finds the rim only if the light changes by at least this across the edge, grey levels.
 const LEAST_CONTRAST: f64 = 8.0;
 /// Share of the rays that must find the rim; with fewer, there is no rim.
 const LEAST_SHARE: f64 = 0.6;
@@ -36,7 +36,7 @@ const LEAST_SPREAD_PX: f64 = 0.15;
 /// A rim is rejected if its radius deviates from the stated radius by more than this share. The share is large, because the sharpest edge may lie beside the
 /// rim.
 const RADIUS_TOLERANCE: f64 = 0.2;
-/// Largest standard deviation of the edges about the circle, as a share of the radius. With more, there is no rim.
+/// There is no rim if the edges scatter about the circle with a larger standard deviation than this, as a share of the radius.
 const LARGEST_SPREAD: f64 = 0.1;
 /// Two rims are both kept only if their centres are at least this far apart, in radii, because markers do not overlap.
 const APART: f64 = 1.8;
@@ -53,7 +53,7 @@ const BRIGHTNESS_ALONE: [f64; 2] = [1.0, 0.0];
 /// A measured rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rim {
-    /// Position of the rim's centre, mm, in the frame of the camera's pose.
+    /// Position of the rim's centre, mm, in the finger frame at the scene's camera pose.
     pub centre: Vector,
     /// Pixel of the rim's centre.
     pub pixel: Pixel,
@@ -61,7 +61,7 @@ pub(super) struct Rim {
     pub radius_mm: f64,
     /// Standard deviation of one coordinate of the centre, mm.
     pub sd_mm: f64,
-    /// Standard deviation of one coordinate of the centre as found by rays, mm. It measures the roundness of the rim.
+    /// Standard deviation of one coordinate of the centre as found by rays, mm. A rim that is less round has a larger value.
     pub rays_sd_mm: f64,
     /// For a centre found by the edge model: the variances of [`Disc::excess_variances`]. `None` for a centre found by rays.
     pub excess_variances: Option<[f64; 2]>,

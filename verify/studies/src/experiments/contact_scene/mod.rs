@@ -127,7 +127,7 @@ impl SensedForce {
 }
 
 impl ContactScene {
-    /// Prepares a scene's object in front of its finger. `corners` (mm) are those of a polygon's file; other outlines ignore them.
+    /// Prepares a scene's object in front of its finger. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
     ///
     /// # Errors
     /// [`OutlineError`] for an outline that cannot be pressed.

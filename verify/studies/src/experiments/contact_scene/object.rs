@@ -50,7 +50,7 @@ pub enum TurnedOutline {
 }
 
 impl TurnedOutline {
-    /// Rotates the outline of a scene's object. `corners` (mm) are those of a polygon's file; other outlines ignore them.
+    /// Rotates the outline of a scene's object. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
     ///
     /// # Errors
     /// [`OutlineError`] for corners that form no valid outline.
@@ -171,7 +171,7 @@ pub struct HandStep {
 }
 
 impl PreparedObject {
-    /// Prepares the object of a scene. `corners` (mm) are those of a polygon's file; other outlines ignore them.
+    /// Prepares the object of a scene. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
     ///
     /// # Errors
     /// [`OutlineError`] for a free object, or corners that form no valid outline.

@@ -139,7 +139,7 @@ impl GraspStep {
 }
 
 impl GraspScene {
-    /// Prepares a scene. `corners` (mm) are those of a polygon's file; other outlines ignore them.
+    /// Prepares a scene. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
     ///
     /// # Errors
     /// [`GraspError`] if the scene cannot be grasped.

@@ -21,9 +21,9 @@ const MODULUS_TOLERANCE: f64 = 1e-3;
 const DIFFERENCE: f64 = 1e-4;
 /// The fit has converged if no factor changes by more than this, relative. Finite differences allow no smaller value.
 const SMALLEST_STEP: f64 = 1e-7;
-/// Largest number of iterations; every set of zones needs fewer.
+/// The fit is given up after this number of iterations; every set of zones needs fewer.
 const MAX_STEPS: usize = 40;
-/// Largest change of ln(factor) in one iteration.
+/// One iteration changes ln(factor) by at most this.
 const LARGEST_STEP: f64 = 0.5;
 
 /// Factors of a [`ZoneSet`] that fit Table I best.

@@ -146,7 +146,7 @@ impl TwinStudy {
     }
 }
 
-/// Calibrates the twin's modulus and zones from noisy shapes; front and back share factors. Factors are relative to the true ones.
+/// Calibrates the twin's modulus and zones from noisy shapes; front and back share factors. Factors are relative to the true factors.
 fn calibrate(
     finger: &Finger,
     clean: &[CalibrationCase],
