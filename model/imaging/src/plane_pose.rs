@@ -17,8 +17,8 @@ pub struct PoseFit {
     pub pose: Pose,
     /// Residual standard deviation of one pixel coordinate, px, with 2 n - 6 degrees of freedom for n points.
     pub residual_sd_px: f64,
-    /// 6 x 6 covariance of a small motion of the camera frame (rotation vector in rad, then translation in mm), for pixel coordinates with a standard
-    /// deviation of 1 px. The covariance of the pose is this matrix times the variance of a pixel coordinate in px^2.
+    /// 6 x 6 covariance of a small motion of the camera frame: rotation vector in rad, then translation in mm. It holds for pixel coordinates with a
+    /// standard deviation of 1 px. The covariance of the pose is this matrix times the variance of a pixel coordinate in px^2.
     pub unit_covariance: Matrix6<f64>,
 }
 

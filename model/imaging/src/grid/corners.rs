@@ -17,7 +17,7 @@ use nalgebra::Matrix2;
 
 /// Longer side of the image in which corners are searched for, px. Larger images are reduced to it.
 const LONGER_SIDE: u32 = 1100;
-/// A corner is a neighbour along an edge of a square only if the angle between its direction and the edge is at most this, degrees.
+/// A corner is a neighbour along the edge of a square only if its direction is within this angle of the edge, degrees.
 const OFF_EDGE_DEG: f64 = 15.0;
 /// A lattice of corners is a chessboard only if at least this share of neighbouring squares alternates between dark and light.
 const LEAST_IN_TURN: f64 = 0.9;

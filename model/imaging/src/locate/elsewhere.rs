@@ -1,7 +1,7 @@
 //! Detection of a finger that is not where the scene's camera pose puts it: upside down, mirrored, displaced, rotated or scaled.
 //!
-//! First, flips of the image are tried. Then every pair of markers that may be the two clamped ones, or the ends of a rib near the base, proposes a placement
-//! and a scale of the finger. The proposal with the least cost of naming its markers (assigning them to nodes) is chosen.
+//! First, flips of the image are tried. Then pairs of markers propose a placement and a scale of the finger. A pair may be the two clamped markers,
+//! or the ends of a rib near the base. The proposal with the least cost of naming its markers (assigning them to nodes) is chosen.
 
 use super::LocateError;
 use super::finger_placement::FingerPlacement;

@@ -49,7 +49,7 @@ const FOUND_AGAIN: f64 = 0.8;
 const SEARCH_AGAIN: usize = 10;
 /// One in this number of markers is tested for motion blur.
 const FEW: usize = 5;
-/// If the ratio of the patches' radius to the markers' radius, or its inverse, exceeds this, the camera or scale of the scene is reported as wrong.
+/// The camera or scale of the scene is reported as wrong if the radii of patches and markers differ by more than this factor.
 const OTHER_SIZE: f64 = 1.2;
 
 /// A marker that was located in an image.

@@ -18,7 +18,7 @@ const MOST_BLOBS: usize = 150;
 const ON_LINE: f64 = 0.7;
 /// A marker belongs to a node only within this distance of the predicted position of that node, in marker radii.
 const ON_NODE: f64 = 1.2;
-/// Up to this number of markers at each end of a line may be false, and up to this number of nodes at each end of a plate may be hidden.
+/// Up to this number of markers at each end of a line may be false. Up to this number of nodes at each end of a plate may be hidden.
 const DOUBTFUL: usize = 3;
 /// A finger is recognised only if at least this share of its nodes has a marker.
 const LEAST_SHARE: f64 = 0.6;

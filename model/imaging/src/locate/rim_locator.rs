@@ -30,8 +30,8 @@ const BEND_SHARE: f64 = 0.2;
 /// A rim has cost 1 if the standard deviation of its centre as found by rays is this share of its radius. Markers are round, so a larger deviation costs
 /// more.
 const ROUND: f64 = 0.02;
-/// A rim is rejected as a marker if its standard deviation as found by rays is larger than this multiple of the median over all assigned rims. The reason is
-/// that all markers are equal.
+/// A rim is rejected as a marker if its standard deviation, as found by rays, exceeds this multiple of the median over all assigned rims. All markers
+/// are equal, so their standard deviations should be similar.
 const LEAST_ROUND: f64 = 4.0;
 /// Another position of the base counts as equally good if its cost exceeds the least cost by at most this (dimensionless).
 const ALIKE: f64 = 4.0;

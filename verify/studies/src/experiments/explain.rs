@@ -1,6 +1,6 @@
 //! Explanation of an accuracy map: noise floors of forces, and errors caused by wrong directions and positions.
 //!
-//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j, a
+//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j. A
 //! small force across the load gives c, and a shift of the load along the plate gives m. They are columns of the co-rotational finger's tangent
 //! compliance in its loaded shape, because the deformed finger has another stiffness than the finger at rest.
 

@@ -65,8 +65,8 @@ const LEAST_SD_PX: f64 = 0.005;
 /// Standard deviation of the centre of a small or blurred disc, px: this value times (blur / radius)^2. The edges of such discs leave little of the
 /// surroundings visible. This value and the lower bound come from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
 const SMALL_SD_PX: f64 = 0.45;
-/// Standard deviation for rings, px, to be multiplied by the share of neighbouring light in the middle of the ring, where no pixel shows the ring's light
-/// alone.
+/// Standard deviation for rings, px, to be multiplied by the share of neighbouring light in the middle of the ring. In narrow rings, no pixel shows
+/// the ring's light alone.
 const RING_SD_PX: f64 = 0.4;
 
 /// A measured disc.

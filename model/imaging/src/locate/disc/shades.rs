@@ -32,7 +32,7 @@ const MEDIAN_PIXELS: usize = 48;
 const SLOPE_PIXELS: usize = 12;
 /// A sector is omitted if its contrast over all components of light is below this, grey levels.
 const LEAST_CONTRAST: f32 = 12.0;
-/// A sector is not an edge of the disc if its mean squared residual exceeds that of even sectors by more than this multiple of its standard
+/// A sector is not an edge of the disc if its mean squared residual exceeds that of even sectors by more standard deviations than this.
 /// deviation.
 const UNLIKELY: f32 = 4.0;
 /// Lower bound of the assumed variance of a grey level, in squared grey levels. Rounding alone causes 1/12.

@@ -29,7 +29,7 @@ const RIGID_RIB: f64 = 0.01;
 const RIB_MOST: f64 = 12.0;
 /// Cost of a hidden node, and cost of a clamped node without a marker at its position.
 pub(super) const HIDDEN: f64 = 6.0;
-/// A candidate may be the marker of a clamped node only within this distance of the node's stated position, as a share of the plate's length.
+/// A candidate may be the marker of a clamped node only near the stated position: within this distance, as a share of the plate's length.
 const CLAMPED: f64 = 0.01;
 /// Standard deviation of a bracket's stated length, mm.
 const BRACKET_MM: f64 = 0.5;
