@@ -38,7 +38,8 @@ const ALIKE: f64 = 4.0;
 /// References are rejected if ribs propose another position of the base whose cost is lower by more than this. The value exceeds the cost of two hidden
 /// markers.
 const CONTRADICTS: f64 = 13.0;
-/// Standard deviation of the position of a base without references, relative to the estimate from the ribs, mm. It covers the range of a bent finger.
+/// Standard deviation of the position of a base without references, relative to the estimate from the ribs, mm. The value allows for bending of the
+/// finger.
 const UNKNOWN_MM: f64 = 10.0;
 /// Standard deviation of the rotation of a base without references, relative to the estimate from the ribs, rad.
 const UNKNOWN_RAD: f64 = 0.2;

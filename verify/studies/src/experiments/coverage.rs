@@ -25,7 +25,7 @@ const REFUSED_OF_ANOTHER: f64 = 0.5;
 /// For answers with a warning, rms sigma may be at most this multiple of the rms error. A larger sigma would cover the error but carry no
 /// information.
 const LARGEST_SIGMA: f64 = 3.0;
-/// True finger on which stated intervals must contain the true force. On others (softer ends) the estimators' model is wrong, and the estimators
+/// True finger on which stated intervals must contain the true force. On a finger with softer ends the estimators' model is wrong, and the estimators
 /// warn.
 pub const TRUTH: TruthId = TruthId::Corotational;
 

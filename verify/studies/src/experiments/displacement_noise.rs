@@ -133,8 +133,8 @@ fn forces_at(nodes: &[NodeId], forces_n: &DVector<f64>) -> Vec<ContactForce> {
     nodes.iter().zip(forces_n).map(|(node, along_n)| ContactForce::plain(Contact::at_node(*node), *along_n)).collect()
 }
 
-/// Co-rotational least squares from `start_n` (N): generalised with the noise model `known`, ordinary without. `None` if the search does not
-/// converge.
+/// Co-rotational least squares from `start_n` (N): generalised with the noise model `known`, ordinary without a noise model. `None` if the search
+/// does not converge.
 pub fn least_squares(
     finger: &mut RespondingFinger,
     nodes: &[NodeId],

@@ -92,7 +92,7 @@ impl NoiseStudy {
         progress.part("noise", singles.len() + pairs.len() + checked.len());
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
         let nonlinear = BeamEstimator::nonlinear(&model);
-        // For pairs only errors are shown, so the model's share of the stated standard deviations is not computed.
+        // For pairs only errors are shown, so the model error, a part of the stated standard deviation, is not computed.
         let of_pairs = [BeamEstimator::nonlinear, BeamEstimator::least_squares]
             .map(|estimator| estimator(&model).of_noise_alone());
         let noise_levels_mm = [noise_mm];

@@ -162,7 +162,7 @@ impl AboutEdge {
         const LEAST: f32 = 1e-3;
         let step = [x - self.centre[0], y - self.centre[1]];
         let far = (step[0] * step[0] + step[1] * step[1]).sqrt().max(LEAST);
-        // The distance in the plane grows along the pixels by |slope^T direction|.
+        // Along the image, the distance in the plane grows by |slope^T direction| per px.
         let by_u = self.slope[0] * step[0] + self.slope[1] * step[1];
         let by_v = self.slope[2] * step[0] + self.slope[3] * step[1];
         Polar { step, far, along: (by_u * by_u + by_v * by_v).sqrt().max(LEAST) }

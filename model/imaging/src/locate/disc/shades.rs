@@ -5,7 +5,7 @@ use super::plane_map::{Pixels, PlaneMap, Polar, turn};
 use super::sums::{SectorSums, Sums};
 use nalgebra::Vector3;
 
-/// Width of the ring outside the band in which the background is sampled, px.
+/// Width of the ring about the edge's band from which the background is sampled, px.
 pub(super) const BACKGROUND_PX: f64 = 3.0;
 /// Length of a sector along the edge, px.
 const SECTOR_PX: f64 = 1.3;

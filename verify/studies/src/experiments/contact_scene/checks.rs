@@ -13,7 +13,7 @@ const DISPLACEMENT: &str = "largest displacement difference / largest displaceme
 pub const BALANCE_TOLERANCE: f64 = 1e-6;
 /// Tolerance of a shape against the lattice's equilibrium under the contact forces, relative to the largest displacement.
 const EQUILIBRIUM_TOLERANCE: f64 = 1e-6;
-/// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement: the error of sweeps and of the criterion of rest.
+/// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement. It covers the error of rapier's sweeps and of its rest.
 const ENGINE_TOLERANCE: f64 = 5e-4;
 /// Tolerance of the sum of contact forces against rapier's, relative to the sum.
 const ENGINE_FORCE_TOLERANCE: f64 = 2e-3;

@@ -43,7 +43,7 @@ struct ReportedScene {
     toml: &'static str,
     /// Number of lattice segments per plate member.
     fineness: usize,
-    /// Coarser step of the motor (degrees) and number of steps on the path, which replace the scene's. A box that both fingers rotate takes longest.
+    /// Step of the motor (degrees) and number of steps on the path, which replace the scene's finer steps to save time.
     coarser: Option<(f64, usize)>,
     /// Whether the grasp also runs without noise.
     clean: bool,

@@ -81,7 +81,7 @@ pub fn solving(finger: &Finger, nodes: usize, forces: ReportForces) -> Result<Ve
     for (setting, lattice) in lattices(finger)? {
         points.push(solved.point(LATTICE, setting, |load| lattice.equilibrium(&[*load]).ok()));
     }
-    // Settling takes a hundred times longer, so only one load is settled.
+    // Settling takes a hundred times as long as Newton's method, so only one load is settled.
     let one = ReferenceSolutions {
         loads: solved.loads.into_iter().take(1).collect(),
         reference: solved.reference.into_iter().take(1).collect(),

@@ -83,7 +83,7 @@ pub(super) struct Scout<'m> {
 pub(super) enum LoadClass {
     /// The scout's finger carries the forces.
     Carried,
-    /// The scout's finger does not carry the forces, but a finer mesh may.
+    /// The scout's finger does not carry the forces, but the true finger's finer mesh may.
     AtTheLimit,
     /// The forces clearly exceed the limit.
     TooLarge,
