@@ -2,8 +2,8 @@
 
 use finray_model::scene::Rgb;
 
-/// Smallest angle between a marker's colour and grey in RGB space, degrees. With a smaller angle, brightness alone would decide whether a pixel is a
-/// marker's.
+/// A marker's colour must differ from grey by at least this angle in RGB space, degrees. With a smaller angle, brightness alone would decide whether a pixel
+/// belongs to a marker.
 const LEAST_SATURATION_DEG: f64 = 8.0;
 /// Two colours count as equal if the angle between them in RGB space is below this, degrees.
 const ALIKE_DEG: f64 = 6.0;

@@ -24,7 +24,7 @@ const MOTION_SD: f64 = 0.1;
 pub(super) struct Common {
     /// Common radius and blurs of the discs.
     pub outline: Outline,
-    /// Weights of brightness and colour; see [`View`].
+    /// Weights of brightness and colour, dimensionless; see [`View`].
     pub weights: [f64; 2],
     /// Displacement of colour relative to brightness, px; see [`View`].
     pub colour_shift_px: Vector,

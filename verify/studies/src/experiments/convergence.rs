@@ -38,7 +38,7 @@ pub struct MeshSize {
 pub struct Refinement {
     /// Largest difference of a key node's displacement from the converged one, relative to the largest displacement, by mesh.
     pub errors: Vec<f64>,
-    /// Observed order of convergence in the element length; `None` if the differences do not shrink.
+    /// Observed order of convergence in the element length, dimensionless; `None` if the differences do not shrink.
     pub order: Option<f64>,
     /// Grid convergence index: estimated error of the finest mesh, relative to the largest displacement, dimensionless.
     pub left: f64,

@@ -53,7 +53,7 @@ pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     Ok(vec![exact.vanishes(quantity, linear_difference(finger)?, ROUNDING_TOLERANCE)])
 }
 
-/// Difference of the coarse co-rotational mesh from the fine one under a force (N), by loaded node.
+/// Difference of the coarse co-rotational mesh from the fine mesh under a force (N), by loaded node.
 pub(crate) fn comparisons(finger: &Finger, force_n: f64) -> Result<Vec<Comparison>, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let mut comparisons = Vec::new();

@@ -136,7 +136,8 @@ pub(super) struct View<'a> {
     /// Inner radius of a grey ring, mm, inside which any appearance is allowed; 0 for a whole grey disc; `None` for coloured discs. The surroundings of
     /// grey marks may have as much contrast, so the edge is measured only where the background is even.
     pub grey_inner_mm: Option<f64>,
-    /// Weights of squared differences of brightness and of colour, inverse to their noise; 1 for the less noisy of the two. A weight of 0 omits colour.
+    /// Weights of squared differences of brightness and of colour, dimensionless: inverse to their noise, and 1 for the less noisy of the two. Weight 0 omits
+    /// colour.
     pub weights: [f64; PARTS],
     /// Displacement of colour relative to brightness along the finger's axes, px. Lenses, and encoders that subsample colour, cause this displacement.
     pub colour_shift_px: Vector,

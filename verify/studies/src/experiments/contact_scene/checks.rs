@@ -31,8 +31,8 @@ const CONE_TOLERANCE_N: f64 = 1e-6;
 /// Nominal coverage, and its shift by the lattice's difference from beams, which is less than half a standard deviation.
 const MEANT: f64 = 0.95;
 const SHIFT: f64 = 0.01;
-/// Allowance for chance in standard errors of a binomial share. The first value is for the share of all samples of a scene, which exceeds it once in
-/// 370. The second is for the smallest of some hundred shares, one per contact and step, each of which exceeds it once in 2000.
+/// Allowance for chance, in standard errors of a binomial share. The share of all samples of a scene exceeds the first allowance once in 370. The second is
+/// for the smallest of some hundred shares, one per contact and step; each exceeds the second once in 2000.
 const STANDARD_ERRORS: f64 = 3.0;
 const WORST_STANDARD_ERRORS: f64 = 3.5;
 

@@ -8,7 +8,7 @@ use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
 use crate::prelude::*;
 use crate::truths::TruthId;
 
-/// Names of the recorded recipes that follow the paper: displacements scaled by the largest one, or by their spread.
+/// Names of the recorded recipes that follow the paper: displacements scaled by the largest displacement, or by their spread.
 pub const PAPER_RECIPES: [&str; 2] = ["a", "a, by spread"];
 /// A figure of the paper counts as reproduced if the larger of our figure and the paper's is at most this multiple of the smaller. The value is a
 /// choice: with inputs scaled by the largest displacement, networks that differ only in their seed are within this factor of their mean.
