@@ -11,7 +11,7 @@ const ENOUGH: f64 = 0.8;
 /// A dot belongs to a lattice only within this distance of its predicted position, as a share of the step between neighbours.
 const OFF: f64 = 0.2;
 /// The lengths of the two steps of a square grid have at most this ratio, in coordinates in which the dots are round. Diagonal steps, which are sqrt(2) times
-/// as long, exceed it.
+/// as long, exceed this ratio.
 const STEPS: f64 = 1.25;
 /// The angle between the two steps of a square grid has at least this sine, in coordinates in which the dots are round.
 const LEAST_SINE: f64 = 0.9;

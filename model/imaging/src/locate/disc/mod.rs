@@ -44,7 +44,7 @@ const RADIUS_TOLERANCE: f64 = 0.25;
 /// A coloured disc is rejected if its residual standard deviation exceeds this share of the contrast.
 const LARGEST_RESIDUAL: f64 = 0.2;
 /// Largest residual standard deviation of a grey disc, as a share of the contrast. The limit is below [`LARGEST_RESIDUAL`], because rays can measure rejected
-/// grey discs (`rim`). Photographed screws with shiny heads, and rims sharpened by the camera, exceed it.
+/// grey discs (`rim`). Photographed screws with shiny heads, and rims sharpened by the camera, exceed the limit.
 const LARGEST_GREY_RESIDUAL: f64 = 0.07;
 /// Largest expected distance of the centre from the starting point of the search, px.
 const ROOM_PX: f64 = 1.0;
