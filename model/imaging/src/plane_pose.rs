@@ -5,9 +5,9 @@ use finray_model::camera::{Lens, Pixel, Pose, ViewError};
 use finray_numerics::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Refusal};
 use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector2, Vector3};
 
-/// Smallest number of points for a pose; no more than two of four may be collinear.
+/// A pose needs at least this number of points. If there are only four points, no three of them may be collinear.
 const LEAST_POINTS: usize = 4;
-/// Points count as collinear if their spread across the best line, divided by the spread along it, is below this.
+/// Points count as collinear if their spread perpendicular to their best-fitting line, divided by their spread along this line, is below this ratio.
 const LEAST_SPREAD: f64 = 1e-3;
 
 /// A fitted pose with its uncertainty.
@@ -17,8 +17,8 @@ pub struct PoseFit {
     pub pose: Pose,
     /// Residual standard deviation of one pixel coordinate, px, with 2 n - 6 degrees of freedom for n points.
     pub residual_sd_px: f64,
-    /// 6 x 6 covariance of a small motion of the camera frame (rotation vector in rad, then translation in mm), for pixel coordinates with a standard
-    /// deviation of 1 px. The covariance of the pose is this matrix times the variance of a pixel coordinate in px^2.
+    /// 6 x 6 covariance of a small motion of the camera frame: rotation vector in rad, then translation in mm. It holds for pixel coordinates with a
+    /// standard deviation of 1 px. The covariance of the pose is this matrix times the variance of a pixel coordinate in px^2.
     pub unit_covariance: Matrix6<f64>,
 }
 
@@ -34,7 +34,7 @@ pub enum PlanePoseError {
     /// The points are collinear in the plane or in the image.
     #[error("a pose needs points that do not lie on one line")]
     OnALine,
-    /// A pixel lies beyond a fold of the lens's distortion.
+    /// A pixel lies beyond the radius at which the distortion of the lens folds the image.
     #[error("a pixel lies where the distortion of the lens folds the image")]
     Folded,
     /// No pose projects the points to their pixels.
@@ -42,8 +42,8 @@ pub enum PlanePoseError {
     NotFound,
 }
 
-/// Fits the pose to pixels of points (mm) on the plane z = `height_mm` of the finger frame. Least squares of the pixels start from the homography of the
-/// undistorted pixels. A distant plane fits nearly as well with the opposite tilt, so both tilts are tried.
+/// Fits the pose to pixels of points (mm) on the plane z = `height_mm` of the finger frame. The least-squares fit of the pixels starts from the homography of
+/// the undistorted pixels. A distant plane fits nearly as well with the opposite tilt, so both tilts are tried.
 ///
 /// # Errors
 /// [`PlanePoseError`] for fewer than four points, collinear points, a pixel beyond the fold, or no pose that fits.
@@ -124,7 +124,7 @@ pub(super) fn by_motion(lens: &Lens, pose: &Pose, point: &Vector3<f64>) -> Resul
     Ok(by)
 }
 
-/// Transform that normalises points: their mean becomes zero, and their root mean square distance from it becomes sqrt(2).
+/// Transform that moves the mean of the points to zero and scales their root mean square distance from zero to sqrt(2).
 fn normalisation(points: &[Vector2<f64>]) -> Matrix3<f64> {
     let count = points.len() as f64;
     let mean = points.iter().sum::<Vector2<f64>>() / count;
@@ -140,7 +140,7 @@ fn on_a_line(points: &[Vector2<f64>]) -> bool {
     spreads.min() <= LEAST_SPREAD * spreads.max()
 }
 
-/// Homography H with seen ~ H (position, 1), by the direct linear transform of normalised points; `None` if it is not unique.
+/// Homography H with seen ~ H (position, 1), by the direct linear transform of normalised points; `None` if H is not unique.
 ///
 /// # Reference
 /// R. Hartley and A. Zisserman, Multiple View Geometry, algorithm 4.2.
@@ -157,7 +157,7 @@ pub(super) fn homography(positions: &[Vector2<f64>], seen: &[Vector2<f64>]) -> O
         }
     }
     let parts = rows.svd(false, true);
-    // With three of four points on a line, the homography is not unique.
+    // If three of four points are collinear, the homography is not unique.
     if parts.singular_values[7] <= LEAST_SPREAD.powi(2) * parts.singular_values[0] {
         return None;
     }

@@ -135,7 +135,7 @@ impl Effort {
         self.choose((24, 20.0, 100), (48, 5.0, 400))
     }
 
-    /// A coarser [`resolution`](Effort::resolution) for expensive estimates or maps that vary widely. Its cells are also cells of the finer grid.
+    /// A coarser [`resolution`](Effort::resolution) for slow estimators and for further true fingers. Its cells are also cells of the finer grid.
     pub(crate) fn coarse_resolution(self) -> (usize, f64, usize) {
         self.choose((12, 40.0, 4), (24, 10.0, 12))
     }

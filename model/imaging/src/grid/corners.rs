@@ -17,9 +17,9 @@ use nalgebra::Matrix2;
 
 /// Longer side of the image in which corners are searched for, px. Larger images are reduced to it.
 const LONGER_SIDE: u32 = 1100;
-/// Largest angle between an edge of a square and the direction to the next corner along that edge, degrees.
+/// A corner is a neighbour along the edge of a square only if its direction is within this angle of the edge, degrees.
 const OFF_EDGE_DEG: f64 = 15.0;
-/// Smallest share of neighbouring squares that must alternate between dark and light for a chessboard.
+/// A lattice of corners is a chessboard only if at least this share of neighbouring squares alternates between dark and light.
 const LEAST_IN_TURN: f64 = 0.9;
 /// Radius of the window in which gradients about a corner are used, as a share of the distance to the nearest other corner.
 const WINDOW: f64 = 0.4;
@@ -35,7 +35,7 @@ const MIDDLE: std::ops::Range<f64> = 0.25..0.75;
 const BESIDE: f64 = 0.25;
 /// Smallest distance from a corner at which the light of the adjacent squares is sampled, px.
 const BESIDE_PX: f64 = 2.0;
-/// Approximate number of dots for which it is tested whether they are squares.
+/// At most about this number of dots is tested for being squares.
 const MOST_LOOKED: usize = 60;
 
 /// The corners of the largest chessboard in an image, each with column and row, and pixel.

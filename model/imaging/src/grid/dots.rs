@@ -8,10 +8,10 @@ use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::{Matrix3, Vector3};
 
-/// Extent of a dot's light beyond its rim, and extent of the background, each as a multiple of the radius plus px. The first pair is for isolated dots, the
-/// others for dots that lie close together.
+/// Extent of a dot's light beyond its rim, and extent of the background. Each is a multiple of the dot's radius plus a length in px. The first pair
+/// is for isolated dots, the others for dots that lie close together.
 const ABOUT: [[(f64, f64); 2]; 3] = [[(0.15, 2.5), (0.35, 4.5)], [(0.0, 2.0), (0.5, 6.0)], [(0.0, 1.0), (1.0, 8.0)]];
-/// Smallest number of pixels that must show the background.
+/// A dot is measured only if at least this number of pixels shows the background.
 const LEAST_GROUND: usize = 24;
 /// Radius of the inner part of a dot, in which the light is even, in radii of the dot.
 const INNER: f64 = 0.6;

@@ -4,17 +4,18 @@ use super::patches::Dot;
 use finray_model::camera::Pixel;
 use std::collections::{HashMap, VecDeque};
 
-/// Largest number of dots from which a lattice is grown; dots with the most regular surroundings come first.
+/// A lattice is grown from at most this number of dots in turn, those with the most regular surroundings first.
 const SEEDS: usize = 40;
 /// The search for a larger lattice ends when this share of the dots is in one lattice.
 const ENOUGH: f64 = 0.8;
-/// Largest distance of a dot from its predicted position, as a share of the step between neighbours.
+/// A dot belongs to a lattice only within this distance of its predicted position, as a share of the step between neighbours.
 const OFF: f64 = 0.2;
-/// Largest ratio of the two steps of a square grid, in coordinates in which the dots are round. It excludes diagonal steps, which are sqrt(2) times as long.
+/// The lengths of the two steps of a square grid have at most this ratio, in coordinates in which the dots are round. Diagonal steps, which are sqrt(2) times
+/// as long, exceed this ratio.
 const STEPS: f64 = 1.25;
-/// Smallest sine of the angle between the two steps of a square grid, in coordinates in which the dots are round.
+/// The angle between the two steps of a square grid has at least this sine, in coordinates in which the dots are round.
 const LEAST_SINE: f64 = 0.9;
-/// Largest ratio of the radii of two neighbours.
+/// Two dots are neighbours only if the ratio of their radii is at most this.
 const ALIKE: f64 = 1.6;
 /// A dot is detected only at this distance from the image border or farther: a multiple of its longer half axis, plus px.
 const ROOM: (f64, f64) = (1.2, 4.0);

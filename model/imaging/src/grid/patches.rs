@@ -14,9 +14,9 @@ const LEAST_AREA: f64 = 12.0;
 const LARGEST_SHARE: f64 = 0.02;
 /// Range of the area of an elliptic patch, divided by the area of the ellipse with the same second moments. The ratio deviates from 1 because of the pixels.
 const FULLNESS: [f64; 2] = [0.85, 1.15];
-/// Largest ratio of the axes of an ellipse that counts as a dot: that of a disc seen at 70 degrees.
+/// An ellipse is a dot only if the ratio of its axes is at most this: the ratio of a disc seen at 70 degrees.
 const LONGEST: f64 = 3.0;
-/// Largest number of patches that are considered, in raster order. An image with more patches shows something else.
+/// At most this number of patches is considered, in raster order. An image with more patches shows something else.
 const MOST_DOTS: usize = 6000;
 
 /// A patch, described by an ellipse.

@@ -25,11 +25,11 @@ const RING: [(i32, i32); 16] = [
 const REACH: u32 = 5;
 /// A pixel is a corner only if the light on the ring about it has at least this contrast, grey levels.
 pub(super) const LEAST_CONTRAST: f32 = 20.0;
-/// Smallest response of the corner detector, relative to the contrast. A sharp corner has a response of about 7.
+/// A pixel is a corner only if the response of the corner detector, relative to the contrast, is at least this. A sharp corner has a response of about 7.
 const LEAST_RESPONSE: f32 = 3.0;
 /// Corners are at least this far apart, px.
 const APART: u32 = 4;
-/// Largest number of corners that are considered, in raster order. An image with more corners shows something else.
+/// At most this number of corners is considered, in raster order. An image with more corners shows something else.
 const MOST_CORNERS: usize = 6000;
 
 /// A corner: its pixel, and the unit directions of its two edges.

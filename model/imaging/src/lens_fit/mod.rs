@@ -26,7 +26,7 @@ const FIRST_NOISE_PX: f64 = 0.1;
 const LEAST_NOISE_PX: f64 = 0.002;
 /// Number of rounds that alternate fit and noise estimate.
 const ROUNDS: usize = 3;
-/// Smallest number of dots that an image must show.
+/// An image must show at least this number of dots.
 const LEAST_POINTS: usize = 12;
 
 /// A fitted lens with its uncertainty.

@@ -22,7 +22,7 @@ pub(super) struct UsualLens {
     pub width: f64,
     /// Expected focal length, px.
     pub focal: f64,
-    /// Standard deviation of the logarithm of the focal length.
+    /// Standard deviation of the logarithm of the focal length, dimensionless.
     pub focal_sd: f64,
 }
 

@@ -9,12 +9,12 @@ use imageproc::region_labelling::{Connectivity, connected_components};
 const ACROSS_RADIUS: f64 = 3.0;
 /// Range of a patch's area relative to a marker's area. A smaller patch is more than half hidden or not a marker; a larger patch is not a single marker.
 const AREA: [f64; 2] = [0.3, 1.8];
-/// Largest number of patches that are considered, the largest first. An image with more patches shows something else.
+/// At most this number of patches is considered, the largest first. An image with more patches shows something else.
 const MOST_BLOBS: usize = 400;
 
-/// Smallest radius of a marker in the image, px. In a smaller marker every pixel is blurred, so the image is rejected.
+/// An image is rejected if its markers have a smaller radius than this, px, because every pixel of such a marker is blurred.
 pub(super) const LEAST_RADIUS_PX: f64 = 2.5;
-/// Radii of patches with at most this ratio may belong to equal markers at different distances.
+/// Patches may be equal markers at different distances only if the ratio of their radii is at most this.
 const ALIKE: f64 = 1.4;
 
 /// A patch of a marker's colour.

@@ -2,12 +2,12 @@
 
 use finray_model::scene::Rgb;
 
-/// Smallest angle between a marker's colour and grey in RGB space, degrees. With a smaller angle, brightness alone would decide whether a pixel is a
-/// marker's.
+/// A marker's colour must differ from grey by at least this angle in RGB space, degrees. With a smaller angle, brightness alone would decide whether a pixel
+/// belongs to a marker.
 const LEAST_SATURATION_DEG: f64 = 8.0;
 /// Two colours count as equal if the angle between them in RGB space is below this, degrees.
 const ALIKE_DEG: f64 = 6.0;
-/// Largest angle between the colours of a pixel and its marker, as a share of the angle from the marker's colour to grey and to the other marker's colour.
+/// Half angle of a colour's cone, as a share of a reference angle: the smaller of the angles to grey and to the other marker's colour.
 const SHARE: f64 = 0.5;
 /// Range of a marker's brightness relative to the colour that the scene states.
 const LIGHT: [f64; 2] = [0.2, 1.5];
@@ -39,7 +39,7 @@ struct Cone {
     axis: [f32; 3],
     /// Squared cosine of the cone's half angle.
     cosine2: f32,
-    /// Smallest and largest projection of a pixel onto the cone's axis, grey levels.
+    /// Range of a pixel's projection onto the cone's axis, grey levels. A darker or lighter pixel does not count as this colour.
     length: [f32; 2],
 }
 

@@ -1,7 +1,7 @@
-//! Detection of a finger that is not at the pose of the scene's camera: upside down, mirrored, displaced, rotated or scaled.
+//! Detection of a finger that is not where the scene's camera pose puts it: upside down, mirrored, displaced, rotated or scaled.
 //!
-//! First, flips of the image are tried. Then every pair of markers that may be the two clamped ones, or the ends of a rib near the base, proposes a placement
-//! and a scale of the finger. The proposal with the least cost of naming its markers (assigning them to nodes) is chosen.
+//! First, flips of the image are tried. Then pairs of markers propose a placement and a scale of the finger. A pair may be the two clamped markers,
+//! or the ends of a rib near the base. The proposal with the least cost of naming its markers (assigning them to nodes) is chosen.
 
 use super::LocateError;
 use super::finger_placement::FingerPlacement;
@@ -10,13 +10,14 @@ use finray_model::camera::{Camera, Pixel};
 use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
 
-/// Number of ribs from the base that propose a placement if the clamped markers are hidden.
+/// Number of ribs, counted from the base, whose ends propose a placement if the clamped markers are hidden.
 const PROPOSING: usize = 2;
-/// Standard deviation of the base's position that a rib proposes, as a share of the plate's length up to the rib. Its cause is the bending of the plate.
+/// Standard deviation of the base's position that a rib proposes, as a share of the plate's length up to the rib. Bending of the plate causes this deviation.
 const BEND_SHARE: f64 = 0.2;
-/// Largest distance of the next markers along the plates from their predicted positions, as a share of their distance from the base.
+/// A placement must predict the next markers along the plates within this distance, as a share of their distance from the base.
 const BENT: f64 = 0.35;
-/// The cost of another placement must be below that of the scene's pose by at least this. It is more than the cost of two hidden markers.
+/// Another placement is accepted only if its cost is lower than at the scene's camera pose by at least this. The value exceeds the cost of two hidden
+/// markers.
 const GAIN: f64 = 13.0;
 /// Another placement must assign at least this share of the finger's markers.
 const LEAST_NAMED: f64 = 0.65;
@@ -40,8 +41,8 @@ pub(super) struct Scenery<'a> {
 }
 
 impl Scenery<'_> {
-    /// The error for a finger at another placement, if the markers fit one significantly better than the scene's pose. `None` otherwise, or if all clamped
-    /// markers are at their stated positions.
+    /// The error for a finger at another placement, if the markers fit that placement significantly better than the scene's camera pose. `None` otherwise, or
+    /// if all clamped markers are at their stated positions.
     pub fn elsewhere(&self, names: &Result<Names, NamingError>) -> Option<LocateError> {
         let finger = self.finger;
         let is_seen = |node: &NodeId| names.as_ref().is_ok_and(|names| names[node.0 - 1].is_some());
@@ -102,7 +103,7 @@ fn proposing_ends(finger: &Finger) -> Vec<([NodeId; 2], f64)> {
     ends.filter(|(ends, _)| ends.iter().all(|node| finger.has_marker(*node))).collect()
 }
 
-/// Placements that map two nodes to two candidates, and most of the next markers along the plates to positions near candidates.
+/// Placements that map two nodes to two candidates, and at least half of the next nodes along the plates to positions near candidates.
 fn places(finger: &Finger, candidates: &[Candidate], ends: [NodeId; 2]) -> Vec<FingerPlacement> {
     let at = ends.map(|node| finger.marker_position(node));
     let next = (0..finger.rib_count().min(PROPOSING)).flat_map(|rib| {

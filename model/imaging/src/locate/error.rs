@@ -61,13 +61,13 @@ pub enum LocateError {
     /// The image is flipped. Holds the kind of flip, in words.
     #[error("the image shows the finger {0}: correct the image (EXIF orientation), or the camera's pose in the scene")]
     Flipped(&'static str),
-    /// The finger is not at the pose of the scene's camera. Holds the finger's placement.
+    /// The finger is not where the scene's camera pose puts it. Holds the finger's placement.
     #[error(
         "the finger is not at the pose of the scene's camera: {0}; check whether the image is turned, mirrored or resized, or find the pose with \
          --rest, an image of the unloaded finger"
     )]
     Elsewhere(FingerPlacement),
-    /// The position of the base that the reference marks show contradicts the position that the finger's markers show.
+    /// The reference marks and the finger's markers show contradictory positions of the base.
     #[error(
         "the marks that look like the references on the base are {away_mm:.0} mm from the base that the ribs show; check base.reference.radius_mm, \
          inner_radius_mm and at_mm"

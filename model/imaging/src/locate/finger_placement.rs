@@ -1,27 +1,27 @@
-//! Placement of a finger in an image relative to the pose of the scene's camera.
+//! Placement of a finger in an image, relative to where the scene's camera pose puts the finger.
 
 use finray_model::Vector;
 use nalgebra::{Complex, Rotation2};
 
-/// Range of scales of the finger relative to the scene's pose that are considered. At other scales, markers are not detected.
+/// Range of the finger's size in the image, relative to its size at the scene's camera pose. Outside this range, markers are not detected.
 const SCALES: std::ops::Range<f64> = 0.4..2.5;
-/// A rotation by less than this, degrees, counts as none.
+/// A rotation of the finger by less than this, degrees, counts as none.
 const TURN_DEG: f64 = 1.0;
 /// A scale that deviates from 1 by less than this counts as 1.
 const SCALE: f64 = 0.01;
 /// A displacement of less than this, mm, counts as none.
 const SHIFT_MM: f64 = 1.0;
 
-/// Placement of the finger in an image, relative to the pose of the scene's camera.
+/// Placement of the finger in an image, relative to where the scene's camera pose puts the finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FingerPlacement {
     /// Whether the finger is mirrored.
     pub is_mirrored: bool,
     /// Rotation of the finger in the plane, rad; for a mirrored finger, the rotation after mirroring about the finger's x axis.
     pub turn_rad: f64,
-    /// Size of the finger relative to the scene's, dimensionless.
+    /// Size of the finger in the image, relative to its size at the scene's camera pose, dimensionless.
     pub scale: f64,
-    /// Position of the finger frame's origin, mm, in the frame of the scene's pose.
+    /// Position of the finger's origin, mm, in the finger frame at the scene's camera pose.
     pub origin: Vector,
 }
 
@@ -62,7 +62,7 @@ impl FingerPlacement {
         mirrored(&turned, self.is_mirrored)
     }
 
-    /// Whether the placement differs noticeably from the scene's pose.
+    /// Whether the placement differs noticeably from where the scene's camera pose puts the finger.
     pub(super) fn is_other(&self) -> bool {
         self.is_mirrored
             || self.turn_rad.to_degrees().abs() > TURN_DEG

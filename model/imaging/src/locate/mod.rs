@@ -43,13 +43,13 @@ use together::{Common, located, measure_together};
 
 /// Radius of the search for a marker about its last position, in marker radii.
 const NEAR: f64 = 1.6;
-/// Smallest share of the previous markers that must be found near their last positions. If fewer are found, the whole image is searched.
+/// If less than this share of the previous markers is found near their last positions, the whole image is searched.
 const FOUND_AGAIN: f64 = 0.8;
 /// Number of images after which the whole image is searched again if a marker is missing.
 const SEARCH_AGAIN: usize = 10;
-/// Every n-th marker is tested for motion blur; this is n.
+/// One in this number of markers is tested for motion blur.
 const FEW: usize = 5;
-/// If the ratio of the patches' radius to the markers' radius, or its inverse, exceeds this, the camera or scale of the scene is reported as wrong.
+/// The camera or scale of the scene is reported as wrong if the radii of patches and markers differ by more than this factor.
 const OTHER_SIZE: f64 = 1.2;
 
 /// A marker that was located in an image.
@@ -61,8 +61,8 @@ pub struct Located {
     pub pixel: Pixel,
     /// Position of the marker's centre, mm, finger frame.
     pub position: Vector,
-    /// Standard deviation of one coordinate of the position, mm. It includes image noise, and the errors of shading and edge model found in rendered images.
-    /// It excludes errors of lens and pose.
+    /// Standard deviation of one coordinate of the position, mm. It covers image noise, and errors of shading and edge model as found in rendered
+    /// images. It excludes errors of lens and pose.
     pub sd_mm: f64,
 }
 
@@ -141,7 +141,7 @@ impl<'f> Locator<'f> {
         self.locate_about(image, true)
     }
 
-    /// Same as [`locate`](Locator::locate). If `pose_holds`, the finger must be exactly at the camera's pose, otherwise near it.
+    /// Same as [`locate`](Locator::locate). If `pose_holds`, the finger must be exactly where the camera's pose puts it, otherwise nearby.
     fn locate_about(&mut self, image: &RgbImage, pose_holds: bool) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let mut buffers = std::mem::take(&mut self.buffers);
@@ -163,10 +163,9 @@ impl<'f> Locator<'f> {
         Ok(self.last.clone())
     }
 
-    /// Locates the markers in the next image of a stream: each near its last position, with the outline and noise of the last full search. If a fifth of the
-    /// markers of that search is missing or does not fit a finger, the whole image is searched. While a marker is missing, every tenth image is also searched
-    /// completely.
-    /// marker is missing.
+    /// Locates the markers in the next image of a stream: each near its last position, with the outline and noise of the last full search. If more than a
+    /// fifth of the markers of that search is missing or does not fit a finger, the whole image is searched. While a marker is missing, every tenth image is
+    /// also searched completely.
     ///
     /// # Errors
     /// [`LocateError`] as for [`Locator::locate`].
@@ -208,7 +207,7 @@ impl<'f> Locator<'f> {
         if (named.len() as f64) < FOUND_AGAIN * self.searched as f64 {
             return self.locate(image);
         }
-        // A few markers suffice to show motion blur. A full search then measures it; one also follows an image with motion blur.
+        // A few markers suffice to detect motion blur. A full search then measures the blur, and the image after a blurred one is also searched fully.
         let few = named.iter().step_by(FEW).map(|(_, disc)| disc);
         let blur_px = motion_blur_px(image, few, self.radius_px, outline.blurs_px[0]);
         if blur_px.or(common.motion_px).is_some() {

@@ -9,7 +9,7 @@ use nalgebra::Matrix2;
 
 /// Ratio of the smaller to the larger sum of gradients above which blur counts as isotropic. Discs seen at an angle of 20 degrees have 0.94.
 const ROUND: f64 = 0.75;
-/// Smallest motion blur that is reported, px. Encoders that halve the resolution of colour along rows only cause up to 0.9 px.
+/// Smaller motion blur is not reported, px. Encoders that halve the resolution of colour only along rows cause up to 0.9 px.
 const LEAST_PX: f64 = 1.2;
 /// Radius of the window about a disc in which gradients are summed, in radii of the disc.
 const ROOM: f64 = 1.4;

@@ -24,12 +24,12 @@ pub(super) struct Candidate {
     pub cost: f64,
 }
 
-/// Another chain counts as equally good if its cost is higher by at most this.
+/// Another chain counts as equally good if its cost exceeds the least cost by at most this (dimensionless).
 const ALIKE: f64 = 4.0;
-/// Largest number of nodes to which an equally good chain may assign other candidates. These nodes get no marker. If there are more, the assignment is
-/// rejected as ambiguous.
+/// Equally good chains may differ at up to this number of nodes; those nodes get no marker. If the chains differ at more nodes, the assignment is rejected as
+/// ambiguous.
 const MOST_DOUBTFUL: usize = 1;
-/// Number of rounds in which each plate is assigned with the result for the other plate.
+/// Number of rounds. Each round assigns the markers of both plates in turn, with the latest assignment of the other plate.
 const ROUNDS: usize = 3;
 
 /// Reason why markers cannot be assigned to nodes.
@@ -42,7 +42,7 @@ pub enum NamingError {
         found: usize,
         /// Number of free nodes that have a marker.
         all: usize,
-        /// Smallest number of markers that are needed.
+        /// Smallest number of markers with which a finger is recognised.
         least: usize,
     },
     /// Two positions of the base fit the markers equally well.
@@ -73,7 +73,7 @@ pub(super) struct Marked<'f> {
 }
 
 impl<'f> Marked<'f> {
-    /// A finger whose base is exactly at the camera's pose.
+    /// A finger whose base is exactly where the scene's camera pose puts it.
     pub fn at_base(finger: &'f Finger) -> Marked<'f> {
         Marked { finger, base_sd_mm: 0.0 }
     }
@@ -95,8 +95,8 @@ pub(super) fn name_at_cost(marked: Marked, candidates: &[Candidate]) -> Option<(
     Some((names, cost))
 }
 
-/// Assigns both plates in turn, each with the other plate's result for the ribs. If candidates may be on either plate, the plate that comes first may take
-/// markers of the other plate. Three starting points are then tried, and the cheapest result is used.
+/// Assigns both plates in turn. The cost of a plate includes the lengths of the ribs to the markers assigned on the other plate. If candidates may be on
+/// either plate, the plate that comes first may take markers of the other plate. Three starting points are then tried, and the cheapest result is used.
 fn likely(marked: Marked, candidates: &[Candidate]) -> (Names, [Option<Named>; 2]) {
     const FRONT_FIRST: [Plate; 2] = [Plate::Front, Plate::Back];
     let none: Names = vec![None; marked.finger.key_node_count()];
@@ -211,7 +211,7 @@ mod tests {
                 let nodes = seen.len();
                 for _ in 0..number % 13 {
                     let at = Vector::new(chance.random_range(-30.0..180.0), chance.random_range(-70.0..70.0));
-                    // False markers keep a distance from true ones, because overlapping discs are measured as one disc or not at all.
+                    // False markers keep a distance from true markers, because overlapping discs are measured as a single disc or not at all.
                     if seen.iter().all(|(_, other)| (other.at - at).norm() > 4.0) {
                         let is_front = chance.random_range(0.0..1.0) < 0.5;
                         seen.push((NodeId(0), Candidate { sides: [is_front, !is_front], at, node: None, cost: 0.0 }));

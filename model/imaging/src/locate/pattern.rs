@@ -1,7 +1,8 @@
 //! Detection of the undeformed finger in an image without an initial pose, by its two rows of markers that meet at the tip.
 //!
-//! A camera maps straight lines to straight lines, after its distortion is removed. The line through two markers of a colour that contains the most markers
-//! is a plate. Two markers near the ends of each plate, matched to nodes near the plate's ends, define a homography. The homography that maps the most nodes onto markers decides which marker belongs to which node.
+//! A camera maps straight lines to straight lines, after its distortion is removed. Among the lines through two markers of one colour, the line that contains
+//! the most markers is a plate. Two markers near the ends of each plate, matched to nodes near the plate's ends, define a homography. The homography that
+//! maps the most nodes onto markers decides which marker belongs to which node.
 
 use super::blobs::Blob;
 use super::colour::Side;
@@ -11,15 +12,15 @@ use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
 use nalgebra::{Matrix3, SMatrix, SVector};
 
-/// Largest number of patches that are considered, the largest first.
+/// At most this number of patches is considered, the largest patches first.
 const MOST_BLOBS: usize = 150;
-/// Largest distance of a marker from the line of its plate, in marker radii.
+/// A marker belongs to a plate only within this distance of the line of that plate, in marker radii.
 const ON_LINE: f64 = 0.7;
-/// Largest distance of a marker from its node, in marker radii.
+/// A marker belongs to a node only within this distance of the predicted position of that node, in marker radii.
 const ON_NODE: f64 = 1.2;
-/// Largest number of false markers at each end of a line, and largest number of hidden nodes at each end of a plate.
+/// Up to this number of markers at each end of a line may be false. Up to this number of nodes at each end of a plate may be hidden.
 const DOUBTFUL: usize = 3;
-/// Smallest share of the nodes that must have a marker; with fewer, no finger is recognised.
+/// A finger is recognised only if at least this share of its nodes has a marker.
 const LEAST_SHARE: f64 = 0.6;
 
 /// A marker with its undistorted image position (dimensionless) and its pixel.
@@ -86,7 +87,7 @@ struct Named {
     distance: f64,
 }
 
-/// Markers of a plate in order along the line that contains the most of them; `None` for fewer than two markers.
+/// Markers of a plate, in order along the line through two markers that contains the most markers; `None` for fewer than two markers.
 fn row(marks: &[Mark], side: Side, radius: f64, taken: &[usize]) -> Option<Vec<usize>> {
     let of_side: Vec<usize> =
         (0..marks.len()).filter(|i| marks[*i].sides[side as usize] && !taken.contains(i)).collect();
@@ -105,7 +106,7 @@ fn row(marks: &[Mark], side: Side, radius: f64, taken: &[usize]) -> Option<Vec<u
     (best.len() >= 2).then_some(best)
 }
 
-/// Pairs of markers near the ends of a row, matched to nodes near the ends of a plate, in both directions.
+/// Pairs of markers near the ends of a row, matched to pairs of nodes near the ends of a plate. Each row is matched in both directions.
 fn ends(row: &[usize], nodes: &[NodeId]) -> Vec<[(usize, NodeId); 2]> {
     let mut ways = Vec::new();
     for (i, k) in (0..DOUBTFUL).flat_map(|i| (0..DOUBTFUL).map(move |k| (i, k))) {

@@ -11,10 +11,10 @@ use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::scene::{MarkerLook, Markers};
 use image::RgbImage;
 
-/// Largest residual of the fit of the pose, px. A bent or a different finger has a larger residual and is rejected.
+/// An image is rejected if the residual of the fitted pose exceeds this, px. The finger is then bent, or is not the scene's finger.
 const LARGEST_RESIDUAL_PX: f64 = 2.0;
-/// Number of rounds that alternate the location of the markers and the fit of the pose. The markers are measured as circles in the plane, which depends on
-/// the pose.
+/// Number of rounds, each of which locates the markers and then fits the pose. Several are needed, because the markers are measured as circles in the
+/// finger's plane, which depends on the pose.
 const ROUNDS: usize = 3;
 
 /// Results from an image of the unloaded finger.
@@ -40,7 +40,7 @@ pub enum RestError {
     /// The markers do not determine a pose.
     #[error(transparent)]
     Pose(#[from] PlanePoseError),
-    /// The image shows no two rows of markers that meet at a tip, and the scene states no pose from which to start.
+    /// The image shows no two rows of markers that meet at a tip, and the scene states no pose from which the fit could start.
     #[error(
         "no unloaded finger is recognised: expected two rows of markers as in the scene, with at least six of ten visible"
     )]

@@ -1,7 +1,8 @@
 //! Locator of grey markers by their rims, in surroundings of similar shades, on a finger whose base may move.
 //!
-//! An image has many round rims; those that one finger can have are its markers. If the position of the base is unknown, pairs of rims propose it: two rims
-//! that may be references on the base, or the two ends of a rib. The proposal with the least cost of naming the markers (assigning them to nodes) is chosen.
+//! An image has many round rims. The rims whose positions fit one finger are its markers. If the position of the base is unknown, pairs of rims propose it:
+//! two rims that may be references on the base, or the two ends of a rib. The proposal with the least cost of naming the markers (assigning them to nodes) is
+//! chosen.
 
 use super::elsewhere::Scenery;
 use super::error::require_own_junctions;
@@ -19,27 +20,30 @@ use nalgebra::{Isometry2, UnitComplex};
 const REFERENCE_MM: f64 = 1.5;
 /// Tolerance of the distance between two references, as a share of that distance.
 const REFERENCE_SHARE: f64 = 0.03;
-/// Tolerance of a rib's length in a proposal, as a share of that length. It is this large because the scene's geometry is nominal.
+/// Two rims may be the ends of a rib if their distance deviates from the rib's length by at most this share. The share is large, because the scene's geometry
+/// is nominal.
 const RIB_SHARE: f64 = 0.08;
-/// Number of ribs from the base that propose the base's position.
+/// Number of ribs, counted from the base, whose ends propose a position of the base.
 const PROPOSING: usize = 2;
-/// Standard deviation of a position proposed by a rib, as a share of the plate's length up to the rib. Its cause is the bending of the plate.
+/// Standard deviation of the base's position proposed by a rib, as a share of the plate's length up to the rib. Bending of the plate causes this deviation.
 const BEND_SHARE: f64 = 0.2;
 /// A rim has cost 1 if the standard deviation of its centre as found by rays is this share of its radius. Markers are round, so a larger deviation costs
 /// more.
 const ROUND: f64 = 0.02;
-/// A rim is rejected as a marker if its standard deviation as found by rays is larger than this multiple of the median over all assigned rims. The reason is
-/// that all markers are equal.
+/// A rim is rejected as a marker if its standard deviation, as found by rays, exceeds this multiple of the median over all assigned rims. All markers
+/// are equal, so their standard deviations should be similar.
 const LEAST_ROUND: f64 = 4.0;
-/// Another position of the base counts as equally good if its cost is higher by at most this.
+/// Another position of the base counts as equally good if its cost exceeds the least cost by at most this (dimensionless).
 const ALIKE: f64 = 4.0;
-/// The position of the base from ribs contradicts the one from references if its cost is lower by at least this: more than the cost of two hidden markers.
+/// References are rejected if ribs propose another position of the base whose cost is lower by more than this. The value exceeds the cost of two hidden
+/// markers.
 const CONTRADICTS: f64 = 13.0;
-/// Standard deviation of the position of a base without references, relative to the estimate from the ribs, mm. It covers the range of a bent finger.
+/// Standard deviation of the position of a base without references, relative to the estimate from the ribs, mm. The value allows for bending of the
+/// finger.
 const UNKNOWN_MM: f64 = 10.0;
 /// Standard deviation of the rotation of a base without references, relative to the estimate from the ribs, rad.
 const UNKNOWN_RAD: f64 = 0.2;
-/// Largest number of nodes to which equally good positions of the base may assign different rims. If there are more, the image is rejected as ambiguous.
+/// Equally good positions of the base may assign different rims to up to this number of nodes. At more nodes, the image is rejected as ambiguous.
 const MOST_DOUBTFUL: usize = 1;
 
 /// A finger that was located in an image.
@@ -56,10 +60,10 @@ pub struct SeenFinger {
 /// Pose of a finger's base in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenBase {
-    /// Transform (rotation, and translation in mm) from the finger frame, which moves with the base, to the frame of the camera's pose.
+    /// Transform (rotation, and translation in mm) from the finger frame, which moves with the base, to the finger frame at the scene's camera pose.
     pub pose: Isometry2<f64>,
-    /// Whether the camera's pose or two references determine the base. Otherwise the markers determine it only roughly, and displacements relative to the
-    /// base are unknown.
+    /// Whether the camera's pose or two references determine the base. Otherwise the markers determine the base only roughly, and displacements relative to
+    /// the base are unknown.
     pub is_known: bool,
     /// Distance between each reference and the position that the fitted base predicts, mm; `None` if the reference was not found.
     pub references_mm: Vec<Option<f64>>,
@@ -72,7 +76,7 @@ pub struct SeenBase {
 }
 
 impl SeenBase {
-    /// A base that is exactly at the camera's pose.
+    /// A base that is exactly where the scene's camera pose puts it.
     fn fixed() -> SeenBase {
         SeenBase {
             pose: Isometry2::identity(),
@@ -105,7 +109,7 @@ struct Proposal {
     base: Isometry2<f64>,
     /// Standard deviation of the proposed position of the base, mm.
     sd_mm: f64,
-    /// Index of the rim that is each reference, in the order of the references; `None` if it is not found.
+    /// Index of the rim that shows each reference, in the order of the references; `None` for a reference that was not found.
     references: Vec<Option<usize>>,
 }
 
@@ -175,7 +179,7 @@ impl<'f> RimLocator<'f> {
         Ok(SeenFinger { located: located(&named, &base, wider), base, radii })
     }
 
-    /// Rims that may be each reference. References with the same appearance are searched for only once.
+    /// For each reference, the rims that may show it. References with the same appearance are searched for only once.
     fn marks(&self, view: &GreyView, base: &Base) -> Vec<Vec<Rim>> {
         let mut known: Vec<(RimShape, Vec<Rim>)> = Vec::new();
         let of_reference = |reference: &Reference| {
@@ -190,7 +194,7 @@ impl<'f> RimLocator<'f> {
         base.references.iter().map(of_reference).collect()
     }
 
-    /// Proposals for the base from the ends of the ribs that are next to it.
+    /// Proposals for the pose of the base, from pairs of rims that may be the ends of a rib near the base.
     fn by_ribs(&self, rims: &[Rim]) -> Vec<Proposal> {
         let mut proposals = Vec::new();
         for rib in 0..self.finger.rib_count().min(PROPOSING) {
@@ -229,9 +233,9 @@ impl<'f> RimLocator<'f> {
         Ok((cost, proposal))
     }
 
-    /// Rejects a base from references if the ribs next to it fit far better with another position. The references are then mistaken for other marks.
+    /// Rejects the base's position from references if the ribs near the base fit another position far better. The assumed references are then other marks.
     fn require_base_of_finger(&self, rims: &[Rim], by_references: &Proposal, cost: f64) -> Result<(), LocateError> {
-        // A position from ribs that is ambiguous contradicts nothing.
+        // If the position from ribs is ambiguous, it does not contradict the references.
         let proposals = self.by_ribs(rims);
         let Ok((cost_of_ribs, by_ribs)) = self.best(rims, &proposals) else { return Ok(()) };
         let away_mm = (by_ribs.base.translation.vector - by_references.base.translation.vector).norm();
@@ -327,7 +331,7 @@ fn pairs(first: &[Rim], second: &[Rim], distance_mm: f64, tolerance_mm: f64) -> 
     found
 }
 
-/// Proposals for the base from references: those in which the most references are found.
+/// Proposals for the pose of the base from references: those with the largest number of references found.
 fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
     let places: Vec<Vector> = base.references.iter().map(|reference| reference.at).collect();
     let mut proposals: Vec<Proposal> = Vec::new();

@@ -14,7 +14,7 @@ const UNEVEN: f64 = 3.0;
 
 /// A displacement of colour relative to brightness is corrected if it exceeds this number of standard deviations.
 const COLOUR_SIGMAS: f64 = 4.0;
-/// Largest number of corrections of the displacement of colour. Several may be needed, because each correction is of first order.
+/// Largest number of corrections of the displacement of colour. Several corrections may be needed, because each correction is of first order.
 const COLOUR_ROUNDS: usize = 4;
 /// Standard deviation of a coordinate due to motion blur, as a share of that blur. The error arises because the edge model assumes isotropic blur.
 const MOTION_SD: f64 = 0.1;
@@ -24,7 +24,7 @@ const MOTION_SD: f64 = 0.1;
 pub(super) struct Common {
     /// Common radius and blurs of the discs.
     pub outline: Outline,
-    /// Weights of brightness and colour; see [`View`].
+    /// Weights of brightness and colour, dimensionless; see [`View`].
     pub weights: [f64; 2],
     /// Displacement of colour relative to brightness, px; see [`View`].
     pub colour_shift_px: Vector,
@@ -123,8 +123,8 @@ pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId], common: &Co
     named.iter().map(located).collect()
 }
 
-/// Factor by which standard deviations exceed those for independent pixel errors. One marker determines it poorly, all markers of a colour together determine
-/// it well.
+/// Factor by which standard deviations exceed those for independent pixel errors. One marker determines this factor poorly; all markers of a colour together
+/// determine it well.
 ///
 /// A centre absorbs the residuals that have one period around the edge, and longer periods have more power. The power of one period is therefore extrapolated
 /// from the powers of two and three periods, along a Gaussian S(n) = a exp(-c n^2). The factor is 1 without markers.

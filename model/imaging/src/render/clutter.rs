@@ -9,15 +9,15 @@ use image::Rgb32FImage;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// Range of the sizes of the clutter, in marker radii.
+/// Range of the random size of a piece of clutter, in marker radii: the radius of a disc, or half the side of a box.
 const SIZES: [f64; 2] = [0.5, 2.5];
-/// Smallest distance between a piece of clutter and the centre of a marker, in marker radii, in addition to the size of the clutter.
+/// A piece of clutter keeps this gap, in marker radii, from the centre of every marker, in addition to its own half diagonal.
 const CLEAR: f64 = 3.0;
-/// Largest number of random positions that are tried for one piece of clutter.
+/// A piece of clutter is given up after this number of random positions that are all too close to a marker.
 const MOST_DRAWS: usize = 1000;
-/// Largest deviation of a colour channel from the nominal colour, grey levels.
+/// Largest random change of each colour channel of a piece of clutter from its nominal colour, grey levels.
 const OTHER_SHADE: f64 = 30.0;
-/// Nominal colours of clutter that has none of the markers' colours.
+/// Nominal colours of those pieces of clutter that do not have a marker's colour.
 const GREYS: [Rgb; 2] = [[120, 110, 100], [220, 220, 225]];
 
 /// Paints up to `count` pieces of clutter, none of which touches a marker.

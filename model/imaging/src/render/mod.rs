@@ -52,7 +52,7 @@ pub struct RenderRequest<'a> {
 /// Disturbances of a rendered image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disturbances {
-    /// Loss of light in the corners of the image as a share, 0..1. The loss grows with the square of the distance from the image's centre.
+    /// Share of the light that is lost in the corners of the image, 0..1. The loss grows with the square of the distance from the image's centre.
     pub light_falloff: f64,
     /// Standard deviation of a Gaussian blur of the image, px.
     pub blur_px: f64,

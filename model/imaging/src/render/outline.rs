@@ -86,8 +86,8 @@ impl End {
     }
 }
 
-/// Points of a member between two ends, mm. They lie on the cubic through the positions of the ends with the rotated directions there, which is the shape of
-/// an unloaded Euler-Bernoulli beam.
+/// Points of a member between two ends, mm. The points lie on a cubic: the shape of an unloaded Euler-Bernoulli beam with these positions and rotations of
+/// its ends.
 fn bent([first, second]: [End; 2]) -> Vec<Vector> {
     let (from, to) = (first.at, second.at);
     let along = second.undeformed - first.undeformed;

@@ -43,7 +43,7 @@ pub fn over_assumptions(verdicts: &[ClaimVerdict]) -> ClaimVerdict {
     }
 }
 
-/// Number of nodes at which a qualitative statement holds, and whether they are the majority.
+/// Number of nodes at which a qualitative statement holds, and whether these nodes are the majority.
 pub fn at_most_nodes(figures: &[f64], holds: impl Fn(f64) -> bool) -> (usize, bool) {
     let count = figures.iter().filter(|figure| holds(**figure)).count();
     (count, 2 * count > figures.len())
@@ -53,11 +53,11 @@ pub fn at_most_nodes(figures: &[f64], holds: impl Fn(f64) -> bool) -> (usize, bo
 pub const NEGLIGIBLE_SHARE: f64 = 0.015;
 /// A finer mesh is unnecessary if it changes displacements by less than this, relative (paper, sec. III).
 pub const MESH_SHARE: f64 = 0.0026;
-/// Upper rounding limit of the paper's "about 2.4%", dimensionless.
+/// Largest number that rounds to the paper's "about 2.4%", dimensionless.
 pub const DIRECTION_SHARE: f64 = 0.0245;
 /// A relative force error up to this is negligible (paper, sec. V-C, on the direction). Also applied to torques.
 pub const NEGLIGIBLE_FORCE_SHARE: f64 = 0.024;
-/// A loss of accuracy counts as large above this relative error, from which the paper's Table I is shaded.
+/// A loss of accuracy counts as large above this relative error. The paper's Table I shades larger errors.
 pub const MUCH_SHARE: f64 = 0.10;
 /// A force component counts as well estimated up to this standard deviation, N: a tenth of the gripper tests' largest force, 3 N.
 pub const WELL_N: f64 = 0.3;
@@ -68,12 +68,13 @@ pub const MOST_OF: f64 = 0.5;
 /// Range of Young's modulus of TPU quoted by the paper (sec. II), MPa.
 pub const TPU_MPA: [f64; 2] = [10.0, 1000.0];
 
-/// Whether a cause produces most of every error. The pairs hold our error and the paper's, and must not be empty.
+/// Whether a cause alone produces most of each error. The pairs hold our error and the paper's, and must not be empty.
 pub fn accounts_for(pairs: &[(f64, f64)]) -> bool {
     !pairs.is_empty() && pairs.iter().all(|(ours, paper)| *ours > MOST_OF * paper)
 }
 
-/// Verdict on recalibration with all nodes, in simulation: worse in the middle and better at the ends. The arrays hold mean errors before and after.
+/// Verdict on recalibration with all nodes, in simulation: errors must grow in the middle and shrink at the ends. Arrays: mean errors before and
+/// after.
 pub fn recalibration(middle: [f64; 2], ends: [f64; 2]) -> ClaimVerdict {
     in_simulation(middle[1] > middle[0] && ends[1] < ends[0])
 }

@@ -41,7 +41,7 @@ pub fn wrong_direction(finger: &Finger, off_deg: f64) -> Result<Vec<f64>, Sensin
     by_node(finger, |node| Ok(sensed_n(finger, node, Load::at_node(node, finger.direction(off_deg)))? - 1.0))
 }
 
-/// Relative error by node if a normal force is sensed and the friction moment on its rod neglected. `friction` is the coefficient, dimensionless.
+/// Relative error by node if a normal force is sensed and the friction moment on its rod is neglected. `friction` is the coefficient, dimensionless.
 /// The friction force itself is omitted.
 ///
 /// # Errors
@@ -53,7 +53,7 @@ pub fn neglected_torque(finger: &Finger, friction: f64) -> Result<Vec<f64>, Sens
     })
 }
 
-/// Largest difference of linear and co-rotational shape under `force_n` (N), relative to the largest displacement, by node. Nodes without
+/// Largest difference between linear and co-rotational shape under `force_n` (N), relative to the largest displacement, by node. Nodes without
 /// equilibrium are omitted.
 ///
 /// # Errors
@@ -104,7 +104,7 @@ pub(crate) fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f6
     })
 }
 
-/// Change of the co-rotational shape when the forces at two nodes are exchanged.
+/// Effect on the co-rotational shape of exchanging the forces at two nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exchanged {
     /// Largest difference of a displacement, relative to the largest displacement, dimensionless.

@@ -75,7 +75,8 @@ pub fn of_the_papers_network(
     words.claim("papers-network", over_assumptions(&verdicts), numbers)
 }
 
-/// Claims of the paper's conclusion, for two scalings of network inputs: by the largest displacement, and by the spread. Noise `noise_mm` in mm.
+/// Claims of the paper's conclusion, for network inputs scaled by the largest displacement, and by the spread. `noise_mm` is the noise of a
+/// coordinate, mm.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.

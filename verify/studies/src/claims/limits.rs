@@ -10,9 +10,9 @@ use crate::prelude::*;
 use crate::study::Study;
 use minijinja::context;
 
-/// Assumed range of friction coefficients for neglected torques: plastic on steel, to rubber on most materials.
+/// Assumed range of friction coefficients for neglected torques: from plastic on steel to rubber on most materials.
 const FRICTIONS: [f64; 2] = [0.2, 0.5];
-/// Noise of a displacement divided by the noise of a coordinate, for undeformed positions that are exact or measured in an image (sec. V-B).
+/// Noise of a displacement divided by the noise of a coordinate: for exact undeformed positions, and for those measured in an image (sec. V-B).
 const NOISE_OF_IMAGES: [f64; 2] = [1.0, std::f64::consts::SQRT_2];
 /// Pairs of nodes of the paper's Fig. 12, by increasing distance.
 const EXCHANGED: [[usize; 2]; 4] = [[18, 19], [18, 20], [17, 20], [17, 21]];

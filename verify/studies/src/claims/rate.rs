@@ -26,7 +26,7 @@ pub fn sensing_rate(
         let (ms, percent) = (1e3 * point.seconds, 100.0 * point.seconds / FRAME_S);
         context! { ms, percent, within_ms => point.seconds_95.map(|seconds| 1e3 * seconds) }
     };
-    // If the forces alone take longer than a frame, vision does not limit the rate.
+    // If sensing the forces alone takes longer than a frame, vision does not limit the rate.
     let slower = way.cold.map_or(way.one.seconds, |cold| cold.seconds.max(way.one.seconds)) >= FRAME_S;
     let numbers = context! {
         one => of_frame(way.one),

@@ -40,7 +40,7 @@ fn papers(row: &TableOneRow) -> f64 {
     row.paper_mean_error
 }
 
-/// Rows with small mean errors in the paper, and rows with large ones.
+/// Splits the rows: those with small mean errors in the paper, then those with large mean errors.
 fn split(table: &TableOne) -> (Vec<&TableOneRow>, Vec<&TableOneRow>) {
     table.rows.iter().partition(|row| row.paper_mean_error <= MUCH_SHARE)
 }
@@ -61,7 +61,7 @@ fn largest(row: &TableOneRow) -> f64 {
     worst(row.range().map(f64::abs))
 }
 
-/// Verdict on a figure over all directions that the weights may have had, because the finger's orientation is not published.
+/// Combined verdict on a figure over all assumed directions of the weights, because the paper does not state the finger's orientation.
 fn over_angles(tables: &[TableOne], same: impl Fn(&TableOne) -> bool) -> ClaimVerdict {
     over_assumptions(&tables.iter().map(|table| figure(same(table))).collect::<Vec<_>>())
 }

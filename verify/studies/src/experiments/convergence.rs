@@ -38,7 +38,7 @@ pub struct MeshSize {
 pub struct Refinement {
     /// Largest difference of a key node's displacement from the converged one, relative to the largest displacement, by mesh.
     pub errors: Vec<f64>,
-    /// Observed order of convergence in the element length; `None` if the differences do not shrink.
+    /// Observed order of convergence in the element length, dimensionless; `None` if the differences do not shrink.
     pub order: Option<f64>,
     /// Grid convergence index: estimated error of the finest mesh, relative to the largest displacement, dimensionless.
     pub left: f64,
@@ -154,7 +154,7 @@ fn path(mesh: &Mesh, node: NodeId, forces_n: &[f64]) -> Vec<Vec<Vector>> {
     equilibria.into_iter().map(|found| found.motion.displacements[..key_nodes].to_vec()).collect()
 }
 
-/// Errors of some solutions, listed in `order`. The first `doubled` of them double the number of elements each time.
+/// Errors of the solutions in the sequence `order`. The first `doubled` solutions double the number of elements each time.
 fn refine(solutions: &[&[Vector]], doubled: usize, order: &[usize]) -> Option<Refinement> {
     let [.., coarse, middle, fine] = solutions[..doubled] else { return None };
     let largest = worst(fine.iter().map(|u| u.norm()));

@@ -1,7 +1,7 @@
 //! Coverage of stated intervals over positions, directions and forces, by finger and estimator.
 //!
 //! On the finger that equals the estimators' model, every cell has independent noise samples, because samples that cells share (as in maps) test
-//! coverage poorly. On the finger with softer ends the model's error dominates, so the cells of its maps are counted.
+//! coverage poorly. On the finger with softer ends the model's error dominates, so cells of its maps, with shared samples, are counted.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -18,14 +18,14 @@ const NOMINAL: f64 = 0.95;
 const TOLERANCE: f64 = 0.02;
 /// Allowance for chance beside the tolerance, in standard deviations of a share.
 const CHANCE: f64 = 3.0;
-/// At most this share of samples may be refused on the paper's finger, and one more. About one in 10 000 is refused next to a limit load.
+/// On the paper's finger, at most this share of the samples plus one sample may be refused. About one in 10 000 is refused next to a limit load.
 const REFUSED: f64 = 0.001;
-/// At most this share of samples may be refused on another finger, whose forces may be too small to sense. Else coverage remains untested.
+/// At most this share of samples may be refused on another finger, whose forces may be too small to sense. With more, coverage would remain untested.
 const REFUSED_OF_ANOTHER: f64 = 0.5;
 /// For answers with a warning, rms sigma may be at most this multiple of the rms error. A larger sigma would cover the error but carry no
 /// information.
 const LARGEST_SIGMA: f64 = 3.0;
-/// True finger on which stated intervals must contain the true force. On others (softer ends) the estimators' model is wrong, and the estimators
+/// True finger on which stated intervals must contain the true force. On a finger with softer ends the estimators' model is wrong, and the estimators
 /// warn.
 pub const TRUTH: TruthId = TruthId::Corotational;
 

@@ -1,9 +1,9 @@
-//! Forces of unknown direction at a known position: finds the cells in which direction and magnitude are identifiable.
+//! Forces of unknown direction at a known position: finds the positions and directions at which direction and magnitude are identifiable.
 //!
 //! The paper excludes unknown directions ("will not work", Fig. 13), because forces of other directions give nearly equal shapes. Camera noise
-//! decides whether they can be distinguished. Each position of the front plate is pushed in many directions. The nonlinear estimator knows only
-//! the position, and answers or refuses each noise sample. A contact without friction pushes along the deformed normal. That assumption removes
-//! one unknown ([`without_friction`](DirectionStudy::without_friction)).
+//! decides whether these shapes can be distinguished. Each position of the front plate is pushed in many directions. The nonlinear estimator knows
+//! only the position, and answers or refuses each noise sample. A contact without friction pushes along the deformed normal. The assumption of this
+//! direction removes one unknown ([`without_friction`](DirectionStudy::without_friction)).
 
 mod frictionless;
 

@@ -19,7 +19,7 @@ use finray_numerics::optimise::{FromFunction, LevenbergMarquardt, Refusal, covar
 pub const TRANSLATION_SD_MM: f64 = 0.05;
 /// Standard deviation of the finger base's rotation, degrees, if it is computed from the motor angle. The value is assumed.
 pub const ROTATION_SD_DEG: f64 = 0.1;
-/// Number of frames averaged in the second bound: one second of the paper's camera.
+/// Number of averaged frames in `bound_of_25_frames_n`: one second of the paper's camera.
 pub const FRAMES: usize = 25;
 /// Largest number of iterations of an estimator.
 const MAX_STEPS: usize = 20;
@@ -133,8 +133,8 @@ fn forces_at(nodes: &[NodeId], forces_n: &DVector<f64>) -> Vec<ContactForce> {
     nodes.iter().zip(forces_n).map(|(node, along_n)| ContactForce::plain(Contact::at_node(*node), *along_n)).collect()
 }
 
-/// Co-rotational least squares from `start_n` (N): generalised with the noise model `known`, ordinary without. `None` if the search does not
-/// converge.
+/// Co-rotational least squares from `start_n` (N): generalised with the noise model `known`, ordinary without a noise model. `None` if the search
+/// does not converge.
 pub fn least_squares(
     finger: &mut RespondingFinger,
     nodes: &[NodeId],

@@ -1,6 +1,6 @@
 //! Explanation of an accuracy map: noise floors of forces, and errors caused by wrong directions and positions.
 //!
-//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j, a
+//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j. A
 //! small force across the load gives c, and a shift of the load along the plate gives m. They are columns of the co-rotational finger's tangent
 //! compliance in its loaded shape, because the deformed finger has another stiffness than the finger at rest.
 
@@ -25,7 +25,7 @@ pub struct Explanation {
     pub bound_unknown_direction: Option<f64>,
     /// Cramer-Rao bound of the direction, degrees; `None` if the two components are not identifiable.
     pub direction_sigma_deg: Option<f64>,
-    /// Condition number, dimensionless: motion of the markers by the best observed force component, over that by the worst observed one.
+    /// Condition number, dimensionless: the markers' motion by the best observed force component, divided by that by the worst observed one.
     pub condition: Option<f64>,
     /// Size of the relative force error per degree of error in the assumed direction: |d (sensed / true) / d angle|, 1/degree.
     pub error_per_deg: Option<f64>,
@@ -51,7 +51,7 @@ pub struct ExplanationMap {
 
 impl Evidence for ExplanationMap {}
 
-/// Explains sensing of the drawn force on the co-rotational finger. Without noise the bounds are 0.
+/// Explains the accuracy of sensing at the force for which maps are drawn, on the co-rotational finger. Without noise the bounds are 0.
 pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
@@ -148,7 +148,7 @@ impl Sensitivity {
         Ok(Some(Sensitivity { along, across, moved }))
     }
 
-    /// Least-squares coefficient of another motion of the markers on the motion by the force: j+ x.
+    /// Coefficient j+ x with which the motion j by the force best fits another motion x of the markers (least squares).
     fn projected(&self, motion: &DVector<f64>) -> f64 {
         self.along.dot(motion) / self.along.norm_squared()
     }

@@ -19,10 +19,11 @@ use std::ops::RangeInclusive;
 const AXIAL_FORCES_N: [f64; 3] = [0.1, 2.0, 5.0];
 /// Lattices are settled up to this fineness, because finer lattices need many seconds.
 const SETTLED_FINENESS: usize = 4;
-/// Tolerance of sensed / true between lattice and beams. The maps' lattice (four segments per member) is within 1.2e-4 of the displacements under 3
-/// N. Linear sensing of one force at most doubles this error.
+/// Tolerance of sensed / true between lattice and beams. Under 3 N, displacements of the maps' lattice (four segments per member) have a relative
+/// error of 1.2e-4. Linear sensing of one force at most doubles this error.
 const MAP_TOLERANCE: f64 = 2.6e-4;
-/// Tolerance of the nonlinear estimator's error on the lattice. Four elements per member have 4e-4 under 3 N, and the lattice adds its own error.
+/// Tolerance of the nonlinear estimator's error on the lattice. Its mesh (four elements per member) has an error of 4e-4 under 3 N; the lattice adds
+/// its own error.
 const NONLINEAR_TOLERANCE: f64 = 5.3e-4;
 
 /// All results of the lattice for a report.
@@ -32,7 +33,7 @@ pub struct LatticeStudy {
     pub rows: Vec<FinenessRow>,
     /// Loads under which the rows were computed: by Newton's method, and by settling.
     pub loads: [LoadGrid; 2],
-    /// Errors with axial springs of a beam and with other ones, for [`FINENESS`] segments per member.
+    /// Errors with the axial springs of a beam and with other axial springs, for [`FINENESS`] segments per member.
     pub axial: Vec<AxialRow>,
     /// Forces at which axial springs are compared, N.
     pub axial_forces_n: Vec<f64>,
@@ -135,7 +136,7 @@ impl Evidence for LatticeStudy {
     }
 }
 
-/// Studies the lattice of the paper's finger in parallel with pressed objects, because each of them settles for long on a single thread. `maps`
+/// Studies the lattice of the paper's finger in parallel with pressed objects, because each object settles for long on a single thread. `maps`
 /// includes the map of least squares on the co-rotational finger without noise.
 pub(crate) fn run_beside_objects(
     context: &Context,

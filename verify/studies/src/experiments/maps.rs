@@ -40,8 +40,8 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     Ok(plans.iter().flat_map(map).collect())
 }
 
-/// Grid of the map of an estimator on a true finger: coarser for slow estimators, and for maps that vary little. `None` if another study covers the
-/// pair.
+/// Grid of the map of an estimator on a true finger. Only networks, and least squares on the scene's own beams, get the finest grid. `None` if
+/// another study covers the pair.
 fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<Option<Plan>, TruthError> {
     let is_asked = if estimator.at_nodes() { context.is_paper } else { !truth.id().has_study() };
     if !is_asked {

@@ -8,7 +8,7 @@ use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
 
 /// Tolerance of the mean relative error of one force at nodes 14 to 24. The Cramer-Rao bound is largest at node 24, 1.2 %.
 const ONE_FORCE_TOLERANCE: f64 = 0.013;
-/// Checks at nodes require at least this number of drawn cases. Mean relative errors over their bound are then known to 3 %, a third of their
+/// Checks at nodes require at least this number of drawn cases. The ratio of a mean relative error to its bound is then known to 3 %, a third of its
 /// tolerance. Refused cases count as drawn, so that they cannot remove a check.
 const ENOUGH_CASES: usize = 1000;
 /// With at least this number of drawn cases, a pair's tolerance has no allowance for chance. With fewer, two standard errors are allowed, because
@@ -92,7 +92,7 @@ impl NoiseStudy {
         progress.part("noise", singles.len() + pairs.len() + checked.len());
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
         let nonlinear = BeamEstimator::nonlinear(&model);
-        // For pairs only errors are shown, so the model's share of the stated standard deviations is not computed.
+        // For pairs only errors are shown, so the model error, a part of the stated standard deviation, is not computed.
         let of_pairs = [BeamEstimator::nonlinear, BeamEstimator::least_squares]
             .map(|estimator| estimator(&model).of_noise_alone());
         let noise_levels_mm = [noise_mm];

@@ -44,7 +44,7 @@ impl Evidence for TouchedFinger {}
 /// Step of the directions of [`touched`], degrees.
 const TOUCHED_STEP_DEG: f64 = 20.0;
 
-/// The co-rotational finger under the drawn force at up to 13 contact nodes, in all directions with equilibrium.
+/// The co-rotational finger under the force at which maps are drawn, at up to 13 contact nodes, in all directions with equilibrium.
 pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
     let (finger, force_n) = (context.finger, context.forces.drawn_n());
     let every = finger.contact_nodes().len().div_ceil(13);
@@ -60,7 +60,7 @@ pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallibl
     Ok(contacts.par_iter().filter_map(shape).collect())
 }
 
-/// The finger under the drawn force at up to three nodes, linear and co-rotational; shapes without equilibrium are left out.
+/// The finger under the force at which maps are drawn, at up to three nodes, linear and co-rotational. Shapes without equilibrium are left out.
 pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
     let (finger, mesh, force_n) = (context.finger, context.fine, context.forces.drawn_n());
     let nodes: Vec<_> = finger.contact_nodes().collect();

@@ -59,7 +59,7 @@ pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 /// Largest number of cases per set for the nonlinear estimator on the linear finger, whose shapes no co-rotational finger fits. The search then
 /// tries every starting point, often refuses, and takes a hundred times as long.
 pub const CASES_WITHOUT_FIT: usize = 20;
-/// On the linear finger, the nonlinear estimator senses at most one case in this number.
+/// On the linear finger, the nonlinear estimator senses at most the number of cases divided by this.
 const SHARE_WITHOUT_FIT: usize = 4;
 /// Largest number of cases per set for the nonlinear estimator, which takes as long as all other computations together. A mean error over the sets
 /// of a group is then known to 4 %, because relative errors have a standard deviation of 1.1 times their mean.

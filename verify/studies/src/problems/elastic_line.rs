@@ -64,7 +64,7 @@ impl Section {
     }
 }
 
-/// The limit load next to `start`. The vector holds the unknowns and, last, the load. At the limit load the N conditions `miss` are zero and their
+/// The limit load nearest to `start`. The vector holds the unknowns and, last, the load. At the limit load the N conditions `miss` are zero and their
 /// derivative with respect to the unknowns is singular. `scale` holds the magnitude of each entry. Fails if the search does not converge.
 pub(crate) fn limit_load<const N: usize, const M: usize>(
     miss: impl Fn(&[f64; M]) -> [f64; N],

@@ -47,8 +47,8 @@ pub struct GridConvergence {
     pub order: f64,
     /// Mesh-independent value by Richardson extrapolation, in the unit of the values.
     pub extrapolated: f64,
-    /// Grid convergence index: error of the finest mesh with a factor of safety of 1.25, relative to the value on that mesh. It uses the observed
-    /// order, but at most 2, which errors reach on any mesh.
+    /// Grid convergence index: error of the finest mesh with a factor of safety of 1.25, relative to the value on that mesh. The index uses the
+    /// observed order, but at most 2, an order that errors reach on any mesh.
     pub index: f64,
 }
 

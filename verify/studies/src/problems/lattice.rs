@@ -14,9 +14,10 @@ pub const NEWTON: &str = "spring lattice, Newton";
 const QUANTITY: &str = "largest displacement difference / largest displacement";
 /// Number of segments per plate member.
 pub const FINENESS: usize = 2;
-/// Discretisation error of the lattice against beams, relative. The lattice's segments bend only at their middles. For small rotations they deflect as beams do, so the error vanishes with the load. The
-/// relative difference is odd in the rotations, so it grows as a F + b F^3. Two segments per plate member have a = 2.5e-4 / N and b = 2.4e-5 / N^3
-/// from 0.1 to 5 N, within 5 %. Both fall with the third to fourth power of the segments' length. The constants allow 25 % more.
+/// Discretisation error of the lattice against beams, relative. The lattice's segments bend only at their middles. For small rotations they deflect
+/// as beams do, so the error vanishes with the load. The relative difference is odd in the rotations, so it grows as a F + b F^3. Two segments per
+/// plate member have a = 2.5e-4 / N and b = 2.4e-5 / N^3 from 0.1 to 5 N, within 5 %. Both fall with the third to fourth power of the segments'
+/// length. The constants allow 25 % more.
 const COARSENESS_PER_N: f64 = 3.1e-4;
 const COARSENESS_PER_N3: f64 = 3e-5;
 /// Error of settling, relative to the largest displacement: 6e-5 from 32 sweeps per step (by the study of sweeps), and 2e-5 from the criterion of

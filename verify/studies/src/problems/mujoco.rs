@@ -34,7 +34,7 @@ pub const LINEAR_TOLERANCE: f64 = 1.3e-3;
 /// Tolerance of displacements under the exported contact forces, relative to the step's largest displacement. The meshes (16 and 32 extrapolated,
 /// and 32 of the beams) differ by 5e-6; the tolerance is twice that.
 pub const CONTACT_TOLERANCE: f64 = 1e-5;
-/// Elements per member of the two meshes of beams that are extrapolated. Their error falls with the square of the element length.
+/// Elements per member of the two meshes of beams that are extrapolated. The meshes' error falls with the square of the element length.
 const ELEMENTS: [usize; 2] = [16, 32];
 
 /// A case, and the deviation of the beams from it.

@@ -124,7 +124,7 @@ pub(crate) fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
         .collect())
 }
 
-/// Difference of the linear finger from the co-rotational finger by case, without tolerance. It explains errors of linear sensing.
+/// Difference of the linear finger from the co-rotational finger by case, without tolerance. This difference explains errors of linear sensing.
 pub(crate) fn linear_against_corotational(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
     let rows: Vec<Row> =
         csv::Reader::from_reader(finray_fixtures::OPENSEES_PAPER.as_bytes()).deserialize().collect::<Result<_, _>>()?;

@@ -8,8 +8,8 @@ use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::fine_mesh;
 
-/// Tolerance between the meshes, relative to the largest displacement: the rounding error of a double-precision solution on 684 nodes. It grows
-/// about as the fourth power of the number of nodes.
+/// Tolerance between the meshes, relative to the largest displacement: the rounding error of a double-precision solution on 684 nodes. This error
+/// grows about as the fourth power of the number of nodes.
 pub const ROUNDING_TOLERANCE: f64 = 1e-8;
 /// Force on the linear finger, N. The finger's shapes are proportional to the force, so any value serves.
 const ANY_FORCE_N: f64 = ReportForces::PAPER.drawn_n();
@@ -53,7 +53,7 @@ pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     Ok(vec![exact.vanishes(quantity, linear_difference(finger)?, ROUNDING_TOLERANCE)])
 }
 
-/// Difference of the coarse co-rotational mesh from the fine one under a force (N), by loaded node.
+/// Difference of the coarse co-rotational mesh from the fine mesh under a force (N), by loaded node.
 pub(crate) fn comparisons(finger: &Finger, force_n: f64) -> Result<Vec<Comparison>, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let mut comparisons = Vec::new();

@@ -11,7 +11,8 @@ use finray_model::statics::Assembly;
 const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
 /// End displacements (mm) and rotations (rad) of a strongly bent and elongated beam: x, y and rotation of each end.
 const BENT: [f64; 6] = [0.3, -0.2, 0.4, -0.5, 0.9, -0.3];
-/// Step of the differences, mm and rad. Truncation error (its fourth power) and rounding error (divided by it) are far below the tolerance.
+/// Step of the differences, mm and rad. Truncation error (grows as its fourth power) and rounding error (grows as its inverse) are below the
+/// tolerance.
 const STEP: f64 = 2e-3;
 /// Tolerance of a difference, relative to the largest derivative.
 pub const TOLERANCE: f64 = 1e-9;

@@ -17,7 +17,7 @@ const HALF_SPAN: f64 = 12.943;
 const HEIGHT: f64 = 0.386;
 /// Number of elements in each member.
 const ELEMENTS: usize = 32;
-/// Tolerance of a limit load, relative to it. 32 elements per member cause an error of 1.5e-7.
+/// Relative tolerance of a limit load. 32 elements per member cause an error of 1.5e-7.
 pub const TOLERANCE: f64 = 1e-6;
 
 /// The toggle, and its nodes at the left clamp and the apex.

@@ -22,7 +22,7 @@ pub struct WorstCell {
 /// Counts of the cells of a map, or of a region of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TrustCounts {
-    /// Number of cells: positions and directions.
+    /// Number of cells (pairs of position and direction).
     pub cells: usize,
     /// Number of trusted cells.
     pub trusted: usize,

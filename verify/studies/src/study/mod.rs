@@ -126,7 +126,7 @@ study! { |context|
         /// Map of the nonlinear estimator if position and direction of the contact are assumed instead of known.
         assumed: Option<AccuracyMap> = assumed::run(context);
     "limits of sensing":
-        /// Limits of sensing the drawn force on the co-rotational finger, by cell.
+        /// Limits of sensing the force at which maps are drawn, on the co-rotational finger, by cell (position, direction).
         explanations: explain::ExplanationMap = explain::run(context);
     "Table I":
         /// Table I for each assumed direction; only for the paper's finger.
@@ -170,7 +170,7 @@ study! { |context|
     "lattice, objects":
         /// Results on the paper's finger as a lattice of rigid bodies and springs.
         lattice: Option<lattice::LatticeStudy>,
-        /// Results of contact scenes: the shipped ones for the paper's finger, else the scene's own.
+        /// Results of contact scenes: the shipped scenes for the paper's finger, else the scene's own object.
         contact_scenes: Vec<SceneStudy> = lattice::run_beside_objects(context, &maps);
     "grasp":
         /// Results of objects grasped by two fingers; only for the paper's finger in a full study.

@@ -15,12 +15,12 @@ pub(super) const ROW: TruthRow = TruthRow {
     on: |mesh| Ok(Box::new(LatticeTruth::new(mesh.finger())?)),
 };
 
-/// Number of segments of a plate member between two key nodes. Shapes are within 0.01 % of converged beams under 2 N, and 0.04 % under 5 N.
+/// Number of segments of a plate member between two key nodes. Shapes then differ from converged beams by 0.01 % under 2 N, and 0.04 % under 5 N.
 const FINENESS: usize = 4;
 
 /// A finger as a lattice of rigid bodies and springs, in equilibrium.
 ///
-/// Newton's method finds shapes of least energy in milliseconds. The physics engine needs seconds to settle within 0.05 % of them.
+/// Newton's method finds shapes of least energy in milliseconds. The physics engine needs seconds to settle within 0.05 % of these shapes.
 #[derive(Debug, Clone)]
 pub struct LatticeTruth {
     lattice: Lattice,

@@ -27,7 +27,8 @@ pub struct MeshTruth<'m> {
     mesh: &'m Mesh,
     /// Equations that are prepared once and copied for each contact.
     prepared: Statics<Ladder<'m>>,
-    /// Compliance of the linear finger at its key nodes, which gives all shapes; `None` for another mesh or co-rotational statics.
+    /// Compliance of the linear finger at its key nodes, from which its shapes follow. `None` for co-rotational statics, or a mesh with further
+    /// nodes.
     solved: Option<NodalCompliance>,
 }
 

@@ -1,4 +1,4 @@
-//! True fingers: simulated fingers whose forces are to be sensed. Each has one file and one row of [`TruthId`].
+//! True fingers: simulated fingers whose forces are to be sensed. Each type has one file and one row of [`TruthId`].
 
 mod corotational;
 mod lattice;
@@ -54,7 +54,7 @@ impl TruthId {
         self.row().is_far_from_corotational
     }
 
-    /// Whether a separate study senses forces on this true finger, with the estimators that answer at every contact.
+    /// Whether a separate study covers this true finger for all estimators that support any contact.
     pub fn has_study(self) -> bool {
         self.row().has_study
     }
@@ -109,7 +109,7 @@ pub trait Truth: Sync {
         false
     }
 
-    /// Positions and directions at which shapes exist under these forces (N); `None` if shapes exist everywhere.
+    /// Positions and directions at which shapes exist under these forces (N); `None` if shapes exist at every position and direction.
     ///
     /// # Errors
     /// [`TruthError`] if no shapes exist under one of the forces.

@@ -1,4 +1,4 @@
-//! True finger: the paper's finger with a softer base and tip, one of several fits of its Table I. See
+//! True finger: the paper's finger with a softer base and tip, fitted to the paper's Table I. Other fits are possible: see
 //! [`experiments::twin`](crate::experiments::twin).
 
 use super::{MeshTruth, TruthId, TruthRow, fine_mesh};

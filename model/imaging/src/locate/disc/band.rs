@@ -13,9 +13,10 @@ const CHANNELS: [f64; PARTS] = [1.0, 2.0];
 /// The pixels about an edge, one list per quantity, with the light of background and disc at each pixel.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Band {
-    /// Distance of each pixel outside the edge when the pixels were gathered, px.
+    /// Signed distance of each pixel from the edge at which the pixels were gathered, px; positive outside the disc.
     outside: Vec<f32>,
-    /// Decrease of that distance per movement of the edge's centre along the map's two axes, and (`px`) per growth of its radius, px per unit of the map.
+    /// Decrease of `outside` when the edge's centre moves along each axis of the map; `px` is its decrease when the edge's radius grows. Unit: px per map
+    /// unit.
     nearer: [Vec<f32>; 2],
     px: Vec<f32>,
     sector: Vec<u32>,

@@ -26,8 +26,8 @@ use sums::{SectorSums, Sums};
 const UNKNOWNS: usize = 5;
 /// Number of parts of the light: brightness and colour.
 const PARTS: usize = 2;
-/// Prior standard deviation of the difference between the blurs of brightness and colour, px, for a noise of [`USUAL_NOISE`]. It constrains a blur that a
-/// marker hardly shows.
+/// Prior standard deviation of the difference between the blurs of brightness and colour, px, for a noise of [`USUAL_NOISE`]. The prior constrains a
+/// blur that a marker hardly shows.
 const BLURS_APART_PX: f64 = 0.15;
 /// Noise for which [`BLURS_APART_PX`] holds, grey levels.
 const USUAL_NOISE: f64 = 2.0;
@@ -35,16 +35,16 @@ const USUAL_NOISE: f64 = 2.0;
 const BAND: f64 = 2.5;
 /// Initial standard deviation of the edge's blur, px.
 const FIRST_BLUR_PX: f64 = 0.9;
-/// Smallest standard deviation of the edge's blur, px. The width of a pixel alone causes 0.29 px.
+/// Lower bound of the standard deviation of the edge's blur, px. The width of a pixel alone causes 0.29 px.
 const LEAST_BLUR_PX: f64 = 0.25;
 /// Largest blur of markers, as a share of their radius. With a larger blur, no pixel of a disc shows the disc's undisturbed light, and the image is rejected.
 pub(super) const LARGEST_BLUR: f64 = 0.33;
-/// Largest relative deviation of a disc's radius from the expected radius. Other discs are rejected.
+/// A disc is rejected if its radius deviates from the expected radius by more than this, relative to the expected radius.
 const RADIUS_TOLERANCE: f64 = 0.25;
-/// Largest residual standard deviation of a coloured disc, as a share of the contrast. A disc with more is rejected.
+/// A coloured disc is rejected if its residual standard deviation exceeds this share of the contrast.
 const LARGEST_RESIDUAL: f64 = 0.2;
-/// Largest residual standard deviation of a grey disc, as a share of the contrast. It is smaller, because rays can measure such discs instead (`rim`).
-/// Photographed screws with shiny heads, and rims sharpened by the camera, exceed it.
+/// Largest residual standard deviation of a grey disc, as a share of the contrast. The limit is below [`LARGEST_RESIDUAL`], because rays can measure rejected
+/// grey discs (`rim`). Photographed screws with shiny heads, and rims sharpened by the camera, exceed the limit.
 const LARGEST_GREY_RESIDUAL: f64 = 0.07;
 /// Largest expected distance of the centre from the starting point of the search, px.
 const ROOM_PX: f64 = 1.0;
@@ -56,17 +56,17 @@ const STEPS: usize = 5;
 const STILL_PX: f64 = 0.002;
 /// If the edge moves by less than this in a round, px, it counts as near, and unlikely sectors are omitted.
 const NEAR_PX: f64 = 1.0;
-/// If the edge moves by less than this in a round, px, it counts as found.
+/// If the edge moves by less than this in a round, px, the edge counts as found.
 const THERE_PX: f64 = 0.25;
-/// Largest change of the centre in the last step, px; larger changes reject the disc. The change is included in the standard deviation.
+/// A disc is rejected if its centre still moves by more than this in the last step, px. The standard deviation of the centre includes the last step.
 const SETTLED_PX: f64 = 0.05;
 /// Lower bound of the standard deviation of a centre, px. It covers shading, rounding to grey levels, and errors of the edge model.
 const LEAST_SD_PX: f64 = 0.005;
-/// Standard deviation of the centre of a small or blurred disc, px: this value times (blur / radius)^2. The edges of such discs leave little of the surroundings
-/// visible. This value and the lower bound come from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
+/// Standard deviation of the centre of a small or blurred disc, px: this value times (blur / radius)^2. The edges of such discs leave little of the
+/// surroundings visible. This value and the lower bound come from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
 const SMALL_SD_PX: f64 = 0.45;
-/// Standard deviation for rings, px, to be multiplied by the share of neighbouring light in the middle of the ring, where no pixel shows the ring's light
-/// alone.
+/// Standard deviation for rings, px, to be multiplied by the share of neighbouring light in the middle of the ring. In narrow rings, no pixel shows
+/// the ring's light alone.
 const RING_SD_PX: f64 = 0.4;
 
 /// A measured disc.
@@ -136,9 +136,10 @@ pub(super) struct View<'a> {
     /// Inner radius of a grey ring, mm, inside which any appearance is allowed; 0 for a whole grey disc; `None` for coloured discs. The surroundings of
     /// grey marks may have as much contrast, so the edge is measured only where the background is even.
     pub grey_inner_mm: Option<f64>,
-    /// Weights of squared differences of brightness and of colour, inverse to their noise; 1 for the less noisy of the two. A weight of 0 omits colour.
+    /// Weights of squared differences of brightness and of colour, dimensionless: inverse to their noise, and 1 for the less noisy of the two. Weight 0 omits
+    /// colour.
     pub weights: [f64; PARTS],
-    /// Displacement of colour relative to brightness along the finger's axes, px. Encoders that subsample colour cause it, and lenses.
+    /// Displacement of colour relative to brightness along the finger's axes, px. Lenses, and encoders that subsample colour, cause this displacement.
     pub colour_shift_px: Vector,
 }
 
@@ -212,7 +213,7 @@ impl<'a> Search<'a> {
         let edge =
             Edge { centre: Vector::zeros(), radius, blurs: expected.blurs_px, colour_shift: view.colour_shift_px };
         let radius_px = map.radius_px(radius);
-        // Distance for an edge with a larger radius (by the tolerance), with twice the blur or the largest blur, and for the background.
+        // The gathered pixels must suffice for a larger radius and a larger blur than expected, and for the background.
         let (wider, band) = match is_outline_open {
             true => (1.0 + RADIUS_TOLERANCE, (2.0 * edge.band()).max(BAND * LARGEST_BLUR * radius_px)),
             false => (1.0, edge.band()),

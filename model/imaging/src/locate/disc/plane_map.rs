@@ -25,7 +25,7 @@ pub(super) struct Pixels {
     pub at: [Vec<f32>; 2],
     /// Brightness and two components of colour of each pixel, grey levels.
     pub light: [Vec<f32>; 3],
-    /// Distance of each pixel outside the last measured edge, measured along the image, px.
+    /// Signed distance of each pixel from the last measured edge, px; positive outside the disc.
     pub outside: Vec<f32>,
 }
 
@@ -35,13 +35,13 @@ pub(super) struct PlaneMap {
     about: Pixel,
     /// The position of the middle pixel in the finger's plane, mm, finger frame.
     pub origin: Vector,
-    /// First derivatives of a position by the pixel's coordinates, from differences over about one marker radius to both sides.
+    /// First derivatives of a position by the pixel's coordinates, map units/px, from differences over about one marker radius to both sides.
     slope: Matrix2<f64>,
-    /// Second derivatives of a position by the pixel's coordinates: uu, uv and vv.
+    /// Second derivatives of a position by the pixel's coordinates u and v, map units/px^2: uu, uv and vv.
     curvature: [Vector; 3],
     /// Unit of the map, mm: root of the area of a pixel in the finger's plane.
     pub unit_mm: f64,
-    /// First derivatives of the pixel by the position in the finger's plane.
+    /// First derivatives of the pixel by the position in the finger's plane, px per map unit.
     by_point: Matrix2<f64>,
 }
 
@@ -76,7 +76,8 @@ impl PlaneMap {
         radius * (0.5 * (squares + spread)).sqrt()
     }
 
-    /// Gathers the pixels of the image within `reach` px of the middle. Of a disc at the image border, only the visible part of the surroundings is gathered.
+    /// Gathers the pixels of the image within `reach` px of the middle. For a disc at the image border, only the visible part of the surroundings is
+    /// gathered.
     pub fn gather(&self, image: &RgbImage, reach: f64, pixels: &mut Pixels) {
         pixels.at.iter_mut().chain(&mut pixels.light).for_each(Vec::clear);
         let within = |middle: f64, reach: f64, size: u32| {
@@ -111,7 +112,7 @@ impl PlaneMap {
         pixels.outside.resize(pixels.at[0].len(), 0.0);
     }
 
-    /// Computes the distance of each pixel outside an edge, px.
+    /// Computes the signed distance of each pixel from an edge, px; positive outside the disc.
     pub fn measure_from(&self, edge: &Edge, pixels: &mut Pixels) {
         let polar = self.about_edge(edge);
         let Pixels { at: [x, y], outside, .. } = pixels;
@@ -161,7 +162,7 @@ impl AboutEdge {
         const LEAST: f32 = 1e-3;
         let step = [x - self.centre[0], y - self.centre[1]];
         let far = (step[0] * step[0] + step[1] * step[1]).sqrt().max(LEAST);
-        // The distance in the plane grows along the pixels by |slope^T direction|.
+        // Along the image, the distance in the plane grows by |slope^T direction| per px.
         let by_u = self.slope[0] * step[0] + self.slope[1] * step[1];
         let by_v = self.slope[2] * step[0] + self.slope[3] * step[1];
         Polar { step, far, along: (by_u * by_u + by_v * by_v).sqrt().max(LEAST) }

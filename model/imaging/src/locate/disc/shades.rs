@@ -5,7 +5,7 @@ use super::plane_map::{Pixels, PlaneMap, Polar, turn};
 use super::sums::{SectorSums, Sums};
 use nalgebra::Vector3;
 
-/// Width of the ring outside the band in which the background is sampled, px.
+/// Width of the ring about the edge's band from which the background is sampled, px.
 pub(super) const BACKGROUND_PX: f64 = 3.0;
 /// Length of a sector along the edge, px.
 const SECTOR_PX: f64 = 1.3;
@@ -13,26 +13,27 @@ const SECTOR_PX: f64 = 1.3;
 const SECTORS: [usize; 2] = [12, 96];
 /// Share of the sectors that are assumed to have an even background. The scatter of the light in these sectors measures the noise.
 const EVEN_SECTORS: f64 = 0.3;
-/// Scatter of an even background that is allowed in addition to noise, grey levels.
+/// An even background may scatter by this in addition to the noise, grey levels.
 const SHADING: f32 = 2.0;
-/// Largest difference between a pixel inside the disc and the median, in any component of light, grey levels. Pixels beyond it belong to an occluder.
+/// A pixel inside the disc belongs to an occluder if a component of its light differs from the median by more than this, grey levels.
 const ALIKE: f32 = 40.0;
-/// Largest step of a grey disc's background between neighbouring sectors, and largest scatter within a sector, as a share of the contrast. It combines with
-/// [`UNEVEN_NOISE`] as a root sum of squares. Beyond the sum, the background counts as uneven.
+/// The background of a grey disc is uneven if its step between neighbouring sectors, or its scatter within a sector, exceeds a limit. The limit is the root
+/// sum of squares of this share of the contrast and [`UNEVEN_NOISE`].
 const UNEVEN_SHARE: f32 = 0.1;
 /// Part of the limit of an uneven background that comes from noise, in standard deviations of the noise.
 const UNEVEN_NOISE: f32 = 3.0;
-/// Largest margin from both edges of a ring within which the ring's light is not sampled, as a share of the ring's width.
+/// The light of a ring is sampled at a margin from both of its edges. The margin is at most this share of the ring's width.
 const RING_MARGIN: f64 = 0.4;
 /// Approximate number of inner pixels that are used; more add no information.
 const INSIDE_PIXELS: usize = 400;
-/// Number of inner pixels from which the median is computed; more add no information.
+/// The median is computed from this number of inner pixels; more add no information.
 const MEDIAN_PIXELS: usize = 48;
 /// The slope of the light is estimated only from at least this number of pixels.
 const SLOPE_PIXELS: usize = 12;
-/// Smallest contrast of a sector over all components of light, grey levels. A sector with less contrast is omitted.
+/// A sector is omitted if its contrast over all components of light is below this, grey levels.
 const LEAST_CONTRAST: f32 = 12.0;
-/// A sector is not an edge of the disc if its mean squared residual exceeds that of even sectors by more than this number of standard deviations.
+/// A sector is not an edge of the disc if its mean squared residual exceeds that of even sectors by more standard deviations than this.
+/// deviation.
 const UNLIKELY: f32 = 4.0;
 /// Lower bound of the assumed variance of a grey level, in squared grey levels. Rounding alone causes 1/12.
 const LEAST_VARIANCE: f32 = 0.5;

@@ -14,11 +14,12 @@ const CHORDS: [f64; 2] = [0.75, 1.05];
 const LONGER: f64 = 0.015;
 /// A chord that is shorter than the plate between its nodes by this share per segment has cost 1.
 const SHORTER: f64 = 0.06;
-/// A bend between two steps by this angle, degrees, has cost 1 if the steps are a whole plate apart. The angle scales with the share of the plate between.
+/// A bend between two steps by this angle, degrees, has cost 1 if the steps are a whole plate length apart. For closer steps, the angle is proportionally
+/// smaller.
 const TURN_DEG: f64 = 168.0;
-/// Largest bend between two steps, as a multiple of the bend of cost 1. A chain with a larger bend is excluded.
+/// A chain is excluded if a bend between two of its steps exceeds this multiple of the bend of cost 1.
 const LARGEST_TURN: f64 = 4.3;
-/// Largest bend between two steps, degrees. A chain with a larger bend is excluded.
+/// A chain is excluded if a bend between two of its steps exceeds this angle, degrees.
 const LARGEST_TURN_DEG: f64 = 120.0;
 /// A rib whose length deviates by this share has cost 1.
 const RIB: f64 = 0.05;
@@ -28,7 +29,7 @@ const RIGID_RIB: f64 = 0.01;
 const RIB_MOST: f64 = 12.0;
 /// Cost of a hidden node, and cost of a clamped node without a marker at its position.
 pub(super) const HIDDEN: f64 = 6.0;
-/// Largest distance between the marker of a clamped node and the node's stated position, as a share of the plate's length.
+/// A candidate may be the marker of a clamped node only near the stated position: within this distance, as a share of the plate's length.
 const CLAMPED: f64 = 0.01;
 /// Standard deviation of a bracket's stated length, mm.
 const BRACKET_MM: f64 = 0.5;
@@ -62,7 +63,7 @@ pub(super) struct Named {
 /// A partial chain, represented by its last two nodes.
 #[derive(Debug, Clone, Copy)]
 struct Link {
-    /// Position of the last node in the order along the plate.
+    /// Index of the last node, in the order along the plate.
     position: usize,
     /// Index of the candidate that is the last node.
     candidate: usize,
@@ -70,7 +71,7 @@ struct Link {
     before: Option<usize>,
     /// Vector from the previous to the last node of the link, mm.
     step: Vector,
-    /// Position of the node before the last one in the order along the plate.
+    /// Index of the node before the last one, in the order along the plate.
     from: usize,
     /// Cost of the partial chain, dimensionless.
     cost: f64,
@@ -225,7 +226,7 @@ impl<'a> Chain<'a> {
     pub(super) fn step_cost(&self, from: usize, to: usize, step: &Vector) -> Option<f64> {
         let length_mm = self.lengths_mm[to] - self.lengths_mm[from];
         let ratio = step.norm() / length_mm;
-        // Hinges lie beside the plate, and the position of the base may be uncertain. Both allow further lengths of a step.
+        // Hinges lie beside the plate, and the position of the base may be uncertain. Both widen the range of possible step lengths.
         let turn_rad = TURN_DEG.to_radians() * length_mm / self.lengths_mm[self.nodes.len() - 1];
         let brackets_mm = self.marked.finger.marker_offset(self.nodes[to]).norm() * turn_rad;
         let base_mm = if from == 0 { self.marked.base_sd_mm } else { 0.0 };

@@ -8,9 +8,9 @@ use super::{Candidate, Marked, Names};
 use finray_model::Vector;
 use finray_model::finger::Plate;
 
-/// Largest cost of a pair: that of a length that deviates by three times the deviation of cost 1.
+/// Two candidates with a higher cost are not a pair. The value is the cost of three times the length deviation of cost 1.
 const MOST_OF_RIB: f64 = 9.0;
-/// Largest number of pairs that are considered for a rib; pairs with the best lengths come first.
+/// At most this number of pairs is considered for a rib, those with the best lengths first.
 const MOST_PAIRS: usize = 64;
 
 /// A partial chain of ribs, represented by its last rib.

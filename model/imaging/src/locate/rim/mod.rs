@@ -3,7 +3,7 @@
 //! The inside of a ring (a screw's head, a hole) and its surroundings may have any appearance. The rim is where the light changes most along a ray from the
 //! centre. Rays are cast in the plane of the markers, where the rim is a circle, independent of perspective and lens distortion.
 //!
-//! Strips that cross a rim at a slant (a rib, a bracket) shift the edges that rays find, systematically, by some hundredths of a pixel. The centre is
+//! Strips that cross a rim at a slant (a rib, a bracket) systematically shift the edges that rays find, by some hundredths of a pixel. The centre is
 //! therefore taken from the model of a blurred edge (`disc`), fitted where the background is even. If the model does not fit, as for a screw that is lit from
 //! one side, the centre is taken from the rays.
 
@@ -25,7 +25,7 @@ const STEP_PX: f64 = 0.25;
 const REACH: [f64; 2] = [0.75, 1.3];
 /// Length on each side of an edge over which light is averaged, px.
 const SIDE_PX: f64 = 1.0;
-/// Smallest change of light across a rim, grey levels. A ray with less finds no edge.
+/// A ray finds the rim only if the light changes by at least this across the edge, grey levels.
 const LEAST_CONTRAST: f64 = 8.0;
 /// Share of the rays that must find the rim; with fewer, there is no rim.
 const LEAST_SHARE: f64 = 0.6;
@@ -33,17 +33,18 @@ const LEAST_SHARE: f64 = 0.6;
 const OUTLIER: f64 = 3.0;
 /// Lower bound of the standard deviation in the test for outliers, px.
 const LEAST_SPREAD_PX: f64 = 0.15;
-/// Largest relative deviation of a marker's radius from the stated radius. It is this large because the sharpest edge may lie beside the rim.
+/// A rim is rejected if its radius deviates from the stated radius by more than this share. The share is large, because the sharpest edge may lie beside the
+/// rim.
 const RADIUS_TOLERANCE: f64 = 0.2;
-/// Largest standard deviation of the edges about the circle, as a share of the radius. With more, there is no rim.
+/// There is no rim if the edges scatter about the circle with a larger standard deviation than this, as a share of the radius.
 const LARGEST_SPREAD: f64 = 0.1;
-/// Smallest distance between the centres of two rims, in radii, since markers do not overlap.
+/// Two rims are both kept only if their centres are at least this far apart, in radii, because markers do not overlap.
 const APART: f64 = 1.8;
-/// Number of rounds that cast rays from the current centre, and of rounds that fit a circle to the edges of each cast.
+/// Number of times that rays are cast, each time from the current centre; also the number of rounds of each circle fit.
 const ROUNDS: usize = 4;
-/// Number of first rounds of each fit of a circle in which only the smallest required share of the rays is used.
+/// In this number of first rounds, each circle fit uses only the smallest required share of the rays.
 const TRIMMED_ROUNDS: usize = 2;
-/// Lower bound of the standard deviation of a centre found by rays, px. For a centre by the edge model, the bound is half of it.
+/// Lower bound of the standard deviation of a centre found by rays, px. For a centre by the edge model, the bound is half of this value.
 const LEAST_SD_PX: f64 = 0.01;
 
 /// Weights of brightness and colour. Colour has no weight, because rims are measured in grey.
@@ -52,7 +53,7 @@ const BRIGHTNESS_ALONE: [f64; 2] = [1.0, 0.0];
 /// A measured rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rim {
-    /// Position of the rim's centre, mm, in the frame of the camera's pose.
+    /// Position of the rim's centre, mm, in the finger frame at the scene's camera pose.
     pub centre: Vector,
     /// Pixel of the rim's centre.
     pub pixel: Pixel,
@@ -60,7 +61,7 @@ pub(super) struct Rim {
     pub radius_mm: f64,
     /// Standard deviation of one coordinate of the centre, mm.
     pub sd_mm: f64,
-    /// Standard deviation of one coordinate of the centre as found by rays, mm. It measures the roundness of the rim.
+    /// Standard deviation of one coordinate of the centre as found by rays, mm. A rim that is less round has a larger value.
     pub rays_sd_mm: f64,
     /// For a centre found by the edge model: the variances of [`Disc::excess_variances`]. `None` for a centre found by rays.
     pub excess_variances: Option<[f64; 2]>,

@@ -9,17 +9,17 @@ use finray_model::camera::Pixel;
 use finray_model::scene::Shade;
 use image::{GrayImage, ImageBuffer, Luma};
 
-/// Smallest slope of the light at which a pixel votes, grey levels/px.
+/// A pixel votes only if the slope of its light is at least this, grey levels/px.
 const LEAST_SLOPE: f32 = 5.0;
 /// Ratio of the result of Sobel's filter to the slope of the light.
 const SOBEL: f32 = 8.0;
 /// Range of radii for which edge pixels vote, relative to the expected radius. It allows for distance, slant, and rims whose sharpest edge lies beside them.
 const RADII: [f64; 2] = [0.85, 1.18];
-/// Smallest number of votes for a rim, as a share of its circumference in pixels.
+/// A rim needs at least this number of votes, as a share of its circumference in pixels.
 const LEAST_SHARE: f32 = 0.5;
 /// Smallest distance between two centres, in radii. Closer centres are merged.
 const APART: f64 = 0.5;
-/// Largest number of centres that are considered; those with the most votes come first.
+/// At most this number of centres is considered, those with the most votes first.
 const MOST: usize = 200;
 
 type Votes = ImageBuffer<Luma<f32>, Vec<f32>>;

@@ -269,7 +269,7 @@ impl Evidence for CameraStudy {
         };
         vec![
             internal("rms error of a coordinate, mm", row.displacement_rms_mm, GOOD_POSITION_MM),
-            // A tolerance below one marker admits none.
+            // A tolerance below one marker admits no missing marker.
             internal("markers of free nodes that were not found", Some(unfound), 0.5),
         ]
     }

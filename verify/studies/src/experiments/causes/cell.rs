@@ -116,7 +116,7 @@ impl Squared {
 }
 
 impl Sensor<'_> {
-    /// Mean over all assumed contacts, without the causes in `off`, by force. `None` without shape or answer.
+    /// Squared errors without the causes in `off`, averaged over all assumed contacts, by force. `None` without shape or answer.
     fn errors(
         &self,
         seen: &[Measurement],

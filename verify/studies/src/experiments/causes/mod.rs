@@ -44,7 +44,7 @@ pub enum Cause {
     BaseCompliance,
     /// Unknown zones nearer to the tip than to the base. Eliminated: known zones.
     TipCompliance,
-    /// A network in place of the model that it was trained on. Eliminated: the nonlinear estimator on that model.
+    /// Use of a network instead of the model that it was trained on. Eliminated: the nonlinear estimator on that model.
     NetworkFit,
 }
 

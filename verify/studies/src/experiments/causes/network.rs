@@ -1,7 +1,7 @@
 //! Errors that a network adds to the errors of the model with which it was trained.
 //!
 //! A network senses only at its contact nodes and along the normal. The other studies of causes assume a wrong contact and model. Here the true
-//! contact has equal errors instead, and the true finger is made uniform. The measurements are noisy.
+//! contact deviates by the same amounts instead, and the true finger is made uniform. The measurements are noisy.
 
 use super::cell::{Squared, beside};
 use super::models::{Bending, calibrated, weighed, with_zones};

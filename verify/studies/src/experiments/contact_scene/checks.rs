@@ -13,7 +13,7 @@ const DISPLACEMENT: &str = "largest displacement difference / largest displaceme
 pub const BALANCE_TOLERANCE: f64 = 1e-6;
 /// Tolerance of a shape against the lattice's equilibrium under the contact forces, relative to the largest displacement.
 const EQUILIBRIUM_TOLERANCE: f64 = 1e-6;
-/// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement: the error of sweeps and of the criterion of rest.
+/// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement. It covers the error of rapier's sweeps and of its rest.
 const ENGINE_TOLERANCE: f64 = 5e-4;
 /// Tolerance of the sum of contact forces against rapier's, relative to the sum.
 const ENGINE_FORCE_TOLERANCE: f64 = 2e-3;
@@ -31,8 +31,8 @@ const CONE_TOLERANCE_N: f64 = 1e-6;
 /// Nominal coverage, and its shift by the lattice's difference from beams, which is less than half a standard deviation.
 const MEANT: f64 = 0.95;
 const SHIFT: f64 = 0.01;
-/// Allowance for chance in standard errors of a binomial share. The first value is for the share of all samples of a scene, which exceeds it once in
-/// 370. The second is for the smallest of some hundred shares, one per contact and step, each of which exceeds it once in 2000.
+/// Allowance for chance, in standard errors of a binomial share. The share of all samples of a scene exceeds the first allowance once in 370. The second is
+/// for the smallest of some hundred shares, one per contact and step; each exceeds the second once in 2000.
 const STANDARD_ERRORS: f64 = 3.0;
 const WORST_STANDARD_ERRORS: f64 = 3.5;
 

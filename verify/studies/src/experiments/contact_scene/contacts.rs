@@ -3,7 +3,7 @@
 use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 
-/// Touches closer than this share of the plate segment between two rods form one contact for the camera. Touches on two rods never do.
+/// Touches closer than this share of the plate segment between two rods form one contact for the camera. Touches on two different rods never do.
 const TOGETHER: f64 = 0.25;
 
 /// A contact seen by the camera, with the true force that it carries.

@@ -52,12 +52,12 @@ pub fn simulated(scene: &Scene) -> Scene {
 /// A scene prepared for pressing: finger, object and assumed friction.
 #[derive(Debug, Clone)]
 pub struct ContactScene {
-    /// The scene, [`simulated`].
+    /// The scene, changed by [`simulated`].
     scene: Scene,
     object: PreparedObject,
     /// Number of segments in a plate member of mean length; `None` for automatic refinement.
     fineness: Option<usize>,
-    /// Upper bound of the friction coefficient that sensing assumes.
+    /// Upper bound of the friction coefficient that sensing assumes, dimensionless.
     assumed_friction: f64,
 }
 
@@ -127,7 +127,7 @@ impl SensedForce {
 }
 
 impl ContactScene {
-    /// Prepares a scene's object in front of its finger. `corners` (mm) are those of a polygon's file; other outlines ignore them.
+    /// Prepares a scene's object in front of its finger. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
     ///
     /// # Errors
     /// [`OutlineError`] for an outline that cannot be pressed.

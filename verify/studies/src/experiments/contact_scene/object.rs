@@ -50,7 +50,7 @@ pub enum TurnedOutline {
 }
 
 impl TurnedOutline {
-    /// Rotates the outline of a scene's object. `corners` (mm) are those of a polygon's file; other outlines ignore them.
+    /// Rotates the outline of a scene's object. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
     ///
     /// # Errors
     /// [`OutlineError`] for corners that form no valid outline.
@@ -171,7 +171,7 @@ pub struct HandStep {
 }
 
 impl PreparedObject {
-    /// Prepares the object of a scene. `corners` (mm) are those of a polygon's file; other outlines ignore them.
+    /// Prepares the object of a scene. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
     ///
     /// # Errors
     /// [`OutlineError`] for a free object, or corners that form no valid outline.
@@ -211,7 +211,7 @@ impl PreparedObject {
     }
 }
 
-/// Position at which an object on its line first meets the straight line over the rods of the undeformed finger, in the finger frame, mm.
+/// Position (mm, finger frame) at which an object that moves along its line first meets the straight line over the rods of the undeformed finger.
 fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, at_mm: f64, along: Vector) -> Vector {
     let inward = finger.direction(0.0);
     let surface_mm = rod_radius_mm.max(0.5 * finger.description().front.thickness_mm);

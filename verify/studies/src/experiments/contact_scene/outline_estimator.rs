@@ -17,9 +17,9 @@ pub struct OutlineEstimator<'s> {
     pub marker_noise_mm: Option<f64>,
     /// Standard deviation of a coordinate of an outline point, mm.
     pub outline_noise_mm: f64,
-    /// An estimator that treats the read contacts as exact, with its networks. Its standard deviations exclude friction and the uncertainty of
-    /// contacts. The standard deviation of the total is the largest possible sum of the contacts'. An estimator that supports only forces along the
-    /// normal assumes that direction. `None` for sensing with measured contacts.
+    /// An estimator that treats the contacts read by the camera as exact, with its networks. Its standard deviations exclude friction and the uncertainty of
+    /// contacts. The standard deviation of the total is the sum of the contacts' standard deviations, which is an upper bound. An estimator that supports
+    /// only forces along the normal assumes that direction. `None` for sensing with measured contacts.
     pub estimator: Option<(EstimatorId, &'s Networks)>,
 }
 

@@ -6,7 +6,7 @@ use finray_lattice::pressing::{Pressing, Push};
 
 /// A lattice is fine enough if no total differs by more than this, relative, from the total on a lattice half as fine.
 pub const TOTAL_TOLERANCE: f64 = 1e-3;
-/// Changes of totals below this share of the scene's largest total are taken relative to that share of the largest.
+/// The change of a total below this share of the scene's largest total is divided by that share of the largest total.
 const SMALL: f64 = 0.1;
 /// Number of segments of the front plate in the first lattice.
 const FIRST_SEGMENTS: usize = 36;
@@ -64,7 +64,7 @@ impl ContactScene {
         while self.fineness.is_none() && finer * members <= MOST_SEGMENTS {
             let (their_steps, their_end) = self.press(finer);
             let their_change = TotalChange::largest(&steps, &their_steps);
-            // A step can fail on one lattice alone, if contacts are about to change.
+            // A step can fail on only one of two lattices, if contacts are about to change.
             if their_steps.len() >= steps.len() {
                 (steps, stopped, fineness, change) = (their_steps, their_end, finer, their_change);
             }

@@ -45,7 +45,7 @@ impl NoiseSamples {
         self.sensed[which].iter().filter(|force| force.standardised_error().abs() <= TWO_SIDED_95).count()
     }
 
-    /// Share of all samples whose stated 95 % interval contains the true force.
+    /// Share of all samples whose stated 95 % interval of a contact, or of the total (last index), contains the true force.
     pub fn coverage(&self, which: usize) -> f64 {
         self.covered(which) as f64 / self.taken as f64
     }

@@ -10,7 +10,7 @@ use finray_model::scene::ObjectMotion;
 use finray_model::sensor::Refusal;
 use finray_model::statics;
 
-/// Number of noise samples per step in a full study. All steps of a scene together then have some hundreds to a thousand.
+/// Number of noise samples per step in a full study. All steps of a scene together then have some hundreds to a thousand samples.
 pub const SAMPLES: usize = 50;
 /// Spacing of sample seeds. The seeds of a step begin at the step's number (from 1) times this.
 const SEEDS_A_STEP: u64 = 1_000_000;

@@ -9,7 +9,7 @@ use finray_lattice::pressing::settled::EnginePressing;
 /// Verification of a step of a contact scene. A part is `None` if its computation does not come to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VerifiedStep {
-    /// Difference of finger and contact forces between the step and rapier's state of rest, which starts from the step.
+    /// Difference of shape and contact forces between the step and the state of rest that rapier reaches from the step.
     pub engine: Option<EngineDifference>,
     /// Largest difference of the step's shape from the lattice's equilibrium under the contact forces alone, relative to the largest displacement.
     pub equilibrium: Option<f64>,

@@ -76,7 +76,7 @@ pub enum GraspEnd {
 
 /// Number of steps over which the weight of an unsupported object is applied, or a force is held before the path begins.
 const HOLD_STEPS: usize = 5;
-/// The number of these steps if each step is a frame of the camera.
+/// Same as [`HOLD_STEPS`], for a grasp in which each step is a frame of the camera.
 const HOLD_FRAMES: usize = 30;
 /// An object has slipped if its displacement relative to the gripper exceeds this share of the object's size.
 const SLIPPED: f64 = 0.5;

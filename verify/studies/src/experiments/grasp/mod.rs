@@ -35,7 +35,7 @@ use rapier2d::parry::shape::Triangle;
 use rapier2d::prelude::{Pose, Vector as EngineVector};
 
 /// Number of plate segments between two rods. Sensing uses converged beams. With three segments, a wedge pressing 5 N between two rods causes an
-/// error of 0.5 %, twice the error by 0.067 mm noise. Six segments cause a quarter of that error.
+/// error of 0.5 %, twice the error by 0.067 mm noise. Six segments cause a quarter of the error of three.
 pub const FINENESS: usize = 6;
 /// One newton in g m/s^2.
 const GRAMS_M_S2_A_NEWTON: f64 = 1000.0;
@@ -51,7 +51,7 @@ pub enum GraspError {
         /// The table with its required keys, as text.
         outline: String,
     },
-    /// A hand moves the object, which must be free.
+    /// The scene states the motion of a hand that moves the object, but a grasped object must be free.
     #[error(
         "object.mass_g is missing: expected a free object with mass_g and centre_mm, found one on a prescribed path"
     )]
@@ -92,7 +92,7 @@ pub enum GraspError {
 /// A scene with a gripper and a free object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspScene {
-    /// The scene, [`simulated`].
+    /// The scene, changed by [`simulated`].
     scene: Scene,
     gripper: Gripper,
     grasp: GraspDescription,
@@ -139,7 +139,7 @@ impl GraspStep {
 }
 
 impl GraspScene {
-    /// Prepares a scene. `corners` (mm) are those of a polygon's file; other outlines ignore them.
+    /// Prepares a scene. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
     ///
     /// # Errors
     /// [`GraspError`] if the scene cannot be grasped.
@@ -273,7 +273,7 @@ impl GraspScene {
         }
     }
 
-    /// Senses the forces of a course's present step. Returns the outcome if the grasp has ended.
+    /// Senses the forces in the present step of a grasp. Returns the outcome if the grasp has ended.
     fn look(
         &self,
         course: &mut Course,

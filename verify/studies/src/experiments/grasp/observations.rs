@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const NODES: std::ops::RangeInclusive<usize> = 16..=20;
 /// The paper calls a force at a node without contact a small error up to this value, N.
 pub const SMALL_N: f64 = 0.3;
-/// Relative differences are formed for totals of at least this share of the largest total.
+/// A total counts in relative differences only if it is at least this share of the largest total.
 const COUNTS: f64 = 0.1;
 const SEED: u64 = 1;
 

@@ -4,7 +4,7 @@ use super::{GraspScene, finger_name};
 use finray_lattice::grasp::World;
 use finray_model::scene::Support;
 
-/// A contact of a finger with another body than the object, which ends a grasp.
+/// A contact of a finger with a body other than the object. Such a contact ends the grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Obstacle {
     /// The fingers touch each other, for example around an object thinner than the smallest distance of their tips.

@@ -157,7 +157,7 @@ fn frames_per_s(scene: &GraspScene) -> f64 {
     scene.grasp().frames_per_s.unwrap_or_default()
 }
 
-/// States at a camera's frames until the true force reaches `until_n` (N), or the motor is at its end.
+/// States of the grasp at the camera's frames, until the true force reaches `until_n` (N), or the motor is at its end.
 fn closing_frames<'s, 'l>(mut course: Course<'s, 'l>, until_n: f64) -> Vec<Course<'s, 'l>> {
     let mut frames = Vec::new();
     while course.force_n() < until_n && !course.is_at_end() && course.advance().is_ok() {

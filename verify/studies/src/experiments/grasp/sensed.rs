@@ -1,4 +1,4 @@
-//! Observation of a finger in a grasp by a camera, and the forces that are sensed from it.
+//! Observation of a finger in a grasp by a camera, and the forces sensed from this observation.
 
 use super::GraspScene;
 use crate::experiments::contact_scene::{
@@ -107,7 +107,7 @@ pub struct FingerStep {
     pub contacts: Vec<SeenContact>,
     /// Force of the finger on the object in the world frame, N.
     pub on_object: Vector,
-    /// Total force across the gripper without contacts at the clamp, which cannot be sensed, N.
+    /// Total force across the gripper, N, without contacts at the clamp, whose forces cannot be sensed.
     pub total_n: f64,
     /// Sensed forces, and their sum across the gripper; `None` without contact.
     pub sensed: Result<Option<SensedStep>, NotSensed>,

@@ -7,7 +7,7 @@ use crate::prelude::*;
 /// Tolerance of the imbalance of forces and moments, relative to the largest force: rounding of Newton's method, and the resistance against a moved
 /// object.
 const BALANCE_TOLERANCE: f64 = 1e-4;
-/// Tolerance of the difference of both fingers' totals while only the fingers hold the object, relative: balance across the gripper.
+/// Relative tolerance of the difference of both fingers' totals while only the fingers hold the object: the forces balance across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;
 /// Tolerance of the relative error of sensed totals without noise. The error comes from the lattice's difference from converged beams, and from
 /// friction, of which sensing knows only the coefficient.
@@ -43,7 +43,7 @@ struct ReportedScene {
     toml: &'static str,
     /// Number of lattice segments per plate member.
     fineness: usize,
-    /// Coarser step of the motor (degrees) and number of steps on the path, which replace the scene's. A box that both fingers rotate takes longest.
+    /// Step of the motor (degrees) and number of steps on the path, which replace the scene's finer steps to save time.
     coarser: Option<(f64, usize)>,
     /// Whether the grasp also runs without noise.
     clean: bool,

@@ -27,10 +27,10 @@ pub(super) const QUESTIONS: &[Question] = &[
 ];
 
 const TINY_N: [f64; 5] = [1e-9, 1e-7, 1e-5, 1e-3, 1e-1];
-/// Tolerance of the relative nonlinear change of the displacement per newton, at the middle of the finger for vanishing load, with a margin of 10 %.
-/// The change is proportional to the load, so a stopping rule that ends early gives more.
+/// Tolerance of the relative nonlinear change of the displacement per newton, with a margin of 10 %. It holds at the middle of the finger for a
+/// vanishing load. The change is proportional to the load, so a stopping rule that ends early gives more.
 const NONLINEARITY_PER_N: f64 = 1.1 * 0.08;
-/// Smallest load step, relative to the requested load; a limit load is known to this accuracy.
+/// Load steps, relative to the requested load, are not divided below this. A limit load is known to this accuracy.
 const LAST_STEP: f64 = 1e-6;
 /// Forces from the tip towards the base, N; the last three exceed the limit load.
 const BUCKLING_N: [f64; 4] = [1.0, 100.0, 1e3, 1e6];

@@ -193,7 +193,7 @@ fn hidden(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Une
         for count in 0..=20 {
             let found = task.sense(*kinematics, &noisy.clone().without(&order[..count]), CAMERA_NOISE_MM)?;
             off.extend(task.sigmas_off(&found).collect::<Vec<_>>());
-            // The nonlinear sigma also changes with the estimate, by less than 2 %.
+            // The standard deviation stated by the nonlinear estimator also changes with the estimate, by less than 2 %.
             shrinks += usize::from(found.sigmas_n[0] < 0.98 * before);
             before = found.sigmas_n[0];
         }

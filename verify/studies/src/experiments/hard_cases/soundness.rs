@@ -6,7 +6,8 @@ use finray_model::statics::{elastic_energy, reaction};
 
 /// Tolerance between the ladder solver and the general sparse solver, relative to the largest displacement.
 pub const AGREEMENT: f64 = 1e-8;
-/// Tolerance of the imbalance of force and moment between reactions and load, relative to the load. Strains of stiff elements have fewer digits.
+/// Tolerance of the imbalance of force and moment between reactions and load, relative to the load. Strains of stiff elements have fewer correct
+/// digits.
 pub const BALANCE: f64 = 1e-6;
 /// Tolerance of elastic energy against work, relative to the work: the error of the quadrature.
 pub const ENERGY: f64 = 1e-6;

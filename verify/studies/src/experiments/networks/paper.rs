@@ -8,10 +8,10 @@ use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
 use crate::prelude::*;
 use crate::truths::TruthId;
 
-/// Names of the recorded recipes that follow the paper: displacements scaled by the largest one, or by their spread.
+/// Names of the recorded recipes that follow the paper: displacements scaled by the largest displacement, or by their spread.
 pub const PAPER_RECIPES: [&str; 2] = ["a", "a, by spread"];
-/// A figure of the paper counts as reproduced if the ratio of our figure and the paper's, either way, is at most this. The value is a choice: with
-/// inputs scaled by the largest displacement, networks that differ only in their seed are within this factor of their mean.
+/// A figure of the paper counts as reproduced if the larger of our figure and the paper's is at most this multiple of the smaller. The value is a
+/// choice: with inputs scaled by the largest displacement, networks that differ only in their seed are within this factor of their mean.
 pub const SAME_FACTOR: f64 = 1.5;
 
 /// Whether our error reproduces the paper's, by [`SAME_FACTOR`].
@@ -19,7 +19,7 @@ pub fn reproduces(paper: f64, ours: f64) -> bool {
     ours <= SAME_FACTOR * paper && SAME_FACTOR * ours >= paper
 }
 
-/// A recorded mean relative error over the sets of a group, by seed.
+/// A recorded mean relative error over the contact sets of a group, summarised over the seeds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OverSeeds {
     /// Mean, least and greatest relative error over the seeds.
@@ -53,7 +53,7 @@ impl Figure {
     }
 }
 
-/// Quantities of a group in the paper's table, with its figures.
+/// Quantities of a group in the paper's table, each with the paper's figure.
 pub fn quantities(group: &ContactGroup) -> impl Iterator<Item = (&'static str, f64)> {
     [Some(("each force", group.paper_force)), group.paper_sum.map(|sum| ("sum", sum))].into_iter().flatten()
 }

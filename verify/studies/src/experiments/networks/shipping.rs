@@ -5,7 +5,7 @@ use crate::prelude::*;
 use finray_model::finger::NodeId;
 use finray_train::TrainingRecipe;
 
-/// Node of the tip; the paper's single contacts are the nodes after it.
+/// Number of the tip's node. The paper's single contacts are the nodes after the tip.
 const TIP: usize = 13;
 
 /// A shipped network.

@@ -17,7 +17,7 @@ pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let forces = context.checked_forces();
     progress.part("speed and error", 2);
     // The nodes are the same for every effort, so that points of other programs are always comparable.
-    // Numbers of periods for one force and for the pair. Two forces on a folding finger take tens of milliseconds per frame.
+    // Numbers of oscillation periods for one force and for the pair. Two forces on a folding finger take tens of milliseconds per frame.
     let periods = match context.effort {
         Effort::Quick => [1, 4],
         Effort::Full => [2, 2 * ASKED_NODES],

@@ -198,8 +198,8 @@ pub(crate) fn sensing(
         let estimators: Vec<&TimedEstimator<'_>> = beams.iter().chain(&further).collect();
         let of_task = estimators.iter().map(|timed| sensed(task, timed, noise_mm, &streams));
         let mut of_task = of_task.collect::<Result<Vec<_>, _>>()?;
-        // Timing is complete, so this may run in parallel. The model error does not depend on the starting point, so a cold start has that of a warm
-        // start.
+        // Timing is complete, so this may run in parallel. The model error does not depend on the starting point, so cold starts get the error of
+        // warm starts.
         let once: Vec<&&TimedEstimator<'_>> = estimators.iter().filter(|timed| timed.start != Start::Cold).collect();
         let biases = once.par_iter().map(|timed| largest_bias(timed, noise_mm, &streams));
         let biases: Vec<Option<f64>> = biases.collect::<Result<_, _>>()?;

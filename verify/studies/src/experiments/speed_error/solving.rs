@@ -55,7 +55,9 @@ pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: 
     }
 }
 
-/// Times beams on several meshes and lattices of several finenesses under the force that the report's figure shows, at `nodes` nodes along the front plate, in three directions at each. Errors are against beams of [`CONVERGED_ELEMENTS`] elements per member. Empty for a finger without such nodes.
+/// Times beams on several meshes, and lattices of several finenesses, under the force at which maps are drawn. The force acts at `nodes` nodes along
+/// the front plate, in three directions each. Errors are against beams of [`CONVERGED_ELEMENTS`] elements per member. Empty for a finger without such
+/// nodes.
 ///
 /// # Errors
 /// [`ExperimentError`] if the reference has no equilibrium or a lattice cannot be built.
@@ -79,7 +81,7 @@ pub fn solving(finger: &Finger, nodes: usize, forces: ReportForces) -> Result<Ve
     for (setting, lattice) in lattices(finger)? {
         points.push(solved.point(LATTICE, setting, |load| lattice.equilibrium(&[*load]).ok()));
     }
-    // Settling takes a hundred times longer, so only one load is settled.
+    // Settling takes a hundred times as long as Newton's method, so only one load is settled.
     let one = ReferenceSolutions {
         loads: solved.loads.into_iter().take(1).collect(),
         reference: solved.reference.into_iter().take(1).collect(),
@@ -139,7 +141,7 @@ fn bodies(lattice: &Lattice) -> String {
     format!("{} bodies", lattice.assembly().bodies.len())
 }
 
-/// Loads for timing shapes: the drawn force at `nodes` nodes along the front plate, in three directions.
+/// Loads for timing shapes: the force at which maps are drawn, at `nodes` nodes along the front plate, in three directions each.
 pub fn solved_loads(finger: &Finger, nodes: usize, forces: ReportForces) -> Vec<Load> {
     let force = |angle_deg| finger.direction(angle_deg) * forces.drawn_n();
     let directions = |node| SOLVED_ANGLES_DEG.map(|angle_deg| Load::at_node(node, force(angle_deg)));

@@ -21,7 +21,8 @@ const SENSED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
 const CALIBRATION_ELEMENTS: usize = 12;
 /// Tolerance of the mean relative error at a node with known zones: 10 % above the Cramer-Rao bound at the worst node (24).
 const SENSED: f64 = 0.013;
-/// Tolerance of rms error over sigma around 1, exceeded by chance once in thousands for 10 repetitions of 4 parameters (standard error 0.11).
+/// Tolerance of (rms error / sigma) against 1. Chance exceeds it once in thousands of studies of 10 repetitions and 4 parameters (standard error
+/// 0.11).
 const COVERED: f64 = 0.45;
 
 /// Results of the study of the digital twin.
@@ -145,7 +146,7 @@ impl TwinStudy {
     }
 }
 
-/// Calibrates the twin's modulus and zones from noisy shapes; front and back share factors. Factors are relative to the true ones.
+/// Calibrates the twin's modulus and zones from noisy shapes; front and back share factors. Factors are relative to the true factors.
 fn calibrate(
     finger: &Finger,
     clean: &[CalibrationCase],

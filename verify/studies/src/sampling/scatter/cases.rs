@@ -23,7 +23,7 @@ pub(super) struct Case {
 }
 
 struct Sample {
-    /// The bound: standard deviations stated by an estimator of the true finger. `None` without noise, or if a force is not identifiable.
+    /// Cramer-Rao bound: standard deviations stated by an estimator of the true finger. `None` without noise, or if a force is not identifiable.
     bound: Option<Sensed>,
     /// First-order errors caused by the noise, N, of an estimator of the true finger; `None` without noise, or if not requested.
     first_order: Option<Vec<f64>>,
@@ -83,7 +83,7 @@ pub(super) fn cases(
     Ok(all)
 }
 
-/// The true finger, the bound's estimator, and every estimator under test.
+/// The true finger, the estimator that gives the Cramer-Rao bound, and every estimator under test.
 struct CaseRunner<'a> {
     finger: &'a Finger,
     mesh: &'a Mesh,

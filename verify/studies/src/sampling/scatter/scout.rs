@@ -4,8 +4,8 @@ use crate::prelude::*;
 use finray_model::statics::Ladder;
 use std::sync::OnceLock;
 
-/// Forces are clearly too large if this mesh carries less than this fraction of them. Over 432 random pairs of forces on two fingers, the true
-/// finger's mesh has 0.990 to 1.001 times the limit load of the estimator's mesh.
+/// Forces are clearly too large if the estimator's mesh carries less than this fraction of them. Over 432 random pairs of forces on two fingers, the
+/// true finger's mesh has 0.990 to 1.001 times the limit load of the estimator's mesh.
 const CLEARLY_TOO_LARGE: f64 = 0.98;
 /// A known limit load replaces a solve if the two ratios of forces differ by at most this angle, rad.
 const NEIGHBOURS: f64 = 0.1;
@@ -83,7 +83,7 @@ pub(super) struct Scout<'m> {
 pub(super) enum LoadClass {
     /// The scout's finger carries the forces.
     Carried,
-    /// The scout's finger does not carry the forces, but a finer mesh may.
+    /// The scout's finger does not carry the forces, but the true finger's finer mesh may.
     AtTheLimit,
     /// The forces clearly exceed the limit.
     TooLarge,

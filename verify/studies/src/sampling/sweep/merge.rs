@@ -37,7 +37,7 @@ pub enum MergeError {
     Nothing,
 }
 
-/// Largest number of missing shards that a message lists.
+/// A message lists at most this number of missing shards.
 const NAMED: usize = 10;
 
 impl Shards {
