@@ -11,7 +11,8 @@ pub(super) struct ElementPositions {
 }
 
 impl ElementPositions {
-    /// Positions of equal elements between the rigid arms of a member. `positions` and `arms_mm` hold both ends, in mm.
+    /// Positions of equal elements between the rigid arms of a member. `positions` are the member's ends along the plate, mm from the base; `arms_mm` are the
+    /// lengths of its two arms, mm.
     pub(super) fn new(positions: [f64; 2], arms_mm: [f64; 2], elements: usize) -> ElementPositions {
         ElementPositions { free: [positions[0] + arms_mm[0], positions[1] - arms_mm[1]], elements }
     }

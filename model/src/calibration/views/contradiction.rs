@@ -9,7 +9,7 @@ use crate::sensing::{ContactQuestion, Direction, NonlinearEstimator};
 use crate::{NodeId, Vector};
 use nalgebra::Isometry2;
 
-/// Assumed standard deviations before calibration: of markers, mm, and of a base whose pose is sought, mm and rad.
+/// Standard deviations assumed before calibration: `UNCALIBRATED_MM` for markers, mm, and `SOUGHT_BASE` for a base whose pose is sought, mm and rad.
 const UNCALIBRATED_MM: f64 = 0.3;
 const SOUGHT_BASE: [f64; 2] = [5.0, 0.05];
 /// A view is refused if its ratio of measured force to marker force (force estimated from the markers) differs from the median by more than this factor. Marker

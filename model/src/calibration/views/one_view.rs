@@ -14,7 +14,7 @@ const UNKNOWN_SHARE: f64 = 1e3;
 const FIRST_ERRORS_MM: [f64; 2] = [0.3, 0.02];
 /// Convergence of the first searches, which only provide a starting point.
 const FIRST_CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-3, step: 0.0 };
-/// Starting positions, as shares of the plate's length, and starting force, N, if there is no earlier estimate.
+/// Starting point of the search without an earlier estimate: positions as shares of the plate's length (`STARTS`), and the force, N (`FIRST_FORCE_N`).
 const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
 const FIRST_FORCE_N: f64 = 1.0;
 /// Standard deviation that stands for an unknown direction, degrees.

@@ -95,7 +95,7 @@ impl Scatter {
         })
     }
 
-    /// Logarithm of the restricted likelihood of a variance.
+    /// Logarithm of the restricted likelihood of a relative variance of measured forces.
     fn log_likelihood(&self, variance: f64) -> f64 {
         let of = |it: &Combination| {
             let wider = 1.0 + variance * it.precision;
@@ -215,7 +215,7 @@ fn shares(variances: &[f64], growing_with: &[f64]) -> [f64; 2] {
     found
 }
 
-/// Relative variances that are tried.
+/// Relative variances of measured forces that a search tries.
 fn variances() -> impl Iterator<Item = f64> {
     (0..=STEPS).map(|i| LEAST * (LARGEST / LEAST).powf(i as f64 / STEPS as f64)).map(|share| share * share)
 }

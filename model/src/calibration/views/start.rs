@@ -58,8 +58,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Position along the plate at which the measured force explains the shape best, for any rigid motion of the finger. `None` if the finger has an
-    /// equilibrium under the force at no position.
+    /// Position along the plate at which the measured force explains the shape best, for any rigid motion of the finger. `None` if the finger has no
+    /// equilibrium under the force at any position.
     fn start_of_known(&self, stated: &Candidate, view: &View, force_n: f64) -> Option<ViewUnknowns> {
         let length_mm = self.finger.plate_length_mm(Plate::Front);
         let at = |i: usize| ViewUnknowns {

@@ -22,7 +22,7 @@ impl Problem<'_> {
         let Some(covariance) = covariance(&jacobian) else { return Vec::new() };
         let mut changes: Vec<RowDVector<f64>> = Vec::new();
         for (view, own, rows, column) in self.parts(&fitted.point).filter(|(view, ..)| view.force.is_none()) {
-            // All unknowns of the view, then all except the lean.
+            // Two cases: all unknowns of the view, and all except the lean.
             let all: Vec<usize> = (column..column + self.own_count(view)).collect();
             let known_direction = &all[..=OWN];
             for unknowns in [&all[..], known_direction] {
