@@ -111,8 +111,8 @@ pub struct SensedForces {
     measured: Option<MeasuredContactForces>,
 }
 
-/// Without a stated noise, a warning names a residual above this share of the displacements: the right contacts leave less of a real finger's, of a force
-/// that bends the finger visibly.
+/// Without a stated noise, a residual above this share of the displacements causes a warning. For a real finger that bends visibly, the right contacts leave a
+/// smaller share.
 const LARGE_RESIDUAL: f64 = 0.1;
 
 /// A reason to trust forces less, or to state the noise.

@@ -27,7 +27,7 @@ const ELEMENTS: usize = 4;
 
 /// Limit of the share of shear in the strain energy, dimensionless; beyond it, Euler-Bernoulli beams count as invalid.
 ///
-/// At this share, the loads move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). With the largest strain at its limit, too, a
+/// At this share, the loads move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). If the largest strain is also at its limit, a
 /// force is still within 10 %, the error from which the paper's Table I shades its cells (Xu et al. 2021, sec. V-A). A cantilever with a load at its end has
 /// this share at a length of 3.5 thicknesses. A member that is clamped at both ends and sways has it at 7 thicknesses.
 pub const LARGEST_SHEAR_SHARE: f64 = 0.05;

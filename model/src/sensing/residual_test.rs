@@ -56,7 +56,7 @@ impl ResidualTest {
     pub fn contradicts(&self) -> bool {
         let squared = (self.residual_sd_mm / self.noise_mm).powi(2);
         // Clear cases need no gamma function. The mean of chi-squared exceeds its median, so a residual below the noise has p > 0.3. The 1 % point divided by
-        // the degrees of freedom is largest for a single one, 6.63.
+        // the degrees of freedom is largest for one degree of freedom: 6.63.
         squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 

@@ -23,7 +23,7 @@ const SHORT_STEP: f64 = 1e-3;
 const LEAST_STEP: f64 = 1e-7;
 /// Shortest step of a trial path, as a share of the path. A trial that needs a shorter step fails.
 const LEAST_TRIED_STEP: f64 = 0.02;
-/// Largest number of load steps along a path; more end it with an error.
+/// Largest number of load steps along a path. A path that needs more steps ends with an error.
 const MOST_STEPS: usize = 2000;
 
 impl<E: EquilibriumEquations> Statics<E> {

@@ -4,8 +4,8 @@
 
 /// Smallest number of correct decimal digits of an accepted solution. Four digits suffice, because the finest results are compared to 0.01 %.
 pub(super) const FEWEST_DIGITS: f64 = 4.0;
-/// Newton's method has converged when the predicted energy norm of its *next* correction is below this share of the solution's. The last two corrections
-/// predict it, because Newton's method squares the error near the solution: e' = c e^2.
+/// Newton's method has converged when the predicted energy norm of its *next* correction is below this share of the solution's energy norm. The last two
+/// corrections predict it, because Newton's method squares the error near the solution: e' = c e^2.
 pub(super) const CORRECTION_TOLERANCE: f64 = 1e-11;
 /// If the last correction of a linear solution is below this share of the solution, the solution has all its digits.
 const LINEAR_TOLERANCE: f64 = 1e-8;

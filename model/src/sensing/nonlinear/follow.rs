@@ -7,7 +7,7 @@ use crate::statics::StaticsError;
 
 /// A step ends at an equilibrium whose misfit exceeds that at the start of the step by more than this factor.
 const WORSE: f64 = 2.0;
-/// A step ends after this number of rejected shorter steps, at the largest share with an equilibrium.
+/// A step ends after this number of rejected shorter steps, at the largest share of the step for which an equilibrium was found.
 const MOST_REJECTED: usize = 2;
 
 /// Result of following a step.

@@ -129,7 +129,7 @@ fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
 
 impl NonlinearEstimator<'_> {
     /// Estimated lean (angle between force and normal) of a contact. `None` unless the direction is [`Direction::Leaning`]. `covariance_n2` returns the
-    /// covariance of each force with the force across the contact's direction, N^2. `variance_n2` is the variance of the latter.
+    /// covariance of each force with the force across the contact's direction, N^2. `variance_n2` is the variance of the force across the direction.
     fn found_lean(
         &self,
         state: &State,

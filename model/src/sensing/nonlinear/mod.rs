@@ -216,7 +216,7 @@ impl<'m> NonlinearEstimator<'m> {
         self.last.clone_from(&self.held);
     }
 
-    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from it. For measurements that differ only by noise.
+    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from it. This suits measurements that differ only by noise.
     pub fn hold(&mut self) {
         self.held.clone_from(&self.last);
     }

@@ -102,7 +102,7 @@ impl Prior {
 pub(super) struct PriorRow {
     /// Index of the unknown with this prior.
     pub index: usize,
-    /// Derivative with respect to the unknown, mm per its unit.
+    /// Derivative with respect to the unknown, mm per unit of the unknown.
     pub by_unknown: f64,
     /// Derivative with respect to each force, mm/N. Zero unless the expected value or its standard deviation depends on the forces.
     pub by_force: f64,

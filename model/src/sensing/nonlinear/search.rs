@@ -17,8 +17,8 @@ const MAX_STEPS: usize = 60;
 /// Steps have converged when they change every unknown by less than this share of its scale. They have also converged when
 /// every combination of unknowns is within a hundredth of its standard deviation of the optimum.
 const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, step: 1e-7 };
-/// After [`MAX_STEPS`], the result is accepted if the last step changed every unknown by at most this share of its scale, which no camera resolves. If the
-/// finger does not explain the data, the weights of the markers change in every step and converge slowly.
+/// After [`MAX_STEPS`], the result is accepted if the last step changed every unknown by at most this share of its scale. No camera resolves such a change. If
+/// the finger does not explain the data, the weights of the markers change in every step and converge slowly.
 const SMALL_ENOUGH: f64 = 1e-5;
 /// The minimum may be near if a step changes the unknowns by at most this share of their scales. If it is not near, a tenth of that change is the next limit.
 const MAY_BE_NEAR: f64 = 0.03;

@@ -16,7 +16,7 @@ const LARGEST_TURN: f64 = 0.3;
 const LATER_TURNS: f64 = 0.5;
 /// Later corrections may always turn nodes by this negligible angle, rad.
 const TURN_NOISE: f64 = 1e-4;
-/// The unknowns have converged if the last step changes each by at most this share of its scale. The derivatives lag, so the step is wrong by about a
+/// The unknowns have converged if the last step changes each unknown by at most this share of its scale. The derivatives lag, so the step is wrong by about a
 /// hundredth.
 const SETTLED_STEP: f64 = 1e-8;
 /// The shape has converged if its last correction is at most this share of the largest rotation. The remaining error of the shape is of second order, and the

@@ -65,7 +65,7 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Copies one SIMD lane to a chain of the same kind. Of symmetric matrices, only the upper triangle is copied.
+    /// Copies one SIMD lane to a chain of the same kind. Only the upper triangle of a symmetric matrix is copied.
     #[inline(always)]
     pub(super) fn copy_lane(&self, lane: usize, one: &mut Chain) {
         let like = self.lever.x;

@@ -73,7 +73,7 @@ impl Ladder<'_> {
         self.respond(motion, &tip, out);
     }
 
-    /// Assigns the gradient of a load to an element: to the loaded one, or to one that ends at the loaded node.
+    /// Assigns the gradient of a load to the loaded element, or to an element that ends at the loaded node.
     fn placed(&self, load: &FrameLoad, gradient: Ends) -> OnElement {
         let line = match place(self.mesh, load) {
             Location::Inside { line, element } => return OnElement { line, element, gradient },
