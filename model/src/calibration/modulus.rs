@@ -104,8 +104,8 @@ pub fn corotational_modulus(
     })
 }
 
-/// Least-squares factor, and the cases with the last weights. Markers are weighted by their distances until the factor settles. The first weights follow from
-/// the distances for the unchanged finger.
+/// Least-squares factor on all moduli, and the cases with the last weights of their markers. Markers are weighted by their distances until the factor settles.
+/// The first weights follow from the distances for the unchanged finger.
 fn forgiving(
     finger: &Finger,
     cases: &[CalibrationCase],

@@ -15,7 +15,7 @@ const HALVINGS: usize = 9;
 const REACH_AT_FOLD: f64 = 0.8;
 /// Share of the remaining distance to a bifurcation that a step covers. Near a bifurcation, displacements are smooth functions of the load.
 const REACH_AT_BIFURCATION: f64 = 0.95;
-/// Shortest step as a share of the last step. If the determinant falls by powers of ten, predictions are useless, and this limit applies.
+/// A step has at least this share of the length of the last step. If the determinant falls by powers of ten, predictions are useless, and this limit applies.
 const LEAST_REACH: f64 = 0.01;
 /// Largest exponent p of the determinant that counts as a fold. The other exponents, 2/3 and 1, exceed it by more than rounding and secants can cause.
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;

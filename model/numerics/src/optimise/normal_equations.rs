@@ -56,7 +56,7 @@ impl Residuals {
 /// A problem linearised at a point: J^T J d = -J^T r for the step d.
 #[derive(Debug, Clone)]
 pub(super) struct NormalEquations {
-    /// Sum of squared residuals.
+    /// Sum of squared residuals, dimensionless.
     pub squares: f64,
     /// Residuals r; those of the priors come last.
     pub residual: DVector<f64>,

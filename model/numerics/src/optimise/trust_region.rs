@@ -16,7 +16,7 @@ const AFTER_WORSE: f64 = 0.25;
 const FIRST_REACH: f64 = 0.5;
 /// Size of the trust region below which no step helps, as a share of the norm of the residuals before any step.
 const SHORTEST: f64 = 1e-12;
-/// Damping that is tried for the first step.
+/// First damping that the search for the first step tries.
 const FIRST_DAMPING: f64 = 1e-3;
 /// Range of the damping.
 const DAMPINGS: [f64; 2] = [1e-10, 1e12];
@@ -26,9 +26,9 @@ const DAMPING_FACTOR: f64 = 4.0;
 /// Effects of a step on the linearised problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
-    /// Predicted decrease of the sum of squares.
+    /// Predicted decrease of the sum of squares, in the squared unit of the residuals.
     pub decrease: f64,
-    /// Length of the step, measured by the residuals: root of the sum, over the unknowns, of the squared change of the residuals that the step of one unknown
+    /// Length of the step in the unit of the residuals: root of the sum, over the unknowns, of the squared change of the residuals that the step of one unknown
     /// alone causes.
     pub reach: f64,
 }

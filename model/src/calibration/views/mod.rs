@@ -78,7 +78,7 @@ pub struct FoundView {
     pub force_sigma_n: f64,
     /// Transformation from the finger frame to the frame of the view, mm and rad.
     pub base: Isometry2<f64>,
-    /// Rotation of the plate's normal at the contact, rad. It is averaged over the length to which leans refer.
+    /// Rotation of the plate's normal at the contact, rad. It is averaged over the length of plate to which the lean (angle between force and normal) refers.
     pub normal_turn_rad: f64,
     /// Computed minus observed position of each marker, mm, in the frame of the view.
     pub residuals_mm: Vec<Vector>,

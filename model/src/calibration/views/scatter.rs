@@ -45,7 +45,7 @@ pub(super) struct NewImage {
 pub(super) struct AddedForceError {
     /// Relative standard deviation of the force, dimensionless. Half of a 95 % interval is 1.96 times this value.
     pub share: f64,
-    /// Added variance of the force as a share of its variance due to the noise of the image's markers, dimensionless.
+    /// Added variance of the force, as a share of the force's variance due to the noise of the image's markers, dimensionless.
     pub of_markers: f64,
 }
 

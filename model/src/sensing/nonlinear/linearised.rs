@@ -66,7 +66,7 @@ pub(super) struct Posed<'s> {
     pub motion: &'s FrameMotion,
     /// Force of each contact, N.
     pub forces_n: &'s [f64],
-    /// Base pose, leans, object pose and shared errors.
+    /// Base pose, leans (angles between force and normal), object pose and shared errors.
     pub nuisances: &'s Nuisances,
 }
 

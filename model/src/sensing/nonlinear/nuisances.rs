@@ -16,7 +16,7 @@ use nalgebra::Isometry2;
 pub(super) struct Nuisances {
     /// Motion of the base from its expected pose, in the finger frame of the measurement, mm and rad.
     pub base: Isometry2<f64>,
-    /// Difference between the lean of each force and the mean lean, degrees.
+    /// Difference between the lean of each force (its angle from the normal) and the mean lean, degrees.
     pub further_leans_deg: Vec<f64>,
     /// Deviation of the object from its stated pose: x (mm), y (mm) and rotation (rad).
     pub object: [f64; 3],

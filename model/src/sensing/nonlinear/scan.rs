@@ -12,8 +12,8 @@ use crate::frame::FrameMotion;
 use crate::measurement::{Marker, Measurement};
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 
-/// Largest change between points of a curve: of a displacement, as a share of the front plate, and of a rotation, rad. The first row is for the curve of a
-/// single force, the second for curves that cover a surface.
+/// Intended largest changes between neighbouring points of a curve: of a displacement, as a share of the front plate's length, and of a rotation, rad. The
+/// first row is for the curve of a single force, the second for curves that cover a surface.
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
 /// A step is repeated with half its length if its change exceeds the largest change by more than this factor.
 const TOO_LONG: f64 = 1.5;

@@ -94,7 +94,7 @@ fn is_of_object(question: &ContactQuestion) -> bool {
 }
 
 impl<'m> NonlinearEstimator<'m> {
-    /// This estimator with an object of known shape, for contacts whose direction leans from [`Normal::Object`].
+    /// This estimator with an object of known shape, for contacts whose lean (angle between force and normal) is measured from [`Normal::Object`].
     pub fn with_object(mut self, object: Option<&TouchedObject>) -> NonlinearEstimator<'m> {
         let touches = self.questions.iter().any(is_of_object);
         let touching = |object: &TouchedObject| Touching::new(&self.questions, object, self.pad.thickness_mm);

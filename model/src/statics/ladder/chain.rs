@@ -101,7 +101,7 @@ impl<R: Number> Chain<R> {
         forces.raw = forces.gradient;
     }
 
-    /// Begins the condensation of several elements with the first one; the others follow in order.
+    /// Begins the condensation of several elements with the first element; the other elements follow in order.
     #[inline(always)]
     pub(super) fn begin(&mut self, forces: &mut ChainForces<R>, first: &Element<R>) -> PartialChain<R> {
         (self.positive, self.accurate) = (forces.work.always(), forces.work.always());
@@ -318,7 +318,7 @@ pub(super) struct PartialChain<R: Number> {
     carried: Forces<R>,
 }
 
-/// The interior of a chain: its joints, the y of each joint, and its inner nodes.
+/// The interior of a chain: its joints, the forward substitution y = L^-1 g of each joint, and its inner nodes.
 pub(super) struct ChainInterior<'a, R: Number> {
     pub joints: &'a [Joint<R>],
     pub ys: &'a [[R; 3]],
