@@ -47,8 +47,8 @@ impl Finger {
     /// Checks a description and computes the positions of the key nodes.
     ///
     /// # Errors
-    /// [`ImpossibleFinger`] with the offending key. Causes are sizes that are not positive and finite, plates that form no triangle, brackets without
-    /// room for ribs, rigid arms longer than the members, zones off the plates, and ribs that cross, touch or leave the plates.
+    /// [`ImpossibleFinger`] with the offending key. Causes are sizes that are not positive and finite, plates that form no triangle, brackets without room for
+    /// ribs, and rigid arms longer than the members. Other causes are zones off the plates, and ribs that cross, touch or leave the plates.
     pub fn new(description: FingerDescription) -> Result<Finger, ImpossibleFinger> {
         let d = &description;
         check_sizes(d)?;

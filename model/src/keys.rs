@@ -107,7 +107,7 @@ pub struct Entry {
     pub need: String,
     /// Whether every scene with this table must have the key.
     pub is_required: bool,
-    /// The only value of `shape` with which the key is allowed; `None` if the key is allowed with all.
+    /// The only value of `shape` with which the key is allowed; `None` if the key is allowed with every value of `shape`.
     pub shape: Option<&'static str>,
     /// Meaning of the key, as the reference prints it.
     pub says: &'static str,

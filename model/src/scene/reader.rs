@@ -67,7 +67,7 @@ fn note_lines(text: &str, path: &str, table: &DeTable, lines: &mut BTreeMap<Stri
     }
 }
 
-/// Similarity of an unknown key to a known one: by common letters in order and by edits (for typing errors), and by pairs of letters (for missing parts).
+/// Similarity of an unknown key to a known key. Common letters in order and edits detect typing errors; pairs of letters detect missing parts.
 fn likeness(known: &str, key: &str) -> f64 {
     strsim::jaro_winkler(known, key)
         + strsim::normalized_damerau_levenshtein(known, key)

@@ -8,8 +8,8 @@ pub const SIGNIFICANCE: f64 = 0.01;
 /// Comparison of a residual with the stated noise.
 ///
 /// # Reference
-/// The sum of squared residuals over the variance of a coordinate follows the chi-squared distribution with
-/// (coordinates - unknowns) degrees of freedom if model and noise hold (Press et al., Numerical Recipes, sec. 15.1).
+/// If model and noise hold, the sum of squared residuals over the variance of a coordinate follows the chi-squared distribution. Its degrees of freedom are
+/// coordinates minus unknowns (Press et al., Numerical Recipes, sec. 15.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTest {
     /// Stated standard deviation of one coordinate, mm.

@@ -35,7 +35,7 @@ pub struct Outlier {
 pub enum OutlierKind {
     /// The measured force.
     Force {
-        /// Ratio of measured force to marker force, divided by the median ratio of all views, dimensionless.
+        /// Ratio of the measured force to the force estimated from the markers, divided by the median ratio of all views, dimensionless.
         times: f64,
     },
     /// A marker.

@@ -17,8 +17,8 @@ use nalgebra::DMatrix;
 /// share of the plate's length.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 const LARGEST_POSITION_SIGMA: f64 = 0.25;
-/// Another minimum explains the data equally well if its misfit exceeds the smallest by at most this many squared standard deviations of the noise. Its forces
-/// count as different if one of them differs by more than `ANOTHER_ANSWER_SIGMAS` standard deviations.
+/// Another minimum explains the data equally well if its misfit (sum of squared residuals) exceeds the smallest misfit by at most this many noise variances.
+/// The forces of the two minima count as different if one force differs by more than `ANOTHER_ANSWER_SIGMAS` standard deviations.
 const AS_GOOD: f64 = 9.0;
 const ANOTHER_ANSWER_SIGMAS: f64 = 5.0;
 /// Without noise, forces count as equal up to a difference of this share of the largest force.

@@ -48,7 +48,7 @@ struct Search<'s> {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Finds the minima of the misfit for a measurement.
+    /// Finds the minima of the misfit (sum of squared weighted residuals) for a measurement.
     ///
     /// # Errors
     /// [`SensingError`] if there is no minimum, or the unknowns of a minimum that fits well are not identifiable.

@@ -11,7 +11,7 @@ use crate::sensing::{ContactQuestion, Meeting, SensingError, Warning};
 const REFINEMENT_TOLERANCE: f64 = 2e-3;
 const REFINEMENT_SIGMAS: f64 = 0.5;
 const NEGLIGIBLE: f64 = 1e-4;
-/// Share of the last change that remains as an error of the last mesh if refinement has settled, because errors decrease with the square of the element length
+/// If refinement has settled, this share of the last change remains as an error of the last mesh. Errors decrease with the square of the element length
 /// (Richardson).
 const REMAINS: f64 = 1.0 / 3.0;
 /// Beam elements per member on the coarsest and on the finest mesh.

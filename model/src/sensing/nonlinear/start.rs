@@ -33,8 +33,8 @@ const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(
 const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
 
 impl NonlinearEstimator<'_> {
-    /// Minimum of the misfit near the last estimate. For contacts with an object, the minimum near the estimate from markers alone. `None` without such a
-    /// minimum.
+    /// Minimum of the misfit (sum of squared residuals) near the last estimate. For contacts with an object, the minimum near the estimate from markers alone.
+    /// `None` without such a minimum.
     pub(super) fn minimum_at_hand(
         &mut self,
         measurement: &Measurement,

@@ -82,7 +82,7 @@ pub(super) struct Joint<R: Number = f64> {
 }
 
 impl<R: Number> Joint<R> {
-    /// A joint before its elimination, in the number type of `like`.
+    /// An element's joint before its elimination, in the number type of `like`.
     #[inline(always)]
     pub(super) fn empty(like: R) -> Joint<R> {
         Joint { block: Block::empty(like), lever: Vector2::new(like.zero(), like.zero()) }

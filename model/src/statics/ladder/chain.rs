@@ -111,7 +111,7 @@ impl<R: Number> Chain<R> {
         PartialChain { stiffness, carried }
     }
 
-    /// Appends the next element and stores y = L^-1 g of its joint in `y`.
+    /// Appends the next element and stores in `y` the forward substitution y = L^-1 g of the element's joint.
     #[inline(always)]
     pub(super) fn extend(
         &mut self,
@@ -318,7 +318,7 @@ pub(super) struct PartialChain<R: Number> {
     carried: Forces<R>,
 }
 
-/// The interior of a chain: its joints, the forward substitution y = L^-1 g of each joint, and its inner nodes.
+/// The interior of a chain: its joints (one elimination per element), the forward substitution y = L^-1 g of each joint, and its inner nodes.
 pub(super) struct ChainInterior<'a, R: Number> {
     pub joints: &'a [Joint<R>],
     pub ys: &'a [[R; 3]],

@@ -110,7 +110,7 @@ impl Ladder<'_> {
         [0.0; 3]
     }
 
-    /// Adds gradients at the ends of a line to the gradients on the rungs. Returns the gradient on the tip.
+    /// Adds gradients at the ends of a line to the gradients on the rungs (nodes of one rib each). Returns the gradient on the tip.
     fn put_on(&mut self, line: usize, on_ends: &Ends, mut tip: [f64; 3]) -> [f64; 3] {
         let per_plate = self.waiting.len() + 1;
         // Level (0 is the base, r + 1 is rung r) and row of each end of the line.
