@@ -261,7 +261,7 @@ impl Finger {
         self.position(node) + self.marker_offset(node)
     }
 
-    /// Whether a node has a marker. If markers are on hinges, only ends of ribs have one. Key nodes at the same point share the marker of their
+    /// Whether a node has a marker. If markers are on hinges, only the ends of ribs have a marker. Key nodes at the same point share the marker of their
     /// [`junction`](Finger::junction).
     pub fn has_marker(&self, node: NodeId) -> bool {
         let is_end_of_rib = || node != self.tip() && !self.is_clamped(node);

@@ -22,8 +22,8 @@ impl ElementPositions {
         self.free
     }
 
-    /// Start of element `i`, mm from the base. For `i` after the last element, this is the end of the last element, exact without rounding, so that a load at
-    /// the tip lies on the plate.
+    /// Start of element `i`, mm from the base. If `i` is the number of elements, this is the end of the last element. It is exact without rounding, so that a
+    /// load at the tip lies on the plate.
     pub(super) fn start(&self, i: usize) -> f64 {
         let [from, to] = self.free;
         if i == self.elements { to } else { from + (to - from) * i as f64 / self.elements as f64 }

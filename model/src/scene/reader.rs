@@ -180,7 +180,7 @@ impl<'d, 't> TableReader<'d, 't> {
         value.map(Some).map_err(|refused| self.at(key.name, &refused.to_string()))
     }
 
-    /// Reads a word and returns the entry of `things` for it; `things` has one entry per word of the key.
+    /// Reads a word and returns the entry of `things` for this word; `things` has one entry per word of the key.
     pub(super) fn word<T: Copy, const N: usize>(&self, key: &Key<Word<N>>, things: [T; N]) -> Result<T, SceneError> {
         self.get(key).map(|word| things[word])
     }

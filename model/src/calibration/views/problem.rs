@@ -167,7 +167,7 @@ impl Problem<'_> {
         view.measurement.coordinate_count() + BASE_ROWS + further
     }
 
-    /// Equilibrium under the force of a view. `None` if the finger has none.
+    /// Equilibrium under the force of a view. `None` if the finger has no equilibrium under this force.
     pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Pressed> {
         self.pressed_from(None, candidate, view, own)
     }

@@ -30,8 +30,8 @@ pub enum Quantity {
     BaseTurn,
     /// Moment at the tip that the plates exert on each other without load, N mm.
     Preload,
-    /// Common deviation from the scene's mean lean (angle between force and normal) of all forces that were not measured, degrees. All these forces share it
-    /// because one object has one friction.
+    /// Common deviation from the scene's mean lean (angle between force and normal) of all forces that were not measured, degrees. All these forces share the
+    /// deviation, because one object has one coefficient of friction.
     Lean,
     /// Multiple of one error that the scene states for its unloaded finger, in standard deviations. The field is the index of the error, from 0.
     Unloaded(usize),

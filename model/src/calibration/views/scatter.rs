@@ -74,7 +74,7 @@ impl Scatter {
         let (forces, others) = (off.len(), normal.nrows() - off.len());
         let to_forces = normal.view((0, others), (others, forces)).clone_owned();
         let exact = normal.view((0, 0), (others, others)).clone_owned().cholesky()?;
-        // Changes of all other unknowns per change of the forces.
+        // Changes of all other unknowns per unit change of the relative forces.
         let following = -exact.solve(&to_forces);
         let precision = normal.view((others, others), (forces, forces)) + to_forces.tr_mul(&following);
         let pull = gradient.rows(others, forces) + following.tr_mul(&gradient.rows(0, others));

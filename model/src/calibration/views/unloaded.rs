@@ -65,7 +65,7 @@ impl Problem<'_> {
         jacobian
     }
 
-    /// Changes of all sought quantities as one error of the calibrated finger. `base` is the calibrated pose of its base, mm and rad.
+    /// Converts changes of all sought quantities to one error of the calibrated finger. `base` is the calibrated pose of the finger's base, mm and rad.
     pub(super) fn unloaded_error(&self, changes: &[f64], base: &Isometry2<f64>) -> UnloadedError {
         let ribs = self.finger.rib_count();
         let mut error = UnloadedError::none(ribs);

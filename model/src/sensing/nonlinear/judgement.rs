@@ -204,8 +204,8 @@ impl NonlinearEstimator<'_> {
         }
         let scales = &state.linearised.scales;
         let linear = |i: usize, j: usize| scales[i] * scales[j] * parts.covariance(i, j) * noise_mm * noise_mm;
-        // A force b across the direction adds b^2 / (2 f) to the force, to second order, with mean square 3 s^4 / (4 f^2). Higher orders are negligible if
-        // the direction is known to some degrees.
+        // A force b across the direction adds b^2 / (2 f) to the force f, to second order. If b has the standard deviation s, the mean square of this term is 3
+        // s^4 / (4 f^2). Higher orders are negligible if the direction is known to some degrees.
         let by_direction = |i: usize| {
             let across = self.unknowns.iter().position(|unknown| *unknown == Unknown::Across(i));
             across.map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))

@@ -14,7 +14,7 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// If refinement has settled, this share of the last change remains as an error of the last mesh. Errors decrease with the square of the element length
 /// (Richardson).
 const REMAINS: f64 = 1.0 / 3.0;
-/// Beam elements per member on the coarsest and on the finest mesh.
+/// Beam elements per member: at least the first number on the first mesh, at most the second number on the finest mesh.
 const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
 /// The first mesh has at least this number of elements, so that even for a finger with few ribs it separates minima as a fine mesh does.
 const LEAST_ELEMENTS: usize = 40;

@@ -11,8 +11,8 @@ use crate::measurement::Measurement;
 const MAX_STEPS: usize = 12;
 /// The minimum is not near if a node turns by more than this angle in the first correction, rad.
 const LARGEST_TURN: f64 = 0.3;
-/// The minimum is not near if the nodes turn in all later corrections together by more than this share of the first turn. A load step of the statics has the
-/// same limit. The tangent predicts a smooth path, but not a snap to another branch.
+/// The minimum is not near if all later corrections together turn the nodes by more than this share of the turn in the first correction. A load step of the
+/// statics has the same limit. The tangent predicts a smooth path, but not a snap to another branch.
 const LATER_TURNS: f64 = 0.5;
 /// Later corrections may always turn nodes by this negligible angle, rad.
 const TURN_NOISE: f64 = 1e-4;

@@ -117,7 +117,7 @@ impl NonlinearEstimator<'_> {
             })
             .collect();
         let mut forces_n: Vec<f64> = estimate.forces_n.iter().map(|f| f * factor).collect();
-        // The co-rotational finger may have no equilibrium under the forces of the linear finger. They are halved until it has one.
+        // The co-rotational finger may have no equilibrium under the forces of the linear finger. The forces are halved until it has an equilibrium.
         let rest = self.statics.equations().at_rest();
         for _ in 0..30 {
             let loads = contacts.iter().zip(&forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));

@@ -254,7 +254,7 @@ impl<'m> NonlinearEstimator<'m> {
             }
         }
         let [gap_mm, along_mm] = nearest_mm;
-        // A distance along the plate below that of neighbouring points counts as zero.
+        // A distance along the plate below the spacing of neighbouring points counts as zero.
         let beyond_mm = (along_mm.abs() - length_mm / PLACES as f64).max(0.0);
         let gap_mm = gap_mm.hypot(beyond_mm).copysign(gap_mm);
         let object = &touching.object;
