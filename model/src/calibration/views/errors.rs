@@ -43,8 +43,8 @@ impl Problem<'_> {
                 });
             }
         }
-        // Errors that a marker has in every image count as geometry, and no residual shows them. Without measured forces, sensed forces rest on the geometry
-        // alone, so the geometry keeps the weight of the stated noise.
+        // Errors that a marker has in every image count as geometry, and no residual shows them. If measured forces do not set the scale of sensed forces,
+        // these rest on the geometry alone, so the geometry keeps the weight of the stated noise.
         likeliest(left, self.scatter.is_some())
     }
 
