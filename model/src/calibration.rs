@@ -36,7 +36,7 @@ pub struct ModulusEstimate {
     pub factor: f64,
     /// Standard deviation of the factor, dimensionless. It follows from the scatter of the residuals.
     pub sigma: f64,
-    /// Mean distance between measured and computed nodes, mm.
+    /// Mean distance between measured and computed positions of a node, mm.
     pub mean_distance_mm: f64,
     /// Number of measured nodes, over all cases.
     pub node_count: usize,
@@ -159,8 +159,8 @@ fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
 /// Number of bisections of the bracket: enough to exhaust double precision from the largest number down.
 const BISECTIONS: usize = 1200;
 
-/// Young's modulus of the linear finger by eq. (11) of Xu et al. (2021). Finds the factor on all moduli that minimises the sum of the distances
-/// between measured and computed nodes, over all nodes and cases.
+/// Young's modulus of the linear finger by eq. (11) of Xu et al. (2021). Finds the factor on all moduli that minimises the sum, over all nodes and cases, of
+/// the distance between measured and computed position.
 ///
 /// Computed displacements v are proportional to c = 1 / factor, so the sum of |m - c v| is convex in c. Bisection finds the zero of its derivative. A sum
 /// of distances (not of squares) is robust to single bad markers. The standard deviation is the sandwich estimate of an M-estimator (Huber 1967):

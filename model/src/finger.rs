@@ -47,8 +47,8 @@ impl Finger {
     /// Checks a description and computes the positions of the key nodes.
     ///
     /// # Errors
-    /// [`ImpossibleFinger`] with the offending key. Causes are sizes that are not positive and finite, plates that form no triangle, brackets without
-    /// room for ribs, rigid arms longer than the members, zones off the plates, and ribs that cross, touch or leave the plates.
+    /// [`ImpossibleFinger`] with the offending key. Causes are sizes that are not positive and finite, plates that form no triangle, brackets without room for
+    /// ribs, and rigid arms longer than the members. Other causes are zones off the plates, and ribs that cross, touch or leave the plates.
     pub fn new(description: FingerDescription) -> Result<Finger, ImpossibleFinger> {
         let d = &description;
         check_sizes(d)?;
@@ -261,7 +261,7 @@ impl Finger {
         self.position(node) + self.marker_offset(node)
     }
 
-    /// Whether a node has a marker. If markers are on hinges, only ends of ribs have one. Key nodes at the same point share the marker of their
+    /// Whether a node has a marker. If markers are on hinges, only the ends of ribs have a marker. Key nodes at the same point share the marker of their
     /// [`junction`](Finger::junction).
     pub fn has_marker(&self, node: NodeId) -> bool {
         let is_end_of_rib = || node != self.tip() && !self.is_clamped(node);

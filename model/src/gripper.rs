@@ -37,10 +37,10 @@ pub struct GripperDescription {
 /// Assembly mode: the linkage can close in two ways, and keeps the one that it has at motor angle 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Assembly {
-    /// The joint between rocker and link is at that one of its two possible positions that is farther from the screw's axis.
+    /// The joint between rocker and link is at the possible position that is farther from the screw's axis.
     #[default]
     Outer,
-    /// The joint between rocker and link is at that one of its two possible positions that is nearer to the screw's axis.
+    /// The joint between rocker and link is at the possible position that is nearer to the screw's axis.
     Inner,
 }
 
@@ -204,8 +204,8 @@ impl Gripper {
         (!pose.is_singular()).then_some(by_turn_mm * turn_per_mm * self.description.screw_pitch_mm)
     }
 
-    /// Motor angle, degrees, at which the tips of the undeformed fingers are `opening_mm` apart. Of several such angles, the one nearest to 0; `None` if
-    /// there is none.
+    /// Motor angle, degrees, at which the tips of the undeformed fingers are `opening_mm` apart. If there are several such angles, returns the angle nearest to
+    /// 0; `None` without such an angle.
     ///
     /// # Reference
     /// By eq. (7), the joint has x = l4 - l2 cos phi2. For a tip at (x, y) of the finger frame, the opening is therefore a single cosine: 2 ((l2 - y) cos

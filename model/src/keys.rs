@@ -1,4 +1,4 @@
-//! The keys of scene files, one entry per key. The entry determines how the key is read, its errors, its text in the reference, and the checks of [`Finger`].
+//! The keys of scene files, one entry per key. The entry determines the key's reader, error messages, text in the reference, and range checks in [`Finger`].
 //!
 //! Each table of a scene is a static ([`FINGER`], [`CAMERA`], ...) whose fields are the keys. A new key needs an entry in `tables` and a line of code that
 //! reads it.
@@ -19,7 +19,7 @@ pub use tables::*;
 
 use std::ops::Deref;
 
-/// Whether a scene must have a key, and the value that applies if it has not.
+/// Whether a scene must have a key, and the value that applies to a scene without the key.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Need<V> {
     /// The key is required.
@@ -107,7 +107,7 @@ pub struct Entry {
     pub need: String,
     /// Whether every scene with this table must have the key.
     pub is_required: bool,
-    /// The only value of `shape` with which the key is allowed; `None` if the key is allowed with all.
+    /// The only value of `shape` with which the key is allowed; `None` if the key is allowed with every value of `shape`.
     pub shape: Option<&'static str>,
     /// Meaning of the key, as the reference prints it.
     pub says: &'static str,
@@ -172,7 +172,7 @@ pub trait SceneTable: Sync {
         self.entries().into_iter().map(|entry| entry.name).chain(inner.map(|table| table.name())).collect()
     }
 
-    /// Text for messages about a missing table: `[gripper]` with its required keys.
+    /// Text that messages print for a missing table: its name in brackets (`[gripper]`) with its required keys.
     fn outline(&self) -> String {
         let required = self.entries().into_iter().filter(|entry| entry.is_required).map(|entry| entry.name);
         self.with(&required.collect::<Vec<_>>())

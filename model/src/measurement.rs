@@ -211,7 +211,7 @@ impl Measurement {
         &self.shared_errors
     }
 
-    /// This measurement with the displacement of each marker, mm, replaced by `displacement` of the marker.
+    /// This measurement with the displacement of each marker, mm, replaced by the result of `displacement`.
     pub(crate) fn displaced(mut self, displacement: impl Fn(&Marker) -> Vector) -> Measurement {
         for marker in &mut self.markers {
             marker.displacement = displacement(marker);
@@ -219,7 +219,7 @@ impl Measurement {
         self
     }
 
-    /// This measurement with the weight of each marker multiplied by `share` of the marker.
+    /// This measurement with the weight of each marker multiplied by the result of `share`.
     pub(crate) fn reweighted(&self, mut share: impl FnMut(&Marker) -> f64) -> Measurement {
         let mut measurement = self.clone();
         for marker in &mut measurement.markers {

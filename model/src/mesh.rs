@@ -66,7 +66,7 @@ pub struct Mesh {
     alike: Vec<Vec<usize>>,
     /// Segments of the front plate from base to tip; each pair starts with the position of the segment's end, mm from the base.
     front: Vec<(f64, FrontSpan)>,
-    /// Number of elements of each line; the last entry is for the base line.
+    /// Number of elements of each line (member of the finger); the last entry is for the base line.
     elements: Vec<usize>,
     /// Number of nodes, including those that are counted but not built.
     node_count: usize,

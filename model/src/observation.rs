@@ -22,7 +22,7 @@ pub struct Observation {
     pub image: String,
     /// The observed markers, without those of hidden nodes.
     pub markers: Vec<ObservedMarker>,
-    /// Pose of the base. `None` if it coincides exactly with the frame of the camera's pose.
+    /// Pose of the base. `None` if the base coincides exactly with the reference frame of the camera's pose.
     pub base: Option<ObservedBase>,
 }
 
@@ -46,7 +46,7 @@ pub struct ObservedMarker {
 /// Pose of the finger's base in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservedBase {
-    /// Transformation from the finger frame to the frame of the camera's pose, mm and rad.
+    /// Transformation from the finger frame to the reference frame of the camera's pose, mm and rad.
     pub pose: Isometry2<f64>,
     /// Standard deviations of the pose at the origin of the finger frame. `None` if unknown.
     pub uncertainty: Option<BaseUncertainty>,
@@ -61,7 +61,7 @@ pub struct ObservedMeasurement {
     pub measurement: Measurement,
     /// Standard deviation of a coordinate of weight 1, mm, if the observation states it.
     pub noise_mm: Option<f64>,
-    /// Transformation from the frame of the displacements to the frame of the camera's pose, mm and rad.
+    /// Transformation from the frame of the displacements to the reference frame of the camera's pose, mm and rad.
     pub frame: Isometry2<f64>,
 }
 
@@ -121,7 +121,7 @@ pub enum MarkerError {
     },
 }
 
-/// Standard deviations of a base that counts as exact, mm and rad: far below the accuracy of an image.
+/// Standard deviations of position (mm) and rotation (rad) for a base that counts as exact: far below the accuracy of an image.
 const EXACT: (f64, f64) = (1e-4, 1e-6);
 
 impl ObservedMarker {
@@ -151,8 +151,9 @@ impl Observation {
         Observation { markers, ..Observation::default() }
     }
 
-    /// Converts the observation to a measurement for sensing forces. If the observation states no standard deviations, `noise_mm`, in mm, limits the motion of
-    /// clamped markers. `base_is_sought` states whether the base is estimated with the forces; its uncertainty is then separate from that of the markers.
+    /// Converts the observation to a measurement for sensing forces. If the observation states no standard deviations, the largest accepted motion of clamped
+    /// markers follows from `noise_mm`, in mm. `base_is_sought` states whether the base is estimated with the forces; its uncertainty is then separate from
+    /// that of the markers.
     ///
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or for a base with negative standard deviations.
@@ -189,8 +190,8 @@ impl Observation {
         self.markers.iter().any(is_elsewhere)
     }
 
-    /// Transformation from the frame in which forces are sensed to the frame of the camera's pose, mm and rad. It is the observed pose of the base, or the
-    /// identity for a base without references, which is approximately at the camera's pose.
+    /// Transformation from the frame in which forces are sensed to the reference frame of the camera's pose, mm and rad. It is the observed pose of the base.
+    /// For a base without reference marks, which is near the reference frame, it is the identity.
     pub fn frame(&self, scene: &Scene) -> Isometry2<f64> {
         match scene.base.as_ref().is_some_and(Base::is_of_pose) {
             true => Isometry2::identity(),
@@ -198,7 +199,7 @@ impl Observation {
         }
     }
 
-    /// Transformation from the finger frame to the frame of the camera's pose, mm and rad.
+    /// Transformation from the finger frame to the reference frame of the camera's pose, mm and rad.
     fn base_pose(&self) -> Isometry2<f64> {
         self.base.map_or_else(Isometry2::identity, |base| base.pose)
     }
@@ -219,7 +220,7 @@ struct Reading {
 impl Reading {
     fn of(&self, seen: &Observation, scene: &Scene) -> Result<ObservedMeasurement, ObservationError> {
         let finger = &scene.finger;
-        // For a base given by the camera's pose, displacements refer to the frame of this pose.
+        // If the camera's pose determines the base, displacements refer to the reference frame of this pose.
         let is_of_pose = scene.base.as_ref().is_some_and(Base::is_of_pose);
         let pose = seen.base_pose();
         let frame = seen.frame(scene);
@@ -316,7 +317,7 @@ fn exists(finger: &Finger, node: NodeId) -> bool {
     (1..=finger.key_node_count()).contains(&node.0)
 }
 
-/// Converts a displacement relative to the observed base to a displacement relative to the frame of the camera's pose, mm.
+/// Converts a displacement relative to the observed base to a displacement relative to the reference frame of the camera's pose, mm.
 fn placed(finger: &Finger, base: &Isometry2<f64>, node: NodeId, displacement: Vector) -> Vector {
     if !exists(finger, node) {
         return displacement;

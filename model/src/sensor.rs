@@ -184,7 +184,7 @@ pub enum Refusal {
         /// Position of the contact in the list, counted from 1.
         contact: usize,
     },
-    /// Measured contacts need a known base, contacts without a pad, and the nonlinear estimator. The text names the unmet condition.
+    /// Measured contacts require a known base, no pad, and the nonlinear estimator. The text names the unmet condition.
     #[error("contacts with standard deviations need {0}")]
     MeasuredContacts(&'static str),
 }

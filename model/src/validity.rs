@@ -27,9 +27,9 @@ const ELEMENTS: usize = 4;
 
 /// Limit of the share of shear in the strain energy, dimensionless; beyond it, Euler-Bernoulli beams count as invalid.
 ///
-/// At this share, the loads move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). With the largest strain at its limit, too, a
-/// force is still within 10 %, the error from which the paper's Table I shades its cells (Xu et al. 2021, sec. V-A). A cantilever with a load at its end has
-/// this share at a length of 3.5 thicknesses. A member that is clamped at both ends and sways has it at 7 thicknesses.
+/// At this share, the loads move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). If the largest strain is also at its limit, the
+/// error of a force stays within 10 %. The paper's Table I shades its cells from this error on (Xu et al. 2021, sec. V-A). A cantilever with a load at its end
+/// has this share at a length of 3.5 thicknesses. A member that is clamped at both ends and sways has this share at a length of 7 thicknesses.
 pub const LARGEST_SHEAR_SHARE: f64 = 0.05;
 
 /// Shear correction factor of a rectangular section, dimensionless, from the energy of the parabolic shear stress (Timoshenko and Goodier, Theory of

@@ -96,7 +96,7 @@ const NAMED_SHARE: f64 = 0.2;
 /// share.
 const SMALLEST_STEP: f64 = 1e-10;
 
-/// Estimates factors on moduli that minimise the sum of squared distances between measured and computed nodes.
+/// Estimates factors on moduli that minimise the sum of squared distances between measured and computed positions of the nodes.
 ///
 /// Each unknown is a factor on the scene's modulus, and the search starts at a factor of 1. The search uses logarithms, so factors stay positive. Factors that
 /// are not identifiable are refused, for example [`Unknown::Modulus`] together with a group of zones that covers the whole finger.

@@ -8,11 +8,11 @@ use crate::measurement::Marker;
 use crate::sensing::{ResidualTest, noise_of};
 use crate::statics::StaticsError;
 
-/// A marker is down-weighted if its distance exceeds this many standard deviations of a coordinate (Huber). Normal noise exceeds this for one marker in ninety,
-/// which raises the standard deviation of the factor by less than 1 %.
+/// A marker is down-weighted if its distance from the computed position exceeds this many standard deviations of a coordinate (Huber). Normal noise exceeds
+/// this for one marker in ninety, which raises the standard deviation of the factor by less than 1 %.
 const FORGIVEN: f64 = 3.0;
-/// A marker is reported as outlier if its distance exceeds this many standard deviations and this share of the root mean square displacement. Normal noise
-/// exceeds five standard deviations for one marker in 270 000.
+/// A marker is reported as outlier if its distance from the computed position exceeds both `OUTLYING` standard deviations and `OUTLYING_SHARE` of the root mean
+/// square displacement. Normal noise exceeds five standard deviations for one marker in 270 000.
 const OUTLYING: f64 = 5.0;
 const OUTLYING_SHARE: f64 = 0.1;
 /// Median distance of normal noise in a plane, in standard deviations of a coordinate: sqrt(2 ln 2).
@@ -30,7 +30,7 @@ pub struct CorotationalModulus {
     pub factor: f64,
     /// Standard deviation of the factor, dimensionless. Includes the error of the mesh.
     pub sigma: f64,
-    /// Mean distance between measured and computed nodes, mm.
+    /// Mean distance between measured and computed positions of a node, mm.
     pub mean_distance_mm: f64,
     /// Test of the residual against the stated noise, if the measurement contradicts this noise. `sigma` then follows from the residual.
     pub contradiction: Option<ResidualTest>,
@@ -104,8 +104,8 @@ pub fn corotational_modulus(
     })
 }
 
-/// Least-squares factor, and the cases with the last weights. Markers are weighted by their distances until the factor settles. The first weights follow from
-/// the distances for the unchanged finger.
+/// Least-squares factor on all moduli, and the cases with the last weights of their markers. Markers are weighted by their distances until the factor settles.
+/// The first weights follow from the distances for the unchanged finger.
 fn forgiving(
     finger: &Finger,
     cases: &[CalibrationCase],

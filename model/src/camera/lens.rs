@@ -10,7 +10,7 @@ const WIDEST: f64 = 5.0;
 const FOLD_STEPS: usize = 2000;
 /// Newton's method ends when a step, as a share of 1 + radius, is below this: 1e-11 px at a focal length of 1e5 px.
 const SETTLED: f64 = 1e-16;
-/// Largest number of Newton iterations for the undistorted coordinates of a pixel.
+/// Limit of the number of Newton iterations for the undistorted coordinates of a pixel.
 const MOST_STEPS: usize = 50;
 /// Number of points along each side of the image at which the distortion must be invertible.
 const SIDE_POINTS: usize = 32;

@@ -27,10 +27,10 @@ impl Beam {
     /// Stations from the first end to the second: two for each segment between ends and loads. Within a segment, axial strain is constant and curvature is
     /// linear, so the stations include the largest values.
     ///
-    /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force between the ends
-    /// adds the solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p adds the bending moments EI w''
-    /// P L p q^2 at the first end, -2 P L p^2 q^2 at the force and P L p^2 q at the second end. A force F along the chord adds the axial force F q
-    /// before it and -F p after it. For small displacements the sum is exact.
+    /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force between the ends adds the
+    /// solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p adds bending moments EI w'': P L p q^2 at the first end, -2
+    /// P L p^2 q^2 at the force and P L p^2 q at the second end. A force F along the chord adds the axial force F q before it and -F p after it. For small
+    /// displacements the sum is exact.
     ///
     /// Source: Young and Budynas, Roark's Formulas, table 8.1, case 1d.
     pub(crate) fn stations(
@@ -50,7 +50,7 @@ impl Beam {
         let ends: Vec<f64> = std::iter::once(0.0).chain(loads.iter().map(|load| load.xi)).chain([1.0]).collect();
         let strain = self.mean_strain(kinematics == Kinematics::Corotational, &deformation);
         let segments = ends.windows(2).enumerate().flat_map(|(nth, ends)| {
-            // `nth` loads lie before segment `nth`.
+            // The first `nth` loads lie before segment `nth` (from 0).
             let (before, after) = loads.split_at(nth);
             let axial_n = after.iter().map(|load| load.along * (1.0 - load.xi)).sum::<f64>()
                 - before.iter().map(|load| load.along * load.xi).sum::<f64>();

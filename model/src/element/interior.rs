@@ -8,7 +8,7 @@ use crate::Vector;
 struct Shape {
     /// Shares of the ends' displacements in the displacement of the point, dimensionless.
     shares: [f64; 2],
-    /// Levers of the ends' rotations relative to the chord, mm.
+    /// Deflection of the point per unit rotation of each end relative to the chord, mm.
     levers: [f64; 2],
 }
 

@@ -9,8 +9,8 @@ use crate::sensing::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Beam elements per member of the co-rotational finger that determines the error of linearisation. The error of this mesh is small compared with the error of
-/// linearisation.
+/// Beam elements per member of the co-rotational mesh from which the error of linearisation follows. The discretisation error of this mesh is small compared
+/// with it.
 const LINEARISATION_ELEMENTS: usize = 2;
 
 /// An estimator on a mesh of the beam model.

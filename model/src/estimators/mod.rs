@@ -189,7 +189,7 @@ pub trait PreparedEstimator {
     /// Announces that the next `samples` measurements are `noise_free` plus noise of `noise_mm`, so the search may start there.
     fn expect_samples_of(&mut self, _noise_free: &Measurement, _noise_mm: f64, _samples: usize) {}
 
-    /// States forces, N, close to those of the next measurement. A search may start from them. Only for error bounds at the true forces.
+    /// States forces, N, close to those of the next measurement. A search may start from them. Used only to compute error bounds at the true forces.
     fn expect_forces(&mut self, _forces_n: &[f64]) {}
 }
 

@@ -62,7 +62,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     Err(SensingError::NotConverged { iterations: ROUNDS, change_n }.into())
 }
 
-/// Estimates on a mesh of `mesh_nodes` nodes, or refines the mesh until doubling it changes little.
+/// Estimates on a mesh of `mesh_nodes` nodes, or refines the mesh until doubling it changes the forces little.
 fn sensed(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, EstimatorError> {
     let &Question { contacts, pad, object, measurement, noise_mm, .. } = question;
     match question.mesh_nodes {

@@ -188,7 +188,7 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     Ok(())
 }
 
-/// Checks that the hinges on each plate lie on this side of the other plate's hinges. Ribs then have a length and do not cross.
+/// Checks that the hinges on one plate do not lie beyond those on the other plate. Each rib then has a length, and ribs do not cross.
 fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let key = RIBS.bracket_mm.path();
     if let BracketLengths::Each(lengths_mm) = &finger.description.ribs.bracket_mm {

@@ -96,7 +96,8 @@ impl<R: Number> Member<R> {
         end_motions(motion, &self.ends, linear)
     }
 
-    /// Elastic energy (N mm) with the nodal forces and the tangent stiffness by the motions of the two nodes, over the rigid arms.
+    /// Elastic energy (N mm) of a member. The nodal forces and the tangent stiffness are its derivatives by the motions of the two nodes, including the rigid
+    /// arms.
     #[inline(always)]
     pub(crate) fn response(&self, motion: &FrameMotion<R>, kinematics: Kinematics) -> Response<R> {
         let linear = kinematics == Kinematics::Linear;
@@ -118,7 +119,7 @@ impl<R: Number> Member<R> {
         Vector2::new(to.x - from.x + undeformed.x, to.y - from.y + undeformed.y)
     }
 
-    /// Energy (N mm) and forces on the two nodes (N, N mm) for small displacements, over the rigid arms.
+    /// Energy (N mm) and forces on the two nodes (N, N mm) for small displacements, including the effect of the rigid arms.
     #[inline(always)]
     pub(crate) fn linear_forces(&self, motion: &FrameMotion<R>) -> (R, SVector<R, 6>) {
         let (energy, mut gradient) = self.beam.linear_forces(&self.end_motions(motion, true));
@@ -131,7 +132,8 @@ impl<R: Number> Member<R> {
 }
 
 impl PlaneFrame {
-    /// Axial strain and curvature along a member with loads, each a fraction of the length and a force (N); see [`Beam::stations`](crate::element::Beam).
+    /// Axial strain and curvature along a member with interior loads. Each load is a position (fraction of the length) and a force (N); see
+    /// [`Beam::stations`](crate::element::Beam).
     pub(crate) fn stations(
         &self,
         motion: &FrameMotion,

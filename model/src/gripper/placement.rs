@@ -34,7 +34,7 @@ impl Placement {
         self.axes().transpose() * (point - self.origin)
     }
 
-    /// This placement, given in the frame that `outer` places, expressed in the outer frame of `outer`. `outer` must not be mirrored.
+    /// This placement refers to the frame that `outer` places. Returns the placement in the outer frame of `outer`, which must not be mirrored.
     pub fn within(&self, outer: &Placement) -> Placement {
         Placement {
             origin: outer.outwards(self.origin),

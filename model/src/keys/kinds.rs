@@ -43,7 +43,7 @@ pub trait Kind {
     /// [`Refused`] for a value of another type.
     fn parse(&self, value: &DeValue) -> Result<Self::Value, Refused>;
 
-    /// Text of that part of a value that lies outside the range; `None` if the whole value lies within.
+    /// Text of the part of a value that lies outside the range; `None` if the whole value lies within.
     fn outside(&self, _value: &Self::Value) -> Option<String> {
         None
     }

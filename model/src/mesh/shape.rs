@@ -15,7 +15,7 @@ pub struct NodeMotion {
     pub displacement: Vector,
     /// Rotation of the node, rad; at a hinged rib, the rotation of the plate.
     pub rotation: f64,
-    /// Undeformed position of the joint between rib and bracket, mm, finger frame. Equals the node's position if it has no bracket.
+    /// Undeformed position of the joint between rib and bracket, mm, finger frame. Equals the node's position if the node has no bracket.
     pub hinge_position: Vector,
     /// Displacement of the joint between rib and bracket, mm, finger frame.
     pub hinge_displacement: Vector,

@@ -11,7 +11,8 @@ pub(super) struct ElementPositions {
 }
 
 impl ElementPositions {
-    /// Positions of equal elements between the rigid arms of a member. `positions` and `arms_mm` hold both ends, in mm.
+    /// Positions of equal elements between the rigid arms of a member. `positions` are the member's ends along the plate, mm from the base; `arms_mm` are the
+    /// lengths of its two arms, mm.
     pub(super) fn new(positions: [f64; 2], arms_mm: [f64; 2], elements: usize) -> ElementPositions {
         ElementPositions { free: [positions[0] + arms_mm[0], positions[1] - arms_mm[1]], elements }
     }
@@ -21,8 +22,8 @@ impl ElementPositions {
         self.free
     }
 
-    /// Start of element `i`, mm from the base. For `i` after the last element, this is the end of the last element, exact without rounding, so that a load at
-    /// the tip lies on the plate.
+    /// Start of element `i`, mm from the base. If `i` is the number of elements, this is the end of the last element. It is exact without rounding, so that a
+    /// load at the tip lies on the plate.
     pub(super) fn start(&self, i: usize) -> f64 {
         let [from, to] = self.free;
         if i == self.elements { to } else { from + (to - from) * i as f64 / self.elements as f64 }

@@ -9,7 +9,7 @@ use crate::measurement::Marker;
 const SIGMAS: f64 = 6.0;
 const LEAST_MM: f64 = 0.05;
 /// Without a stated noise, a clamped marker is refused if it moves by more than this share of the largest displacement. For a finger that moves by 10 mm, this
-/// is three times the noise of the paper's camera. The paper's first free nodes move by more than this under any force at a node.
+/// is three times the noise of the paper's camera. On the paper's finger, the free nodes nearest to the base move by more than this under any force at a node.
 const SHARE: f64 = 0.02;
 
 /// Largest motion of a clamped marker that noise explains, mm.

@@ -147,7 +147,7 @@ pub struct Reference {
     pub markers: Markers,
 }
 
-/// A base that moves between images, so that the camera's pose does not determine where it is.
+/// A base that moves between images, so that the camera's pose does not determine the position of the base.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Base {
     /// Reference marks that move with the base. Two or more marks determine the pose of the base.

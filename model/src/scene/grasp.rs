@@ -9,7 +9,7 @@ use crate::keys::GRASP;
 /// Support on which an object lies before it is grasped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Support {
-    /// Rails in front of and behind the fingers, which pass between the rails.
+    /// Rails in front of and behind the fingers; the fingers pass between the rails.
     Rails,
     /// A table that the fingers must not touch.
     Table,
@@ -24,7 +24,7 @@ pub struct GraspDescription {
     pub step_deg: f64,
     /// Sensed total force of a finger at which closing stops, N. `None` to close until the last motor angle.
     pub until_force_n: Option<f64>,
-    /// Whether the motor keeps this force along the path.
+    /// Whether the motor keeps the sensed force at `until_force_n` along the path.
     pub holds: bool,
     /// Corners of the path of the gripper relative to its start, mm, in the gripper's frame at the start.
     pub path_mm: Vec<Vector>,

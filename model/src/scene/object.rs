@@ -39,7 +39,7 @@ pub enum ObjectMotion {
         /// area.
         centre_mm: Vector,
     },
-    /// Motion along a straight line, which starts when the object touches the undeformed finger.
+    /// Motion along a straight line. It starts when the object touches the undeformed finger.
     Press {
         /// Position on the front plate at which the line meets the plate, mm from the base.
         at_mm: f64,
@@ -57,7 +57,7 @@ pub enum ObjectMotion {
 pub enum Until {
     /// The object has moved by this distance since first touch, mm.
     Travel(f64),
-    /// The force along the line has reached this value, N. The object is guided across the line.
+    /// The force along the line has reached this value, N. The object cannot move off the line.
     Force(f64),
 }
 

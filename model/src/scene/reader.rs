@@ -67,7 +67,7 @@ fn note_lines(text: &str, path: &str, table: &DeTable, lines: &mut BTreeMap<Stri
     }
 }
 
-/// Similarity of an unknown key to a known one: by common letters in order and by edits (for typing errors), and by pairs of letters (for missing parts).
+/// Similarity of an unknown key to a known key. Common letters in order and edits detect typing errors; pairs of letters detect missing parts.
 fn likeness(known: &str, key: &str) -> f64 {
     strsim::jaro_winkler(known, key)
         + strsim::normalized_damerau_levenshtein(known, key)
@@ -180,7 +180,7 @@ impl<'d, 't> TableReader<'d, 't> {
         value.map(Some).map_err(|refused| self.at(key.name, &refused.to_string()))
     }
 
-    /// Reads a word and returns what it stands for; `things` has one entry per word of the key.
+    /// Reads a word and returns the entry of `things` for this word; `things` has one entry per word of the key.
     pub(super) fn word<T: Copy, const N: usize>(&self, key: &Key<Word<N>>, things: [T; N]) -> Result<T, SceneError> {
         self.get(key).map(|word| things[word])
     }

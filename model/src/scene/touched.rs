@@ -34,13 +34,13 @@ pub struct ObjectPlace {
 pub enum ObjectFrame {
     /// The finger frame, moved with the base to its position in the image.
     Base,
-    /// The frame of the camera's pose; bases move within this frame between images.
+    /// The reference frame of the camera's pose; bases move within this frame between images.
     Plane,
 }
 
 impl TouchedDescription {
-    /// Expresses the object in the finger frame of one measurement. `base` is the pose of the base in the frame of the camera's pose. Returns `None` if the
-    /// object's pose is unknown.
+    /// Expresses the object in the finger frame of one measurement. `base` is the pose of the base in the reference frame of the camera's pose. Returns `None`
+    /// if the object's pose is unknown.
     pub fn seen_from(&self, base: &Isometry2<f64>) -> Option<TouchedObject> {
         let ObjectPlace { pose, sd_mm, sd_rad, frame } = self.place?;
         let pose = match frame {

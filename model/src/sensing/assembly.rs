@@ -189,13 +189,13 @@ impl Pushed<'_> {
 
 impl UnloadedFinger {
     /// Standard deviation of a displacement coordinate, in mm, that allows for assembly errors in a search without known forces. It is zero for displacements
-    /// that refer to the finger of the scene, because most errors of these do not depend on forces.
+    /// that refer to the finger of the scene, because most errors of such displacements do not depend on forces.
     pub(crate) fn unknown_without_forces_mm(&self) -> f64 {
         if self.measured_in_frame_sd_rad.is_some() { self.assembly.joint_sd_mm } else { 0.0 }
     }
 
-    /// Corrects a measurement for the expected preload, and adds the assembly errors as errors that all markers share. The errors are linearised at `found`,
-    /// their amplitudes from an earlier search in standard deviations. If `found` is empty, they are linearised at zero.
+    /// Corrects a measurement for the expected preload, and adds the assembly errors as errors that all markers share. The errors are linearised at the
+    /// amplitudes `found` from an earlier search, in standard deviations. If `found` is empty, the errors are linearised at zero.
     ///
     /// # Errors
     /// [`SensingError`] if a finger with one of the errors is impossible or has no equilibrium under the forces.

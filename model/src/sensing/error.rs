@@ -36,9 +36,9 @@ pub enum SensingError {
     /// Two contacts have the same position and direction.
     #[error("contacts {first} and {second} have the same position and direction: their forces are not identifiable")]
     SameContact {
-        /// Position of the first contact in the list, from 1.
+        /// Position of the first of the two contacts in the list, from 1.
         first: usize,
-        /// Position of the second contact in the list, from 1.
+        /// Position of the second of the two contacts in the list, from 1.
         second: usize,
     },
     /// There are more unknowns than measured coordinates.

@@ -58,7 +58,7 @@ pub struct Estimate {
     /// Model error that each standard deviation includes, in N: linearisation, mesh, or training of a network. Signed if the sign is known.
     pub model_error_n: Vec<f64>,
     /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the standard deviation of the residual. Without a
-    /// stated noise, the latter is widened for few degrees of freedom.
+    /// stated noise, the standard deviation of the residual is widened for few degrees of freedom.
     pub noise_mm: f64,
     /// Reason for which the estimate is less accurate than noise alone implies, if any.
     pub warning: Option<Warning>,

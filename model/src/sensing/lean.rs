@@ -3,18 +3,19 @@
 /// Lean (angle between a contact force and the inward normal due to friction), with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lean {
-    /// Mean lean, in degrees, positive towards the tip. If the object slides, it is the arctangent of the coefficient of friction.
+    /// Mean lean (angle between force and normal), in degrees, positive towards the tip. For a sliding object, it is the arctangent of the coefficient of
+    /// friction.
     pub angle_deg: f64,
     /// Standard deviation of the lean, in degrees. Zero if the lean is known exactly.
     pub sd_deg: f64,
     /// Force over which friction builds up, N: at a force f the mean lean is `angle_deg` (1 - exp(-f / `build_up_n`)). Zero if the lean does not depend on the
     /// force.
     pub build_up_n: f64,
-    /// Inward normal to which the lean refers.
+    /// Inward normal from which the lean is measured.
     pub from: Normal,
 }
 
-/// Inward normal to which the lean of a force refers.
+/// Inward normal from which the lean of a force (its angle from the normal) is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Normal {
     /// Normal of the deformed plate, averaged over a length of plate about the contact, for example the length that the object covers.
@@ -45,7 +46,7 @@ impl Lean {
         Lean { angle_deg: 0.5 * (from + to), sd_deg: (to - from).abs() / 12.0_f64.sqrt(), ..Lean::NONE }
     }
 
-    /// Mean lean of a force of `force_n`, N, in degrees.
+    /// Mean lean (angle from the normal), in degrees, of a force of `force_n`, N.
     pub fn mean_deg(&self, force_n: f64) -> f64 {
         match self.build_up_n > 0.0 {
             true => -self.angle_deg * (-force_n.abs() / self.build_up_n).exp_m1(),

@@ -246,8 +246,8 @@ impl Inverse {
 }
 
 /// Singular values of the weighted compliance, mm/N, in descending order. [`SensingError::IllConditioned`] if the forces are not identifiable. All unknowns are
-/// forces in N and all rows have the same noise, so no scaling is needed. For twelve normal forces on the paper's finger, the largest is 363 times the
-/// smallest.
+/// forces in N and all rows have the same noise, so no scaling is needed. For twelve normal forces on the paper's finger, the largest singular value is 363
+/// times the smallest.
 fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
     if compliance.ncols() == 1 {
         // The singular value of a single column is its length.

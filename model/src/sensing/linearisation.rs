@@ -21,8 +21,9 @@ const CLOSER: f64 = 0.9;
 const MOST_ASTRAY: usize = 4;
 /// Newton's method has converged if a step changes no force by more than this share of the largest force.
 const STEP_TOLERANCE: f64 = 1e-6;
-/// Newton's method fails after this number of refused steps, which lead to forces without equilibrium: for a single force, and for several forces. The limits
-/// of a single force are stored, so its refused steps are cheap. A refused step is shortened to between half and all of the share up to which equilibria exist.
+/// Newton's method fails after this number of refused steps: the first limit is for a single force, the second for several forces. A refused step leads to
+/// forces without equilibrium. The smallest and largest single force with an equilibrium are stored, so refused steps of a single force are cheap. A refused
+/// step is shortened to between half and all of the share up to which equilibria exist.
 const MOST_REFUSED: [usize; 2] = [30, 8];
 
 /// Error that a linear estimator makes on the co-rotational finger.

@@ -217,8 +217,8 @@ impl Problem<'_> {
         let widened = if chi_squared > chance { chi_squared / degrees_of_freedom } else { 1.0 };
         let covariance_n2 = &turned * covariance * turned.transpose() * widened;
         let across_n: Vec<f64> = (0..count).map(|i| forces_n[i] * tangents[i]).collect();
-        // A wrong normal adds a share of the friction force to the force along it. The friction force counts with at least its upper bound. Otherwise noise
-        // could make the estimated friction force, and so the standard deviation, too small.
+        // If the measured normal is wrong, a share of the friction force counts as force along the normal. The friction force counts with at least its upper
+        // bound. Otherwise noise could make the estimated friction force, and so the standard deviation, too small.
         let variance_n2 = |i: usize| {
             let across_n2 = across_n[i].powi(2) + covariance_n2[(count + i, count + i)];
             let most_n = self.knowledge.friction * forces_n[i];

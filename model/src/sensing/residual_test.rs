@@ -8,8 +8,8 @@ pub const SIGNIFICANCE: f64 = 0.01;
 /// Comparison of a residual with the stated noise.
 ///
 /// # Reference
-/// The sum of squared residuals over the variance of a coordinate follows the chi-squared distribution with
-/// (coordinates - unknowns) degrees of freedom if model and noise hold (Press et al., Numerical Recipes, sec. 15.1).
+/// If model and noise hold, the sum of squared residuals over the variance of a coordinate follows the chi-squared distribution. Its degrees of freedom are
+/// coordinates minus unknowns (Press et al., Numerical Recipes, sec. 15.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTest {
     /// Stated standard deviation of one coordinate, mm.
@@ -56,7 +56,7 @@ impl ResidualTest {
     pub fn contradicts(&self) -> bool {
         let squared = (self.residual_sd_mm / self.noise_mm).powi(2);
         // Clear cases need no gamma function. The mean of chi-squared exceeds its median, so a residual below the noise has p > 0.3. The 1 % point divided by
-        // the degrees of freedom is largest for a single one, 6.63.
+        // the degrees of freedom is largest for one degree of freedom: 6.63.
         squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 

@@ -20,7 +20,7 @@ const UNLOADED_ERROR_MM: f64 = 0.3;
 const EXACT: f64 = 1e-6;
 
 impl Sensor<'_> {
-    /// Errors of the unloaded finger for one observation. `frame` transforms from the finger frame to the frame of the camera's pose.
+    /// Errors of the unloaded finger for one observation. `frame` transforms from the finger frame to the reference frame of the camera's pose.
     pub(super) fn unloaded(
         &self,
         assembly: AssemblyErrors,

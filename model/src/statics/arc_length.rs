@@ -7,7 +7,7 @@ use finray_numerics::linear::{Bordered, Direction, IndefiniteFactor};
 
 /// Length of the first step in the norm of [`ArcLength`], dimensionless; it corresponds to about one degree of rotation.
 const FIRST_STEP: f64 = 0.02;
-/// Longest step in the norm of [`ArcLength`], dimensionless. The points of a path are then close enough to draw it.
+/// No step is longer than this in the norm of [`ArcLength`], dimensionless, so that the points of a path are close enough to draw it.
 const LONGEST_STEP: f64 = 0.1;
 /// Shortest step in the norm of [`ArcLength`], dimensionless. If a path needs a shorter step, the search ends with an error.
 const SHORTEST_STEP: f64 = 1e-10;
@@ -29,9 +29,9 @@ const MAX_ITERATIONS: usize = 10;
 /// A limit point is accepted when the load component of the unit tangent is below this. The error of the limit load is of the order of the square of that
 /// component.
 const LIMIT_TOLERANCE: f64 = 1e-7;
-/// Largest number of iterations for locating a limit point between two points of the path.
+/// Limit of the number of iterations that locate a limit point between two points of the path. Then the best point so far is used.
 const MAX_LIMIT_TRIALS: usize = 40;
-/// Largest sum of Newton corrections, as a share of the step. A larger sum may lead to another branch.
+/// Limit of the sum of Newton corrections, as a share of the step. A larger sum may lead to another branch, so the step is repeated with a shorter length.
 const LARGEST_DEPARTURE: f64 = 0.5;
 /// If the number of negative pivots and the sign of the load's slope disagree, the path has met a bifurcation or left its branch. Steps are then shortened. A
 /// bifurcation is accepted when the load multiple changes by at most this share in a step.

@@ -13,17 +13,17 @@ use crate::frame::{FrameLoad, FrameMotion};
 
 /// Intended length of a load step, as a share of the largest allowed length.
 const AIM: f64 = 0.75;
-/// Largest ratio of the length of a load step to that of the previous step.
+/// After an accepted load step, the next step is longer by at most this factor.
 const GROWTH: f64 = 3.0;
-/// Smallest ratio of a shortened step to the rejected step, if the rejection states by how much the step was too long.
+/// A rejected step is shortened to no less than this share of its length, even if the rejection states that the step was far too long.
 const LEAST_SHARE: f64 = 0.01;
 /// If a failed step is shorter than this share of the path, rounding in too fine a mesh may be the cause.
 const SHORT_STEP: f64 = 1e-3;
-/// Shortest step while the end of the branch is not predicted, as a share of the path.
+/// Limit of the step length while the end of the branch is not predicted, as a share of the path. A path that needs a shorter step ends with an error.
 const LEAST_STEP: f64 = 1e-7;
-/// Shortest step of a trial path, as a share of the path. A trial that needs a shorter step fails.
+/// Limit of the step length of a trial path, as a share of the path. A trial that needs a shorter step fails.
 const LEAST_TRIED_STEP: f64 = 0.02;
-/// Largest number of load steps along a path; more end it with an error.
+/// Largest number of load steps along a path. A path that needs more steps ends with an error.
 const MOST_STEPS: usize = 2000;
 
 impl<E: EquilibriumEquations> Statics<E> {

@@ -10,12 +10,12 @@ const FOLD: f64 = 0.5;
 const BIFURCATION: f64 = 1.0;
 /// Number of bisections of the interval of exponents p. It gives p to 1e-3, finer than the predictions.
 const HALVINGS: usize = 9;
-/// Share of the remaining distance to a fold that a step covers. Displacements follow the square root of that distance. If a step covers 8/9 of it, the
-/// tangent's prediction is off by half, the limit for a load step.
+/// Share of the remaining distance to a fold that a step covers. Displacements follow the square root of that distance. If a step covers 8/9 of the distance,
+/// the tangent's prediction is off by half, which is the limit for a load step.
 const REACH_AT_FOLD: f64 = 0.8;
-/// Share of the remaining distance to a bifurcation that a step covers; displacements are smooth functions of the load there.
+/// Share of the remaining distance to a bifurcation that a step covers. Near a bifurcation, displacements are smooth functions of the load.
 const REACH_AT_BIFURCATION: f64 = 0.95;
-/// Shortest step as a share of the last step. If the determinant falls by powers of ten, predictions are useless, and this limit applies.
+/// A step has at least this share of the length of the last step. If the determinant falls by powers of ten, predictions are useless, and this limit applies.
 const LEAST_REACH: f64 = 0.01;
 /// Largest exponent p of the determinant that counts as a fold. The other exponents, 2/3 and 1, exceed it by more than rounding and secants can cause.
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;
@@ -45,7 +45,7 @@ struct End {
 }
 
 impl Approach {
-    /// Whether the equilibrium at a share of the path is still to be added.
+    /// Whether the equilibrium at a share of the path has not been added yet.
     pub(super) fn asks_for(&self, share: f64) -> bool {
         self.points[2].is_none_or(|[known, _]| known != share)
     }

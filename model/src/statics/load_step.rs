@@ -2,10 +2,10 @@
 //!
 //! They are separate from the equations, so that the scalar solver and each SIMD lane of a [batch](super::equilibria) share them.
 
-/// Smallest number of correct decimal digits of an accepted solution. Four digits suffice, because the finest results are compared to 0.01 %.
+/// A solution with fewer correct decimal digits than this is rejected. Four digits suffice, because the finest results are compared to 0.01 %.
 pub(super) const FEWEST_DIGITS: f64 = 4.0;
-/// Newton's method has converged when the predicted energy norm of its *next* correction is below this share of the solution's. The last two corrections
-/// predict it, because Newton's method squares the error near the solution: e' = c e^2.
+/// Newton's method has converged when the predicted energy norm of its *next* correction is below this share of the solution's energy norm. The last two
+/// corrections predict it, because Newton's method squares the error near the solution: e' = c e^2.
 pub(super) const CORRECTION_TOLERANCE: f64 = 1e-11;
 /// If the last correction of a linear solution is below this share of the solution, the solution has all its digits.
 const LINEAR_TOLERANCE: f64 = 1e-8;
@@ -18,9 +18,9 @@ const STAGNATION_TOLERANCE: f64 = 1e-6;
 const MAX_ITERATIONS: usize = 20;
 /// Largest rotation of a node in one load step, rad. A larger one may lead to another branch, so the step is rejected.
 const MAX_STEP_ROTATION: f64 = 0.8;
-/// Largest deviation of a rotation from the prediction by the tangent at the start of the step, as a share of the largest predicted rotation. On a smooth
-/// path every sufficiently short step satisfies this limit; a snap to another branch rarely does. For random fingers under random loads, the arc-length
-/// method finds 22 of 9715 accepted equilibria beyond a limit load.
+/// A step is rejected if a rotation deviates by more than this from the prediction by the tangent at the start of the step. The limit is a share of the largest
+/// predicted rotation. On a smooth path every sufficiently short step satisfies this limit; a snap to another branch rarely does. For random fingers under
+/// random loads, the arc-length method finds 22 of 9715 accepted equilibria beyond a limit load.
 const MAX_PREDICTION_ERROR: f64 = 0.5;
 /// Rotations up to this, rad, count as zero, because a frame that only elongates rotates by rounding.
 const ROTATION_NOISE: f64 = 1e-9;

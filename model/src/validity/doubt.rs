@@ -13,7 +13,7 @@ pub enum Doubt {
         strain: FibreStrain,
         /// The limit, dimensionless.
         limit: f64,
-        /// Whether the scene states the limit, rather than the default.
+        /// Whether the scene states the limit; otherwise it is the default limit.
         stated: bool,
     },
     /// Shear, which Euler-Bernoulli beams neglect, is significant.

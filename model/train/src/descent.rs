@@ -170,7 +170,7 @@ pub struct Epoch {
     /// Mean squared error of the epoch's first batch over the targets that count. Forces are in units of the linear fit's residual, or of their standard
     /// deviation without such a fit.
     pub training_loss: f64,
-    /// Mean squared error of the validation set, in the same units.
+    /// Mean squared error of the validation set, in the units of `training_loss`.
     pub validation_loss: f64,
 }
 

@@ -3,15 +3,15 @@
 use super::vectors::{Aligned, Number};
 use pulp::Simd;
 
-/// Number of SIMD vectors of outputs that stay in registers while the inputs of one frame are read. With four independent sums per vector, the latency of an
-/// addition is hidden.
+/// Number of SIMD vectors of outputs that stay in registers while the inputs of one frame (one vector x) are read. With four independent sums per vector, the
+/// latency of an addition is hidden.
 const WIDEST_PANEL: usize = 3;
 /// Number of outputs that stay in registers while the weights are read. With [`TILE_VECTORS`], 12 sums, 2 inputs and a weight fit into AVX2's 16 registers.
 const TILE_OUTPUTS: usize = 6;
 /// Number of SIMD vectors of frames that stay in registers while the weights are read.
 const TILE_VECTORS: usize = 2;
 
-/// Function applied to a complete sum. It is a trait, because closures are not reliably inlined; without inlining it is ten times slower.
+/// Function applied to a complete sum. It is a trait, because closures are not reliably inlined; without inlining, the product takes ten times as long.
 pub trait Finish<N: Number>: Copy {
     /// Applies the function in each lane of `sum`.
     fn finish<S: Simd>(self, simd: S, sum: N::Vector<S>) -> N::Vector<S>;
@@ -35,9 +35,10 @@ pub struct Weights<N: Number> {
     inputs: usize,
     /// Number of outputs, the length of y.
     outputs: usize,
-    /// Order for one frame: panels of one to three SIMD vectors of outputs, by inputs. Zeros fill the last vector.
+    /// Weights in the order for one frame: one panel (one to three SIMD vectors of outputs) after the other, input by input within a panel. Zeros fill the last
+    /// vector.
     panels: Aligned<N>,
-    /// Order for many frames: tiles of `TILE_OUTPUTS` outputs, by inputs. Zeros fill the last tile.
+    /// Weights in the order for many frames: one tile (`TILE_OUTPUTS` outputs) after the other, input by input within a tile. Zeros fill the last tile.
     tiles: Aligned<N>,
 }
 
@@ -58,7 +59,7 @@ pub fn tiled(outputs: usize) -> usize {
     outputs.next_multiple_of(TILE_OUTPUTS)
 }
 
-/// Width of the next panel, in SIMD vectors: two or three, and one only for a single vector.
+/// Width of the next panel, in SIMD vectors: 2 or 3, or 1 if only one vector of outputs remains.
 #[inline(always)]
 fn panel_width(vectors_left: usize) -> usize {
     match vectors_left {
@@ -69,7 +70,7 @@ fn panel_width(vectors_left: usize) -> usize {
 }
 
 impl<N: Number> Weights<N> {
-    /// Stores a matrix in the orders of a machine's SIMD width; `weight(output, input)` returns its entries.
+    /// Stores a matrix in both orders, for the machine's SIMD width; `weight(output, input)` returns its entries.
     pub fn new<S: Simd>(outputs: usize, inputs: usize, weight: impl Fn(usize, usize) -> N) -> Weights<N> {
         let lanes = N::lanes::<S>();
         let entry = |output: usize, input: usize| if output < outputs { weight(output, input) } else { N::ZERO };
@@ -97,8 +98,8 @@ impl<N: Number> Weights<N> {
         self.outputs
     }
 
-    /// Computes y = finish(y + W x) for one frame; `y` has [`padded`] outputs. `finish` runs after each panel, while the weights of the next panel are being
-    /// fetched from memory, which takes most of the time.
+    /// Computes y = finish(y + W x) for one frame; `y` has [`padded`] outputs. Fetching weights from memory takes most of the time, so `finish` runs after each
+    /// panel, while the weights of the next panel arrive.
     #[inline(always)]
     pub fn add_product<S: Simd>(&self, simd: S, x: &[N], y: &mut [N], finish: impl Finish<N>) {
         let x = &x[..self.inputs];

@@ -3,12 +3,12 @@
 use super::products::Finish;
 use pulp::Simd;
 
-/// Magnitude to which arguments are clamped; beyond it, tanh is 1 within the stated error.
+/// Magnitude to which arguments are clamped; for larger arguments, |tanh| is 1 within the error of the approximation.
 const CLAMP: f32 = 8.0;
-/// Coefficients of N in tanh(x) = x N(x^2) / D(x^2), constant term first. Minimax fit over 0..8 with an error of 6e-9, scaled to minimise the rounding of the
-/// coefficients to f32.
+/// Coefficients of the numerator N in tanh(x) = x N(x^2) / D(x^2), constant term first. Minimax fit over 0..8 with an error of 6e-9, scaled to minimise the
+/// rounding of the coefficients to f32.
 const NUMERATOR: [f32; 5] = [1.0770481, 0.14477357, 0.0038432276, 2.3523542e-5, 1.6323131e-8];
-/// Coefficients of D in tanh(x) = x N(x^2) / D(x^2), constant term first.
+/// Coefficients of the denominator D in tanh(x) = x N(x^2) / D(x^2), constant term first.
 const DENOMINATOR: [f32; 5] = [1.0770481, 0.5037895, 0.028166784, 0.00036683367, 9.1461675e-7];
 
 /// Replaces every number by its hyperbolic tangent.

@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-/// A floating-point type that a SIMD register holds several of.
+/// A floating-point type; a SIMD register holds several numbers of this type.
 pub trait Number: Copy + 'static {
     /// A SIMD register of these numbers.
     type Vector<S: Simd>: Copy;
@@ -16,9 +16,9 @@ pub trait Number: Copy + 'static {
     fn mul_add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>, c: Self::Vector<S>) -> Self::Vector<S>;
     /// Returns a + b in each lane.
     fn add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
-    /// The slice as whole SIMD vectors; a shorter remainder is omitted.
+    /// The slice as whole SIMD vectors; a remainder shorter than a vector is omitted.
     fn vectors<S: Simd>(numbers: &[Self]) -> &[Self::Vector<S>];
-    /// The slice as whole mutable SIMD vectors; a shorter remainder is omitted.
+    /// The slice as whole mutable SIMD vectors; a remainder shorter than a vector is omitted.
     fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [Self::Vector<S>];
 }
 
@@ -67,7 +67,7 @@ number!(f64, f64s, F64_LANES, splat_f64s, mul_add_e_f64s, add_f64s, as_simd_f64s
 /// Numbers that start on a cache line, so that no SIMD vector spans two lines.
 #[derive(Debug)]
 pub struct Aligned<N> {
-    /// Buffer with room for the alignment.
+    /// Buffer longer than the list, so that the list can start on a cache line.
     numbers: Vec<N>,
     start: usize,
     len: usize,

@@ -3,7 +3,7 @@
 /// Default limit of the relative decrease: at the end of the search, the unknowns are within 1e-6 standard deviations of the minimum.
 const RELATIVE_DECREASE: f64 = 2e-13;
 
-/// Limits below which the next step counts as negligible. A search ends when either limit is met.
+/// Limits below which the next step counts as negligible. A search ends when the step is below either limit.
 ///
 /// # Reference
 /// The decrease is the squared relative offset of Bates and Watts, Nonlinear Regression Analysis, sec. 2.2.3.

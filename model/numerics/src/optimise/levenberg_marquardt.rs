@@ -78,7 +78,7 @@ impl LevenbergMarquardt {
     /// Searches for a local minimum near a start.
     ///
     /// # Errors
-    /// [`Refusal`] of either kind at the start, and [`Refusal::Altogether`] at any later point.
+    /// A [`Refusal`] of either kind at the starting point, or [`Refusal::Altogether`] at any later point.
     pub fn minimise<P: LeastSquaresProblem>(
         &self,
         problem: &mut P,

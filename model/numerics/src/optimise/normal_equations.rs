@@ -56,7 +56,7 @@ impl Residuals {
 /// A problem linearised at a point: J^T J d = -J^T r for the step d.
 #[derive(Debug, Clone)]
 pub(super) struct NormalEquations {
-    /// Sum of squared residuals.
+    /// Sum of squared residuals, dimensionless.
     pub squares: f64,
     /// Residuals r; those of the priors come last.
     pub residual: DVector<f64>,
@@ -87,7 +87,7 @@ impl NormalEquations {
         }
     }
 
-    /// The best damped step in which held unknowns keep their changes in `step`.
+    /// The best damped step in which each unknown held at a bound keeps its change in `step`.
     fn best_of_free(&self, mut damped: DMatrix<f64>, step: &DVector<f64>, is_held: &[bool]) -> Option<DVector<f64>> {
         let mut right = -&self.gradient;
         for held in (0..is_held.len()).filter(|&k| is_held[k]) {

@@ -29,7 +29,8 @@ pub trait LeastSquaresProblem {
     /// The point that a step leads to.
     fn moved(&self, point: &Self::Point, step: &DVector<f64>) -> Self::Point;
 
-    /// Prior knowledge as further residuals, placed after the others. Their number is the same at every point.
+    /// Prior knowledge as further residuals, placed after those of [`residual`](LeastSquaresProblem::residual). The number of priors is the same at every
+    /// point.
     fn priors(&self, _point: &Self::Point) -> Vec<Prior> {
         Vec::new()
     }

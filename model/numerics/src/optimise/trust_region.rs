@@ -4,19 +4,19 @@
 const GOOD: f64 = 0.75;
 /// The trust region shrinks if the ratio of actual to predicted decrease of the sum of squares is below this.
 const POOR: f64 = 0.25;
-/// Size to which the trust region grows after a good step, as a multiple of the step's reach.
+/// Size to which the trust region grows after a good step, as a multiple of the step's reach ([`Prediction::reach`]).
 const FURTHER: f64 = 3.0;
-/// Size to which the trust region shrinks after a poor step, as a multiple of the step's reach.
+/// Size to which the trust region shrinks after a poor step, as a multiple of the step's reach ([`Prediction::reach`]).
 const LESS_FAR: f64 = 0.5;
-/// After a failed step, the trust region shrinks to the share of the step that succeeded, limited to this range.
+/// If only a share of a step succeeded, the trust region shrinks to this share of the step, limited to this range.
 const AFTER_FAILURE: [f64; 2] = [0.1, 0.5];
 /// Share of the step's reach to which the trust region shrinks if the full step succeeded but increased the sum of squares.
 const AFTER_WORSE: f64 = 0.25;
-/// First size of the trust region, as a share of the problem's scale.
+/// First size of the trust region, as a share of the norm of the residuals before any step.
 const FIRST_REACH: f64 = 0.5;
-/// Size of the trust region below which no step helps, as a share of the problem's scale.
+/// Size of the trust region below which no step helps, as a share of the norm of the residuals before any step.
 const SHORTEST: f64 = 1e-12;
-/// Damping that is tried for the first step.
+/// First damping that the search for the first step tries.
 const FIRST_DAMPING: f64 = 1e-3;
 /// Range of the damping.
 const DAMPINGS: [f64; 2] = [1e-10, 1e12];
@@ -26,9 +26,10 @@ const DAMPING_FACTOR: f64 = 4.0;
 /// Effects of a step on the linearised problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
-    /// Predicted decrease of the sum of squares.
+    /// Predicted decrease of the sum of squares, in the squared unit of the residuals.
     pub decrease: f64,
-    /// Length of the step, measured by the residuals: root of the sum over unknowns of the squared change that the unknown's step alone causes.
+    /// Length of the step in the unit of the residuals: root of the sum, over the unknowns, of the squared change of the residuals that the step of one unknown
+    /// alone causes.
     pub reach: f64,
 }
 
@@ -84,7 +85,7 @@ impl TrustRegion {
     }
 
     /// Adapts the region after an accepted step with its actual decrease. Returns whether the decrease was as good as predicted. The region shrinks only if
-    /// `is_comparable`: the linearised problem then is the cause of a poor step.
+    /// `is_comparable`, because only then the error of linearisation is the cause of a poor step.
     pub fn take(&mut self, prediction: Prediction, decrease: f64, is_comparable: bool) -> bool {
         let gain = decrease / prediction.decrease;
         if gain >= GOOD {
@@ -101,7 +102,8 @@ impl TrustRegion {
         self.longest = share * prediction.reach;
     }
 
-    /// Shrinks the region after a rejected step. `carried` is the share of the step that succeeded; `None` if the full step succeeded but was worse.
+    /// Shrinks the region after a rejected step. `carried` is the share of the step that succeeded; `None` if the full step succeeded but increased the sum of
+    /// squares.
     pub fn refuse(&mut self, prediction: Prediction, carried: Option<f64>) {
         let [least, most] = AFTER_FAILURE;
         self.longest = prediction.reach * carried.unwrap_or(AFTER_WORSE).clamp(least, most);

@@ -14,8 +14,8 @@ use nalgebra::{DMatrix, DVector};
 /// A step changes ln(factor) by at most this, dimensionless: a factor of e.
 const LARGEST_STEP: f64 = 1.0;
 
-/// Least-squares problem with the residuals (computed minus measured displacement) times weight, mm, two rows (x, y) per marker. The unknowns are logarithms of
-/// factors.
+/// Least-squares problem of the modulus factors. Residuals are computed minus measured displacements times a weight, mm, in two rows (x, y) per marker. The
+/// unknowns are logarithms of the factors.
 pub(super) struct FactorProblem<'p> {
     pub finger: &'p Finger,
     pub cases: &'p [CalibrationCase],

@@ -9,16 +9,16 @@ use crate::sensing::{ContactQuestion, Direction, NonlinearEstimator};
 use crate::{NodeId, Vector};
 use nalgebra::Isometry2;
 
-/// Assumed standard deviations before calibration: of markers, mm, and of a base whose pose is sought, mm and rad.
+/// Standard deviations assumed before calibration: `UNCALIBRATED_MM` for markers, mm, and `SOUGHT_BASE` for a base whose pose is sought, mm and rad.
 const UNCALIBRATED_MM: f64 = 0.3;
 const SOUGHT_BASE: [f64; 2] = [5.0, 0.05];
 /// A view is refused if its ratio of measured force to marker force (force estimated from the markers) differs from the median by more than this factor. Marker
 /// forces of an uncalibrated finger are wrong by up to half. Beyond this, the measured force does not belong to its image.
 const LARGEST_TIMES: f64 = 2.0;
-/// A calibration is refused if the median ratio of measured force to marker force, or its reciprocal, exceeds this. The scene's modulus may be a guess, but
-/// beyond this ratio the search has no starting point.
+/// A calibration is refused if the median ratio of measured force to marker force (force estimated from the markers) exceeds this, or its reciprocal does. The
+/// scene's modulus may be a guess, but beyond this ratio the search has no starting point.
 const LARGEST_FACTOR: f64 = 5.0;
-/// A measured force counts as wrong only if it deviates by more than this many standard deviations of the marker force.
+/// A measured force counts as wrong only if it deviates from the force estimated from the markers by more than this many standard deviations of that estimate.
 const SURE: f64 = 3.0;
 /// A marker has a wrong node number if its distance to another node's computed position is below this share of its distance to its own node's position.
 const NEARER: f64 = 0.5;
@@ -81,7 +81,7 @@ impl Problem<'_> {
         Some(MarkerForce { own, sigma_n: sensed.forces.sigmas_n[0] })
     }
 
-    /// Compares measured forces with marker forces (estimated from the markers). `marker_forces` has one entry per view.
+    /// Compares measured forces with marker forces (forces estimated from the markers). `marker_forces` has one entry per view.
     ///
     /// # Errors
     /// [`CalibrationError::ForceScale`] if all forces deviate by a common factor, [`ViewError::Force`] for the view that deviates most from the others.

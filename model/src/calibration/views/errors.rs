@@ -43,12 +43,13 @@ impl Problem<'_> {
                 });
             }
         }
-        // Errors that a marker has in every image count as geometry, and no residual shows them. Without the scale of measured forces, forces rest on the
-        // geometry alone: its weight is then that of the stated noise.
+        // Errors that a marker has in every image count as geometry, and no residual shows them. If measured forces do not set the scale of sensed forces,
+        // these rest on the geometry alone, so the geometry keeps the weight of the stated noise.
         likeliest(left, self.scatter.is_some())
     }
 
-    /// Errors of the markers in a new view. The uncertainty of the geometry adds `share` (dimensionless) of the mean variance to the variance of each marker.
+    /// Errors of the markers in a new view. The uncertainty of the geometry adds `share` (dimensionless) times the mean variance to the variance of each
+    /// marker.
     pub(super) fn new_marker_errors(&self, share: f64) -> MarkerErrors {
         let markers = || self.views.iter().flat_map(|view| view.measurement.markers().iter().map(move |it| (view, it)));
         let variance_mm2 = |(view, marker): (&View, &Marker)| self.errors.sd_mm(view.noise_mm / marker.weight).powi(2);

@@ -41,20 +41,20 @@ pub struct FrictionEstimate {
     pub left_out: Vec<LeftOutObject>,
 }
 
-/// Measured leans for one object, and their prediction from the forces of the other objects.
+/// Measured leans (angles between force and normal) for one object, and their prediction from the forces of the other objects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOutObject {
     /// Name of the object.
     pub object: String,
-    /// Mean lean of the object's forces as predicted, degrees.
+    /// Predicted mean lean of the object's forces (angle from the normal), degrees.
     pub predicted_deg: f64,
     /// Standard deviation of the lean of a single force about the prediction, degrees.
     pub sigma_deg: f64,
-    /// Mean lean of the object's forces as measured, degrees.
+    /// Measured mean lean of the object's forces (angle from the normal), degrees.
     pub measured_deg: f64,
 }
 
-/// Fitted leans of each object. All objects share the force over which friction builds up.
+/// Fitted leans (angles between force and normal) of each object. All objects share the force over which friction builds up.
 struct Fit {
     build_up_n: f64,
     /// Lean of a sliding force, degrees, and its variance, degrees^2, for each object.
@@ -79,8 +79,8 @@ impl Fit {
         Fit { build_up_n, sliding, within_deg: variance.sqrt() }
     }
 
-    /// Mean lean over objects, degrees, its variance, degrees^2, and the logarithm of the restricted likelihood, if objects differ by the standard deviation
-    /// `between_deg`.
+    /// Mean lean over objects, degrees, the variance of this mean, degrees^2, and the logarithm of the restricted likelihood. The assumed standard deviation
+    /// between objects is `between_deg`.
     fn mean(&self, between_deg: f64) -> [f64; 3] {
         let variances = || self.sliding.iter().map(|(_, variance)| variance + between_deg * between_deg);
         let variance = 1.0 / variances().map(|variance| 1.0 / variance).sum::<f64>();

@@ -78,7 +78,7 @@ pub struct FoundView {
     pub force_sigma_n: f64,
     /// Transformation from the finger frame to the frame of the view, mm and rad.
     pub base: Isometry2<f64>,
-    /// Rotation of the plate's normal at the contact, rad. It is averaged over the length to which leans refer.
+    /// Rotation of the plate's normal at the contact, rad. It is averaged over the length of plate to which the lean (angle between force and normal) refers.
     pub normal_turn_rad: f64,
     /// Computed minus observed position of each marker, mm, in the frame of the view.
     pub residuals_mm: Vec<Vector>,
@@ -150,7 +150,8 @@ const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-8, step: 0.
 /// Marker errors and scatter have settled when a round changes them by no more than this share.
 const SETTLED: f64 = 1e-2;
 const ROUNDS: usize = 50;
-/// A quantity is not identifiable from this standard deviation on: of the logarithm of a factor, and of other quantities (mm, degrees, N mm).
+/// A quantity is not identifiable if its standard deviation reaches this limit. The first limit is for the logarithm of a factor, the second for any other
+/// quantity (mm, degrees, N mm).
 const LARGEST_SIGMAS: [f64; 2] = [1.0, 20.0];
 
 /// Whether a round changes neither the marker errors nor the scatter of forces.

@@ -14,7 +14,7 @@ const UNKNOWN_SHARE: f64 = 1e3;
 const FIRST_ERRORS_MM: [f64; 2] = [0.3, 0.02];
 /// Convergence of the first searches, which only provide a starting point.
 const FIRST_CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-3, step: 0.0 };
-/// Starting positions, as shares of the plate's length, and starting force, N, if there is no earlier estimate.
+/// Starting point of the search without an earlier estimate: positions as shares of the plate's length (`STARTS`), and the force, N (`FIRST_FORCE_N`).
 const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
 const FIRST_FORCE_N: f64 = 1.0;
 /// Standard deviation that stands for an unknown direction, degrees.
@@ -57,7 +57,7 @@ pub struct ForceInView {
     pub squares: f64,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,
-    /// Test of the residual against the noise of the view.
+    /// Test of the residual against the noise of the view. `None` if the noise is zero or no degree of freedom remains.
     pub test: Option<ResidualTest>,
 }
 
@@ -90,7 +90,8 @@ pub fn force_in_view(
     if let (Some(sought), Direction::Leaning(lean)) = (sought, question.direction)
         && (sought.by_lean_n * sought.sd_deg).abs() > COUNTS * found.sigma_n
     {
-        // The force may depend nonlinearly on its lean, so sigma is widened by the forces at two other leans, as in `NonlinearEstimator`.
+        // The force may depend nonlinearly on its lean (angle from the normal), so sigma is widened by the forces at two other leans, as in
+        // `NonlinearEstimator`.
         let off_n2 = |reach: f64| {
             let angle_deg = sought.lean_deg + reach * sought.sd_deg;
             let direction = Direction::Leaning(Lean { angle_deg, sd_deg: 0.0, build_up_n: 0.0, ..lean });
@@ -177,7 +178,7 @@ fn found_from(
     let force = errors.len() + OWN - known;
     let covariance = covariance(&by)?;
     let variance_n2 = covariance[(force, force)];
-    // The lean is the last unknown of a view whose direction is sought.
+    // The lean (angle between force and normal) is the last unknown of a view whose direction is sought.
     let sought = match question.direction {
         Direction::Leaning(lean) if lean.sd_deg > 0.0 => Some(SoughtLean {
             lean_deg: lean.mean_deg(own.force_n) + own.further_lean_deg,
@@ -209,7 +210,8 @@ fn found_from(
     Some((found, sought, fitted.point.shared))
 }
 
-/// Difference between the lean of an earlier estimate and the mean lean, degrees. Zero if the lean refers to another normal than the undeformed one.
+/// Difference between the lean (angle between force and normal) of an earlier estimate and the mean lean, degrees. Zero unless the lean refers to the
+/// undeformed normal.
 fn further_lean_deg(lean: &Lean, before: &SensedBefore) -> f64 {
     match lean.from {
         Normal::Undeformed => before.angle_deg - lean.mean_deg(before.force_n),

@@ -11,13 +11,14 @@ use std::fmt;
 
 /// A measured force is an outlier only if it deviates from its expected value by more than this factor. Force sensors are more accurate.
 const EXPECTED_TIMES: f64 = 1.1;
-/// A measured force is an outlier only if it also deviates by more than this many standard deviations, which follow from the median deviation.
+/// A measured force is an outlier only if it deviates by more than this many standard deviations. The standard deviation follows from the median deviation of
+/// the forces.
 const MOST_SIGMAS: f64 = 6.0;
 /// Ratio of the standard deviation of normal errors to their median absolute deviation.
 const SD_OF_MEDIAN: f64 = 1.4826;
 /// A marker is an outlier if normal errors would cause a largest residual of its size with less than this probability.
 const CHANCE: f64 = 1e-4;
-/// A fit is too inaccurate for use from this relative standard deviation on: a 95 % interval of a force then includes zero.
+/// A fit is too inaccurate for use if the relative standard deviation of a force reaches this value: the force's 95 % interval then includes zero.
 const OF_NO_USE: f64 = 0.5;
 
 /// A measured force or marker of a view that deviates more than the scatter of the others suggests.
@@ -34,7 +35,7 @@ pub struct Outlier {
 pub enum OutlierKind {
     /// The measured force.
     Force {
-        /// Ratio of measured force to marker force, divided by the median ratio of all views, dimensionless.
+        /// Ratio of the measured force to the force estimated from the markers, divided by the median ratio of all views, dimensionless.
         times: f64,
     },
     /// A marker.
@@ -72,7 +73,8 @@ struct OffMarker<'p> {
     node: NodeId,
     away_mm: f64,
     moved_mm: f64,
-    /// Sum of the two squared residuals over their variances. `standardised` also divides each by its share of `free`, the degrees of freedom of the marker.
+    /// Sum of the squares of the two residuals (x, y), each divided by its variance. `standardised` also divides each square by its degrees of freedom; their
+    /// sum over x and y is `free`.
     squares: f64,
     standardised: f64,
     free: f64,

@@ -18,10 +18,11 @@ pub(super) const OWN: usize = 4;
 pub(super) const BASE_ROWS: usize = 3;
 /// Contacts are not sought on this share of the plate at either end.
 const MARGIN: f64 = 0.02;
-/// Standard deviations of a lean are at least this, degrees. The value stands for an exact lean.
+/// Standard deviations of a lean (angle between force and normal) are at least this, degrees. The value stands for an exact lean.
 const SETTLED_DEG: f64 = 1e-3;
-/// If all views share a part of the lean, this is the standard deviation of a view's own part, as a share of the lean's standard deviation. The shared part has
-/// the whole standard deviation, because friction of one object may be the same in all views. Friction may also build up, and objects may differ.
+/// If all views share a part of the lean (angle between force and normal), this is the standard deviation of a view's own part, as a share of the lean's
+/// standard deviation. The shared part has the whole standard deviation, because friction of one object may be the same in all views. Friction may also build
+/// up, and objects may differ.
 const OWN_LEAN: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// The normal has settled if its rotation changes by at most this in a step, rad. The iteration fails after `NORMAL_STEPS` steps.
 const SETTLED_RAD: f64 = 1e-9;
@@ -45,7 +46,7 @@ pub(super) struct ViewUnknowns {
     pub base: Isometry2<f64>,
     /// Magnitude of the force, N.
     pub force_n: f64,
-    /// Difference between the lean of the force and the mean lean, degrees.
+    /// Difference between the lean of the force (its angle from the normal) and the mean lean, degrees.
     pub further_lean_deg: f64,
 }
 
@@ -58,7 +59,7 @@ pub(super) struct Candidate {
     pub base: Isometry2<f64>,
     /// Moment that the plates exert on each other at the tip without load, N mm.
     pub preload_nmm: f64,
-    /// Common deviation from the mean lean of all forces that were not measured, degrees.
+    /// Deviation of the lean (angle between force and normal) from the mean lean, degrees, common to all forces that were not measured.
     pub lean_deg: f64,
 }
 
@@ -153,20 +154,20 @@ impl Problem<'_> {
         OWN + of_force
     }
 
-    /// Standard deviation of the part of the lean that a view does not share with the others, degrees.
+    /// Standard deviation of the part of the lean (angle between force and normal) that a view does not share with the other views, degrees.
     fn further_lean_sd_deg(&self) -> f64 {
         let is_shared = self.sought.iter().any(|sought| sought.quantity == Quantity::Lean);
         let share = if is_shared { OWN_LEAN } else { 1.0 };
         (share * self.model.lean.sd_deg).max(SETTLED_DEG)
     }
 
-    /// Number of residuals of a view: its markers, its base, and its measured force or lean.
+    /// Number of residuals of a view: for its markers, its base, and its measured force or else its lean (angle between force and normal).
     pub(super) fn row_count(&self, view: &View) -> usize {
         let further = usize::from(view.force.is_none() || self.scatter.is_some());
         view.measurement.coordinate_count() + BASE_ROWS + further
     }
 
-    /// Equilibrium under the force of a view. `None` if the finger has none.
+    /// Equilibrium under the force of a view. `None` if the finger has no equilibrium under this force.
     pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Pressed> {
         self.pressed_from(None, candidate, view, own)
     }

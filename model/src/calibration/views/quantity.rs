@@ -30,10 +30,10 @@ pub enum Quantity {
     BaseTurn,
     /// Moment at the tip that the plates exert on each other without load, N mm.
     Preload,
-    /// Common deviation from the scene's mean lean (angle between force and normal) of all forces that were not measured, degrees. All these forces share it
-    /// because one object has one friction.
+    /// Common deviation from the scene's mean lean (angle between force and normal) of all forces that were not measured, degrees. All these forces share the
+    /// deviation, because one object has one coefficient of friction.
     Lean,
-    /// Multiple of an error that the scene states for its unloaded finger, in standard deviations. Errors count from 0.
+    /// Multiple of one error that the scene states for its unloaded finger, in standard deviations. The field is the index of the error, from 0.
     Unloaded(usize),
 }
 
@@ -61,8 +61,8 @@ impl fmt::Display for Quantity {
 }
 
 impl Quantity {
-    /// Whether the quantity is a factor on a modulus. The search uses the logarithm of such a factor, which only measured forces determine. For any other
-    /// quantity it uses the change of the quantity.
+    /// Whether the quantity is a factor on a modulus. Only measured forces determine such a factor, and its unknown in the search is its logarithm. The unknown
+    /// of any other quantity is the change of the quantity.
     pub fn is_modulus(&self) -> bool {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
     }

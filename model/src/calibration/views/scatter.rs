@@ -45,7 +45,7 @@ pub(super) struct NewImage {
 pub(super) struct AddedForceError {
     /// Relative standard deviation of the force, dimensionless. Half of a 95 % interval is 1.96 times this value.
     pub share: f64,
-    /// Added variance of the force as a share of its variance due to the noise of the image's markers, dimensionless.
+    /// Added variance of the force, as a share of the force's variance due to the noise of the image's markers, dimensionless.
     pub of_markers: f64,
 }
 
@@ -74,7 +74,7 @@ impl Scatter {
         let (forces, others) = (off.len(), normal.nrows() - off.len());
         let to_forces = normal.view((0, others), (others, forces)).clone_owned();
         let exact = normal.view((0, 0), (others, others)).clone_owned().cholesky()?;
-        // Changes of all other unknowns per change of the forces.
+        // Changes of all other unknowns per unit change of the relative forces.
         let following = -exact.solve(&to_forces);
         let precision = normal.view((others, others), (forces, forces)) + to_forces.tr_mul(&following);
         let pull = gradient.rows(others, forces) + following.tr_mul(&gradient.rows(0, others));
@@ -95,7 +95,7 @@ impl Scatter {
         })
     }
 
-    /// Logarithm of the restricted likelihood of a variance.
+    /// Logarithm of the restricted likelihood of a relative variance of measured forces.
     fn log_likelihood(&self, variance: f64) -> f64 {
         let of = |it: &Combination| {
             let wider = 1.0 + variance * it.precision;
@@ -215,7 +215,7 @@ fn shares(variances: &[f64], growing_with: &[f64]) -> [f64; 2] {
     found
 }
 
-/// Relative variances that are tried.
+/// Relative variances of measured forces that a search tries.
 fn variances() -> impl Iterator<Item = f64> {
     (0..=STEPS).map(|i| LEAST * (LARGEST / LEAST).powf(i as f64 / STEPS as f64)).map(|share| share * share)
 }

@@ -17,7 +17,7 @@ struct Beginning {
     /// Starting point with the measured force, or with the force from the markers if none was measured. `None` if the finger has no equilibrium under the
     /// measured force.
     own: Option<ViewUnknowns>,
-    /// Force that the markers show. `None` if no force was measured.
+    /// Force estimated from the markers, for comparison with the measured force. `None` if no force was measured or the markers give no estimate.
     of_markers: Option<MarkerForce>,
 }
 
@@ -49,7 +49,7 @@ impl Problem<'_> {
             return self.wrong_name(stated, view, &own).map_or(Ok(Beginning { own: Some(own), of_markers: None }), Err);
         };
         let (own, of_markers) = (self.start_of_known(stated, view, force.norm()), self.marker_force(stated, view));
-        // Either the measured force or the marker force may be wrong, so both are tried.
+        // Either the measured force or the force estimated from the markers may be wrong, so both are tried.
         let explained = own.into_iter().chain(of_markers.map(|of_markers| of_markers.own));
         let names: Vec<Option<ViewError>> = explained.map(|own| self.wrong_name(stated, view, &own)).collect();
         match names.into_iter().reduce(|first, second| first.filter(|_| second.is_some())).flatten() {
@@ -58,8 +58,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Position along the plate at which the measured force explains the shape best, for any rigid motion of the finger. `None` if the finger has an
-    /// equilibrium under the force at no position.
+    /// Position along the plate at which the measured force explains the shape best, for any rigid motion of the finger. `None` if the finger has no
+    /// equilibrium under the force at any position.
     fn start_of_known(&self, stated: &Candidate, view: &View, force_n: f64) -> Option<ViewUnknowns> {
         let length_mm = self.finger.plate_length_mm(Plate::Front);
         let at = |i: usize| ViewUnknowns {

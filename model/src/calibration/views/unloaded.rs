@@ -22,13 +22,13 @@ impl Problem<'_> {
         let Some(covariance) = covariance(jacobian) else { return Vec::new() };
         let mut changes: Vec<RowDVector<f64>> = Vec::new();
         for (view, own, rows, column) in self.parts(&fitted.point).filter(|(view, ..)| view.force.is_none()) {
-            // All unknowns of the view, then all except the lean.
+            // Two cases: all unknowns of the view, and all except the lean (angle between force and normal).
             let all: Vec<usize> = (column..column + self.own_count(view)).collect();
             let known_direction = &all[..=OWN];
             for unknowns in [&all[..], known_direction] {
                 let found = self.force_alone(jacobian, rows.clone(), unknowns, own.force_n);
                 changes.extend(found.map(|(mut by_shared, ..)| {
-                    // The lean of a new force is uncertain by the amount that the scene states, so the lean of this fit has no effect.
+                    // The scene states the uncertainty of a new force's lean (angle from the normal), so the lean of this fit has no effect.
                     let leans = self.sought.iter().zip(by_shared.iter_mut());
                     leans.filter(|(sought, _)| sought.quantity == Quantity::Lean).for_each(|(_, by)| *by = 0.0);
                     by_shared.transpose()

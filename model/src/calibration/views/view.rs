@@ -29,7 +29,7 @@ pub struct View {
 pub struct LocatedView {
     /// The observation.
     pub observation: Observation,
-    /// Transformation from the frame of the view to that of the camera's pose, mm and rad.
+    /// Transformation from the frame of the view to the reference frame of the camera's pose, mm and rad.
     pub base: Isometry2<f64>,
     /// The view.
     pub view: View,
@@ -38,7 +38,7 @@ pub struct LocatedView {
 }
 
 impl LocatedView {
-    /// Converts an observation to a view. `force` is the measured force, N, in the frame of the camera's pose.
+    /// Converts an observation to a view. `force` is the measured force, N, in the reference frame of the camera's pose.
     ///
     /// # Errors
     /// [`ObservationError`] if the observation does not fit the scene's finger or states no standard deviations.
@@ -49,7 +49,7 @@ impl LocatedView {
     ) -> Result<LocatedView, ObservationError> {
         let (measured, uncertainty) = observation.for_calibration(scene)?;
         let base = measured.frame;
-        // The camera stands above the frame of its pose. Without a camera the position is arbitrary.
+        // The camera stands above the reference frame of its pose. Without a camera the position is arbitrary.
         let eye = scene.camera.and_then(|camera| camera.pose).map_or(Vector::zeros(), |pose| pose.eye().xy());
         let view = View {
             name: observation.image.clone(),
@@ -75,7 +75,7 @@ pub enum ViewError {
     /// The scene's finger does not explain the view, so a search has no starting point.
     #[error("no starting point, because the scene's finger does not fit this image: {0}")]
     Start(#[from] SensingError),
-    /// The scene's finger has an equilibrium under the measured force at no position along its plate.
+    /// The scene's finger has no equilibrium under the measured force at any position along its plate.
     #[error(
         "the scene's finger has no equilibrium under {force_n:.3} N at any position along its plate: check the unit of the force and the moduli"
     )]

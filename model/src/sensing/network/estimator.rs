@@ -12,10 +12,10 @@ use crate::sensing::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Two contacts count as equal up to this difference: of their positions, as a share of the plate's length, and of their angles, in degrees.
+/// Two contacts count as equal if neither their positions (as a share of the plate's length) nor their angles (in degrees) differ by more than this.
 const SAME_CONTACT: f64 = 1e-9;
-/// An input is refused if it exceeds the largest input in training times the factor, plus this many standard deviations of its noise. The margin allows for
-/// extremes that the training samples miss.
+/// An input is refused if it exceeds `RANGE_FACTOR` times the largest input in training, plus `RANGE_SIGMAS` standard deviations of the input's noise. The
+/// margin allows for extremes that the training samples miss.
 const RANGE_FACTOR: f64 = 1.1;
 const RANGE_SIGMAS: f64 = 4.0;
 

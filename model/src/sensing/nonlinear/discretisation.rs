@@ -7,12 +7,12 @@ use crate::mesh::Mesh;
 use crate::sensing::{Contact, Pad, SensingError, Warning};
 use crate::statics::{Ladder, Statics};
 
-/// Number of parts of each element in the finer mesh: in general, and for members of a single element. The errors of the latter do not yet decrease with the
-/// square of the element length.
+/// The finer mesh divides each element into this number of parts. Members of a single element need more (`DIVISIONS_OF_SINGLE`), because their errors do not
+/// yet decrease with the square of the element length.
 const DIVISIONS: usize = 2;
 const DIVISIONS_OF_SINGLE: usize = 4;
-/// A stored error is reused up to these differences: of forces (share of the largest force), of positions (share of the plate's length), and of directions
-/// (degrees). An error of the mesh is only accurate to about a third.
+/// A stored error is reused for a similar estimate. The limits are differences of forces (share of the largest force), positions (share of the plate's length),
+/// and directions (degrees). An error of the mesh is only accurate to about a third.
 const SAME_FORCE: f64 = 0.12;
 const SAME_POSITION: f64 = 0.02;
 const SAME_ANGLE_DEG: f64 = 3.0;

@@ -5,16 +5,16 @@ use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::statics::StaticsError;
 
-/// A step ends at an equilibrium whose misfit exceeds that at the start of the step by more than this factor.
+/// A step ends at an equilibrium if the misfit there (sum of squared weighted residuals) is more than this factor times the misfit at the start of the step.
 const WORSE: f64 = 2.0;
-/// A step ends after this number of rejected shorter steps, at the largest share with an equilibrium.
+/// A step ends after this number of rejected shorter steps, at the largest share of the step for which an equilibrium was found.
 const MOST_REJECTED: usize = 2;
 
 /// Result of following a step.
 pub(super) struct Followed {
     /// `Ok`: misfit at the end of the step, mm^2. `Err`: share of the step (0 to 1) up to which equilibria exist.
     pub misfit_mm2: Result<f64, f64>,
-    /// Equilibrium with the smallest misfit on the path.
+    /// Equilibrium with the smallest misfit (sum of squared weighted residuals) on the path.
     pub best: Option<OnTheWay>,
 }
 
@@ -34,8 +34,8 @@ pub(super) struct PartOfStep {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Follows the equilibrium from `state` to the loads of `next`, and stores the resulting motion in `next`. All misfits use the weights of `state`, whose
-    /// misfit is `current_mm2`, because new weights alone are no progress.
+    /// Follows the equilibrium from `state` to the loads of `next`, and stores the resulting motion in `next`. All misfits (sums of squared weighted residuals)
+    /// use the weights of `state`, because new weights alone are no progress. `current_mm2` is the misfit of `state`.
     pub(super) fn follow(
         &mut self,
         state: &State,
@@ -70,8 +70,8 @@ impl NonlinearEstimator<'_> {
         Followed { misfit_mm2, best }
     }
 
-    /// State after the share of the step that `on_the_way` states, iterated to equilibrium. `None` if no equilibrium is found, or if its misfit exceeds
-    /// `current_mm2`, the misfit of `state`.
+    /// State after the share of the step that `on_the_way` states, iterated to equilibrium. `None` if no equilibrium is found, or if the equilibrium's misfit
+    /// exceeds `current_mm2`, the misfit of `state`.
     pub(super) fn part_of_step(
         &mut self,
         state: &State,

@@ -17,8 +17,8 @@ use nalgebra::DMatrix;
 /// share of the plate's length.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 const LARGEST_POSITION_SIGMA: f64 = 0.25;
-/// Another minimum explains the data equally well if its misfit exceeds the smallest by at most this many squared standard deviations of the noise. Its forces
-/// count as different if one of them differs by more than `ANOTHER_ANSWER_SIGMAS` standard deviations.
+/// Another minimum explains the data equally well if its misfit (sum of squared residuals) exceeds the smallest misfit by at most this many noise variances.
+/// The forces of the two minima count as different if one force differs by more than `ANOTHER_ANSWER_SIGMAS` standard deviations.
 const AS_GOOD: f64 = 9.0;
 const ANOTHER_ANSWER_SIGMAS: f64 = 5.0;
 /// Without noise, forces count as equal up to a difference of this share of the largest force.
@@ -129,7 +129,7 @@ fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
 
 impl NonlinearEstimator<'_> {
     /// Estimated lean (angle between force and normal) of a contact. `None` unless the direction is [`Direction::Leaning`]. `covariance_n2` returns the
-    /// covariance of each force with the force across the contact's direction, N^2. `variance_n2` is the variance of the latter.
+    /// covariance of each force with the force across the contact's direction, N^2. `variance_n2` is the variance of the force across the direction.
     fn found_lean(
         &self,
         state: &State,
@@ -204,8 +204,8 @@ impl NonlinearEstimator<'_> {
         }
         let scales = &state.linearised.scales;
         let linear = |i: usize, j: usize| scales[i] * scales[j] * parts.covariance(i, j) * noise_mm * noise_mm;
-        // A force b across the direction adds b^2 / (2 f) to the force, to second order, with mean square 3 s^4 / (4 f^2). Higher orders are negligible if
-        // the direction is known to some degrees.
+        // A force b across the direction adds b^2 / (2 f) to the force f, to second order. If b has the standard deviation s, the mean square of this term is 3
+        // s^4 / (4 f^2). Higher orders are negligible if the direction is known to some degrees.
         let by_direction = |i: usize| {
             let across = self.unknowns.iter().position(|unknown| *unknown == Unknown::Across(i));
             across.map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))

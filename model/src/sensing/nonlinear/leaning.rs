@@ -8,28 +8,29 @@ use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::measurement::Measurement;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
 
-/// Forces are evaluated for leans at this distance from the estimated lean on either side, in standard deviations. These are the outer points of three-point
-/// Gauss-Hermite quadrature, and the ends of a uniform distribution.
+/// Forces are evaluated for leans (angles between force and normal) at this distance on either side of the estimated lean, in standard deviations. These are
+/// the outer points of three-point Gauss-Hermite quadrature, and the ends of a uniform distribution.
 pub(crate) const REACH: f64 = 1.732_050_807_568_877_2;
-/// An uncertain lean needs evaluation only if it contributes more than this share of a force's standard deviation.
+/// An uncertain lean (angle between force and normal) needs evaluation only if it contributes more than this share of a force's standard deviation.
 pub(crate) const COUNTS: f64 = 0.3;
 
-/// An estimated lean.
+/// An estimated lean: angle between a contact force and the normal.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FoundLean {
     /// Index of the contact whose force leans, from 0.
     pub contact: usize,
-    /// Lean, degrees. `sd_deg` is its standard deviation, degrees.
+    /// Lean (angle between force and normal), degrees. `sd_deg` is its standard deviation, degrees.
     pub lean_deg: f64,
     pub sd_deg: f64,
-    /// Derivative of each force with respect to the lean, with all other unknowns at their optimum, N per degree.
+    /// Derivative of each force with respect to the lean (angle between force and normal), with all other unknowns at their optimum, N per degree.
     pub by_lean_n: Vec<f64>,
     /// Second-order part of the variance of the force that leans, N^2. The variance already includes this part.
     pub second_order_n2: f64,
 }
 
 impl NonlinearEstimator<'_> {
-    /// Widens standard deviations to the mean square difference between the estimate and the forces at both ends of an uncertain lean.
+    /// Widens the standard deviations of forces for each uncertain lean (angle between force and normal). The forces at both ends of the lean's range replace
+    /// the linearisation at the estimate if they imply a larger deviation.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] if the search finds forces at neither end.

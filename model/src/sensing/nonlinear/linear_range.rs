@@ -20,13 +20,13 @@ const LARGEST_DEPARTURE: f64 = 0.5;
 const STRAIGHT: f64 = 1e-6;
 /// The ends of the confidence region are checked at this distance from the estimate, in standard deviations.
 const REACH: f64 = 3.0;
-/// A force is not identifiable if the misfit grows by less than this towards an end of the confidence region, in squared standard deviations. For a linear
-/// finger it grows by 9.
+/// A force is not identifiable if the misfit (sum of squared residuals) grows by less than this towards an end of the confidence region, in noise variances.
+/// For a linear finger the misfit grows by 9.
 const LEAST_GROWTH: f64 = 1.0;
 
 impl NonlinearEstimator<'_> {
-    /// Widens standard deviations if the misfit grows less towards the ends of the confidence region than for a linear finger. Applies only to forces at known
-    /// contacts that are estimated from few coordinates.
+    /// Widens standard deviations if the misfit (sum of squared residuals) grows less towards the ends of the confidence region than for a linear finger.
+    /// Applies only to forces at known contacts that are estimated from few coordinates.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] if the misfit hardly grows.
@@ -59,7 +59,7 @@ impl NonlinearEstimator<'_> {
                 // Forces without an equilibrium are impossible.
                 let Some(end) = self.state_under(&state.contacts, &forces_n, Some(state)) else { continue };
                 let shape = Posed { nuisances: &state.nuisances, ..end.posed() };
-                // The region may be curved, with a smaller misfit beside the axis.
+                // The confidence region may be curved, with a smaller misfit beside the axis.
                 let beside = axes.eigenvectors.column_iter().enumerate().filter(|(j, _)| *j != i);
                 let explained = |(_, other): (usize, DVectorView<f64>)| {
                     end.linearised.explained_along(other.iter().copied(), shape, measurement)

@@ -36,7 +36,7 @@ pub(super) struct Linearised {
     prior_rows: Vec<PriorRow>,
     /// Conditions of contacts with an object at the linearised state.
     touch_rows: TouchRows,
-    /// Scale of each unknown.
+    /// Scale of each unknown, in the unit of the unknown.
     pub scales: Vec<f64>,
     /// Number of forces, which are the first unknowns.
     forces: usize,
@@ -66,7 +66,7 @@ pub(super) struct Posed<'s> {
     pub motion: &'s FrameMotion,
     /// Force of each contact, N.
     pub forces_n: &'s [f64],
-    /// Base pose, leans, object pose and shared errors.
+    /// Base pose, leans (angles between force and normal), object pose and shared errors.
     pub nuisances: &'s Nuisances,
 }
 

@@ -17,8 +17,8 @@ use crate::sensing::SensingError;
 const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
 
-/// A minimum counts as unique from this number of measured coordinates: for one force, and for several forces. The minimum must also explain all coordinates,
-/// and the first starting point must lead to it.
+/// A minimum may count as unique from this number of measured coordinates: the first value is for one force, the second for several forces. The minimum must
+/// also explain all coordinates, and the first starting point must lead to it.
 pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
 /// From this multiple of [`MANY_COORDINATES`], a minimum counts as unique if it explains all coordinates or if two searches end in it. Applies if only forces
 /// are unknown. None of 8000 random fingers had an undetected error (test `random_fingers`).
@@ -48,7 +48,7 @@ struct Search<'s> {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Finds the minima of the misfit for a measurement.
+    /// Finds the minima of the misfit (sum of squared weighted residuals) for a measurement.
     ///
     /// # Errors
     /// [`SensingError`] if there is no minimum, or the unknowns of a minimum that fits well are not identifiable.
@@ -112,7 +112,7 @@ impl NonlinearEstimator<'_> {
                 // The measurement is refused if the unknowns of a minimum that fits well are not identifiable.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
-            // Multiples of the forces of the linear finger then lead to no other minimum. Other directions or another base may.
+            // If searches agree, further multiples of the linear finger's forces lead to no other minimum. Other directions or another base may.
             let are_settled = search.history.agree_on_none() || search.has_very_many && search.history.agree();
             if matches!(start, Start::Times(_)) && are_settled {
                 continue;

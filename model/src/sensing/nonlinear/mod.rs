@@ -216,7 +216,7 @@ impl<'m> NonlinearEstimator<'m> {
         self.last.clone_from(&self.held);
     }
 
-    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from it. For measurements that differ only by noise.
+    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from it. This suits measurements that differ only by noise.
     pub fn hold(&mut self) {
         self.held.clone_from(&self.last);
     }
@@ -244,7 +244,7 @@ impl<'m> NonlinearEstimator<'m> {
         near.or_else(|| self.state_under(&contacts, forces_n, None))
     }
 
-    /// State under forces, N, at contacts, followed from the state `from`, or from rest if there is none. `None` if no equilibrium is found.
+    /// State under forces, N, at contacts, followed from the state `from`, or from rest if `from` is `None`. `None` if no equilibrium is found.
     fn state_under(&mut self, contacts: &[Contact], forces_n: &[f64], from: Option<&State>) -> Option<State> {
         let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
         let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;

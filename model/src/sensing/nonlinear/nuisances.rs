@@ -16,7 +16,7 @@ use nalgebra::Isometry2;
 pub(super) struct Nuisances {
     /// Motion of the base from its expected pose, in the finger frame of the measurement, mm and rad.
     pub base: Isometry2<f64>,
-    /// Difference between the lean of each force and the mean lean, degrees.
+    /// Difference between the lean of each force (its angle from the normal) and the mean lean, degrees.
     pub further_leans_deg: Vec<f64>,
     /// Deviation of the object from its stated pose: x (mm), y (mm) and rotation (rad).
     pub object: [f64; 3],
@@ -102,7 +102,7 @@ impl Prior {
 pub(super) struct PriorRow {
     /// Index of the unknown with this prior.
     pub index: usize,
-    /// Derivative with respect to the unknown, mm per its unit.
+    /// Derivative with respect to the unknown, mm per unit of the unknown.
     pub by_unknown: f64,
     /// Derivative with respect to each force, mm/N. Zero unless the expected value or its standard deviation depends on the forces.
     pub by_force: f64,

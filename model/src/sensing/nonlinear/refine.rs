@@ -6,20 +6,22 @@ use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::sensing::{ContactQuestion, Meeting, SensingError, Warning};
 
-/// Refinement ends when doubling the mesh changes no force by more than two limits: this share of the largest force, and `REFINEMENT_SIGMAS` standard
+/// Refinement ends when doubling the mesh changes no force by more than either of two limits: this share of the largest force, and `REFINEMENT_SIGMAS` standard
 /// deviations of the force. A change by at most the share `NEGLIGIBLE` is always small enough.
 const REFINEMENT_TOLERANCE: f64 = 2e-3;
 const REFINEMENT_SIGMAS: f64 = 0.5;
 const NEGLIGIBLE: f64 = 1e-4;
-/// Share of the last change that remains as an error of the last mesh, because errors decrease with the square of the element length (Richardson).
+/// If refinement has settled, this share of the last change remains as an error of the last mesh. Errors decrease with the square of the element length
+/// (Richardson).
 const REMAINS: f64 = 1.0 / 3.0;
-/// Beam elements per member on the coarsest and on the finest mesh.
+/// Beam elements per member: at least the first number on the first mesh, at most the second number on the finest mesh.
 const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
 /// The first mesh has at least this number of elements, so that even for a finger with few ribs it separates minima as a fine mesh does.
 const LEAST_ELEMENTS: usize = 40;
 
-/// Refines the mesh until doubling it changes no force by more than half of its standard deviation and 0.2 % of the largest force. A change of 0.01 % is
-/// always small enough. The standard deviations include the remaining error of the last mesh.
+/// Refines the mesh until doubling it changes every force by at most half of its standard deviation and at most 0.2 % of the largest force. A change of 0.01 %
+/// is always small enough. The standard deviations include the remaining error of the last mesh. Refinement also ends at 64 elements per member; the whole last
+/// change then counts as error.
 ///
 /// Small changes alone do not prove convergence: near a limit load, and for loads between nodes, they may be small by chance and grow again.
 ///

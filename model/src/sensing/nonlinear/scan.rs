@@ -1,4 +1,4 @@
-//! Scans all equilibria of the finger under forces at the contacts, to start a search near every minimum of the misfit.
+//! Scans all equilibria of the finger under forces at the contacts, to start a search near every minimum of the misfit (sum of squared residuals).
 //!
 //! One force of known position and direction has one curve of equilibria, which passes through the unloaded finger. Two forces have a surface, covered by
 //! curves of the second force from each point of the first force's curve. For one force of unknown position or direction, curves at several positions and
@@ -12,8 +12,8 @@ use crate::frame::FrameMotion;
 use crate::measurement::{Marker, Measurement};
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 
-/// Largest change between points of a curve: of a displacement, as a share of the front plate, and of a rotation, rad. The first row is for the curve of a
-/// single force, the second for curves that cover a surface.
+/// Intended largest changes between neighbouring points of a curve: of a displacement, as a share of the front plate's length, and of a rotation, rad. The
+/// first row is for the curve of a single force, the second for curves that cover a surface.
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
 /// A step is repeated with half its length if its change exceeds the largest change by more than this factor.
 const TOO_LONG: f64 = 1.5;
@@ -28,7 +28,7 @@ const MOST_FAILED: usize = 2;
 const MOST_FAILED_AT_REST: usize = 5;
 /// A curve ends after this number of points on either side of its start.
 const MOST_POINTS: usize = 200;
-/// Number of intervals between two points of a curve at which the misfit is evaluated.
+/// The misfit (sum of squared residuals) is evaluated at the ends of this number of intervals between neighbouring points of a curve.
 const BETWEEN: usize = 8;
 /// Scanned positions, as shares of the front plate, and scanned directions, degrees, for contacts whose position or direction is unknown.
 const POSITIONS: [f64; 6] = [0.15, 0.35, 0.5, 0.65, 0.8, 0.95];
@@ -48,7 +48,7 @@ pub(super) struct Scan {
     curves: Vec<Curve>,
 }
 
-/// A point of a curve with its misfit for a measurement.
+/// A point of a curve with its misfit (sum of squared weighted residuals) for a measurement.
 #[derive(Debug, Clone)]
 pub(super) struct ScannedPoint {
     /// Misfit at the point, mm^2.
@@ -217,7 +217,7 @@ impl Scan {
     }
 }
 
-/// Points whose misfit is smaller than that of their neighbours on the same curve and on adjacent curves, in order of misfit.
+/// Points with a smaller misfit (sum of squared residuals) than their neighbours on the same curve and on adjacent curves, in order of misfit.
 pub(super) fn least(scanned: &[Vec<ScannedPoint>]) -> Vec<&ScannedPoint> {
     let of_curves: Vec<Vec<&ScannedPoint>> = scanned.iter().map(|points| least_of_curve(points)).collect();
     let varying_n = |point: &ScannedPoint| point.forces_n.last().copied().unwrap_or_default();

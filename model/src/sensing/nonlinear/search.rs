@@ -1,4 +1,5 @@
-//! Search for the nearest minimum of the misfit from any starting point: the Levenberg-Marquardt method with a trust region.
+//! Search for the nearest minimum of the misfit (sum of squared weighted residuals) from any starting point: the Levenberg-Marquardt method with a trust
+//! region.
 //!
 //! The finger hardly responds to a force along a plate until the plate buckles. A step that suits the linearised finger may
 //! lead far away, or to no equilibrium. The trust region therefore limits steps to the range in which predictions held. A
@@ -17,13 +18,13 @@ const MAX_STEPS: usize = 60;
 /// Steps have converged when they change every unknown by less than this share of its scale. They have also converged when
 /// every combination of unknowns is within a hundredth of its standard deviation of the optimum.
 const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, step: 1e-7 };
-/// After [`MAX_STEPS`], the result is accepted if the last step changed every unknown by at most this share of its scale, which no camera resolves. If the
-/// finger does not explain the data, the weights of the markers change in every step and converge slowly.
+/// After [`MAX_STEPS`], the result is accepted if the last step changed every unknown by at most this share of its scale. No camera resolves such a change. If
+/// the finger does not explain the data, the weights of the markers change in every step and converge slowly.
 const SMALL_ENOUGH: f64 = 1e-5;
 /// The minimum may be near if a step changes the unknowns by at most this share of their scales. If it is not near, a tenth of that change is the next limit.
 const MAY_BE_NEAR: f64 = 0.03;
-/// A step is accepted if it increases the misfit by at most this share: by rounding, or while directions follow a turning plate. A turning normal may make a
-/// good step look worse, but the next step corrects the residual.
+/// A step is accepted if it increases the misfit (sum of squared residuals) by at most this share: by rounding, or while directions follow a turning plate. A
+/// turning normal may make a good step look worse, but the next step corrects the residual.
 const SETTLED_SLACK: f64 = 1e-12;
 const TURNING_SLACK: f64 = 0.5;
 
@@ -55,8 +56,8 @@ enum End {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Searches by Gauss-Newton steps, each to its equilibrium. Steps are shortened if they do not reduce the misfit. The minimum counts as near if every step
-    /// was complete and as good as predicted. `None` if the search meets an earlier path of `history`.
+    /// Searches by Gauss-Newton steps, each to its equilibrium. Steps are shortened if they do not reduce the misfit (sum of squared residuals). The minimum
+    /// counts as near if every step was complete and as good as predicted. `None` if the search meets an earlier path of `history`.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not converge.

@@ -15,9 +15,9 @@ const MET: f64 = 0.01;
 
 /// A minimum is far from explaining a measurement if its residual exceeds the largest explained residual by more than this factor.
 const FAR: f64 = 1.25;
-/// A search far from explaining the measurement ends if the next step is predicted to decrease the misfit by at most this share.
+/// A search far from explaining the measurement ends if the next step is predicted to decrease the misfit (sum of squared residuals) by at most this share.
 const NEARLY: f64 = 0.01;
-/// Two searches agree up to this relative difference of their misfits, and of their forces as a share of the largest force.
+/// Two searches agree if neither their misfits (relative difference) nor their forces (as a share of the largest force) differ by more than this.
 const AGREE: f64 = 0.05;
 
 /// Path of a search: the forces of each step, N, and the minimum at its end with misfit, mm^2, and forces, N. `end` is `None` if the search ended without a

@@ -11,12 +11,12 @@ use crate::measurement::Measurement;
 const MAX_STEPS: usize = 12;
 /// The minimum is not near if a node turns by more than this angle in the first correction, rad.
 const LARGEST_TURN: f64 = 0.3;
-/// The minimum is not near if the nodes turn in all later corrections together by more than this share of the first turn. A load step of the statics has the
-/// same limit. The tangent predicts a smooth path, but not a snap to another branch.
+/// The minimum is not near if all later corrections together turn the nodes by more than this share of the turn in the first correction. A load step of the
+/// statics has the same limit. The tangent predicts a smooth path, but not a snap to another branch.
 const LATER_TURNS: f64 = 0.5;
 /// Later corrections may always turn nodes by this negligible angle, rad.
 const TURN_NOISE: f64 = 1e-4;
-/// The unknowns have converged if the last step changes each by at most this share of its scale. The derivatives lag, so the step is wrong by about a
+/// The unknowns have converged if the last step changes each unknown by at most this share of its scale. The derivatives lag, so the step is wrong by about a
 /// hundredth.
 const SETTLED_STEP: f64 = 1e-8;
 /// The shape has converged if its last correction is at most this share of the largest rotation. The remaining error of the shape is of second order, and the

@@ -17,11 +17,11 @@ use std::borrow::Cow;
 /// A starting point of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Start {
-    /// The forces of the linear finger times a factor.
+    /// The forces that fit the linear finger to the measurement, times this factor.
     Times(f64),
-    /// The forces of the linear finger with all unknown directions at this angle, degrees from the undeformed inward normal.
+    /// The forces that fit the linear finger to the measurement, with all unknown directions at this angle, degrees from the undeformed inward normal.
     Towards(f64),
-    /// The forces of the linear finger after the rigid motion of the base that alone explains the measurement best.
+    /// The forces that fit the linear finger after a rigid motion of the base: the motion that alone explains the measurement best.
     FromMovedBase,
     /// The minimum for directions that do not follow the plate but keep their angle from the undeformed normal.
     Held,
@@ -33,7 +33,8 @@ const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(
 const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
 
 impl NonlinearEstimator<'_> {
-    /// Minimum near the last estimate, or near the estimate from markers alone for contacts with an object. `None` without such a minimum.
+    /// Minimum of the misfit (sum of squared residuals) near the last estimate. For contacts with an object, the minimum near the estimate from markers alone.
+    /// `None` without such a minimum.
     pub(super) fn minimum_at_hand(
         &mut self,
         measurement: &Measurement,
@@ -116,7 +117,7 @@ impl NonlinearEstimator<'_> {
             })
             .collect();
         let mut forces_n: Vec<f64> = estimate.forces_n.iter().map(|f| f * factor).collect();
-        // The co-rotational finger may have no equilibrium under the forces of the linear finger. They are halved until it has one.
+        // The co-rotational finger may have no equilibrium under the forces of the linear finger. The forces are halved until it has an equilibrium.
         let rest = self.statics.equations().at_rest();
         for _ in 0..30 {
             let loads = contacts.iter().zip(&forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));

@@ -94,7 +94,7 @@ fn is_of_object(question: &ContactQuestion) -> bool {
 }
 
 impl<'m> NonlinearEstimator<'m> {
-    /// This estimator with an object of known shape, for contacts whose direction leans from [`Normal::Object`].
+    /// This estimator with an object of known shape, for contacts whose lean (angle between force and normal) is measured from [`Normal::Object`].
     pub fn with_object(mut self, object: Option<&TouchedObject>) -> NonlinearEstimator<'m> {
         let touches = self.questions.iter().any(is_of_object);
         let touching = |object: &TouchedObject| Touching::new(&self.questions, object, self.pad.thickness_mm);
@@ -254,7 +254,7 @@ impl<'m> NonlinearEstimator<'m> {
             }
         }
         let [gap_mm, along_mm] = nearest_mm;
-        // A distance along the plate below that of neighbouring points counts as zero.
+        // A distance along the plate below the spacing of neighbouring points counts as zero.
         let beyond_mm = (along_mm.abs() - length_mm / PLACES as f64).max(0.0);
         let gap_mm = gap_mm.hypot(beyond_mm).copysign(gap_mm);
         let object = &touching.object;

@@ -21,9 +21,9 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     pub(super) applied: Applied<R>,
     /// Condensed forces of each line.
     pub(super) forces: Vec<ChainForces<R>>,
-    /// Forward substitution y = L^-1 g of each joint.
+    /// Forward substitution y = L^-1 g of each joint (elimination of one element of a chain).
     pub(super) ys: Vec<[R; 3]>,
-    /// Forward substitution y = L^-1 g of each rung.
+    /// Forward substitution y = L^-1 g of each rung (pair of key nodes joined by a rib).
     rung_ys: Vec<Ends<R>>,
     /// Forward substitution y = L^-1 g of the tip.
     tip_y: [R; 3],
@@ -31,7 +31,7 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     pub(super) energy: R,
     /// Work of the residual on the correction, N mm.
     work: R,
-    /// Corrections of the nodes of each rung, mm and rad; back substitution sets them.
+    /// Corrections of the nodes of each rung (pair of key nodes joined by a rib), mm and rad; back substitution sets them.
     corrections: Vec<Ends<R>>,
     /// Correction of the tip, mm and rad.
     tip_correction: [R; 3],
@@ -124,7 +124,7 @@ impl<'m, R: Number> Balance<'m, R> {
         self.eliminate_rungs(stiffness, motion);
     }
 
-    /// Eliminates the tip, then the rungs towards the base. The lines must already be condensed.
+    /// Eliminates the tip, then the rungs (pairs of key nodes joined by a rib) towards the base. The lines must already be condensed.
     #[inline(always)]
     pub(super) fn eliminate_rungs(&mut self, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
         stiffness.eliminate_tip(self.applied.on_tip().curvature);
@@ -192,7 +192,7 @@ impl<'m, R: Number> Balance<'m, R> {
             self.corrections[level] = correction;
             let [front, back] = finger.rib_nodes(level).map(|node| mesh.frame_node(node));
             for (node, row) in [(back, 0), (front, 3)] {
-                // A tied node moves with the rung below; `follow_links` later sets its motion.
+                // A tied node moves with a node of the rung below; `follow_links` later sets its motion.
                 if rung.tied_row() == Some(row) {
                     continue;
                 }

@@ -6,7 +6,7 @@
 //! next element is therefore eliminated instead of the node before it. Elements in a row act as springs in series. The stiffness S so far and the stiffness k
 //! of the next element combine to S - S (S + k)^-1 S. Little is subtracted, since k is large.
 //!
-//! A fourth unknown is the rotation of the whole cantilever, which rotates the elements' forces. A translation of the whole changes nothing.
+//! A fourth unknown is the rotation of the whole cantilever, which rotates the elements' forces. A translation of the whole cantilever changes no forces.
 
 use super::block::Block;
 use super::ends::{Ends, EndsMatrix};
@@ -64,7 +64,7 @@ impl<R: Number> Forces<R> {
         g[0] += x;
         g[1] += y;
         g[TURN] += arm.x * x + arm.y * y + next.by_deflection[TURN];
-        // Moves the gradient to the new second end; the next element rotates with the old one.
+        // Moves the gradient to the new second end; the next element rotates with the old second end.
         g[2] += next.by_deflection[TURN] - next_arm.x * g[0] - next_arm.y * g[1];
         let by_next = &next.by_deflection;
         let y = joint.block.forward(&[by_next[0] - g[0], by_next[1] - g[1], by_next[2] - g[2]]);
@@ -82,7 +82,7 @@ pub(super) struct Joint<R: Number = f64> {
 }
 
 impl<R: Number> Joint<R> {
-    /// A joint before its elimination, in the number type of `like`.
+    /// An element's joint before its elimination, in the number type of `like`.
     #[inline(always)]
     pub(super) fn empty(like: R) -> Joint<R> {
         Joint { block: Block::empty(like), lever: Vector2::new(like.zero(), like.zero()) }
@@ -181,7 +181,7 @@ impl<R: Number> Cantilever<R> {
         joint.lever = next.lever;
         self.lever = sum(self.lever, next.lever);
         let s = &mut self.stiffness;
-        // Moves the stiffness to the new second end: the old one lags behind it by `arm` times its rotation.
+        // Moves the stiffness to the new second end. The old second end lags behind the new one by `arm` times its rotation.
         let lifted = [s[0][0] * arm.x + s[0][1] * arm.y, s[0][1] * arm.x + s[1][1] * arm.y];
         s[2][2] -= arm.x * s[0][2] + arm.y * s[1][2];
         s[0][2] -= lifted[0];

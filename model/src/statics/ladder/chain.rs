@@ -65,7 +65,7 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Copies one SIMD lane to a chain of the same kind. Of symmetric matrices, only the upper triangle is copied.
+    /// Copies one SIMD lane to a chain of the same kind. Only the upper triangle of a symmetric matrix is copied.
     #[inline(always)]
     pub(super) fn copy_lane(&self, lane: usize, one: &mut Chain) {
         let like = self.lever.x;
@@ -101,7 +101,7 @@ impl<R: Number> Chain<R> {
         forces.raw = forces.gradient;
     }
 
-    /// Begins the condensation of several elements with the first one; the others follow in order.
+    /// Begins the condensation of several elements with the first element; the other elements follow in order.
     #[inline(always)]
     pub(super) fn begin(&mut self, forces: &mut ChainForces<R>, first: &Element<R>) -> PartialChain<R> {
         (self.positive, self.accurate) = (forces.work.always(), forces.work.always());
@@ -111,7 +111,7 @@ impl<R: Number> Chain<R> {
         PartialChain { stiffness, carried }
     }
 
-    /// Appends the next element and stores y = L^-1 g of its joint in `y`.
+    /// Appends the next element and stores in `y` the forward substitution y = L^-1 g of the element's joint.
     #[inline(always)]
     pub(super) fn extend(
         &mut self,
@@ -318,7 +318,7 @@ pub(super) struct PartialChain<R: Number> {
     carried: Forces<R>,
 }
 
-/// The interior of a chain: its joints, the y of each joint, and its inner nodes.
+/// The interior of a chain: its joints (one elimination per element), the forward substitution y = L^-1 g of each joint, and its inner nodes.
 pub(super) struct ChainInterior<'a, R: Number> {
     pub joints: &'a [Joint<R>],
     pub ys: &'a [[R; 3]],

@@ -32,7 +32,7 @@ pub(super) trait Elements<R: Number>: Copy {
 pub(super) struct OneLine<'a, R> {
     pub frame: &'a PlaneFrame,
     pub line: &'a Line,
-    /// Any value, from which values of the number type are made.
+    /// An arbitrary value of the number type, from which other values of this type are made.
     pub like: R,
 }
 

@@ -20,7 +20,7 @@ pub(crate) struct Factor<R: Number = f64> {
     pub(super) joints: Vec<Joint<R>>,
     /// Rungs (pairs of key nodes joined by a rib) from base to tip.
     pub(super) rungs: Vec<Rung<R>>,
-    /// The tip, coupled to the back and front node of the rung next to it.
+    /// The tip, coupled to the back and front node of the rib nearest to the tip.
     pub(super) tip: Block<R, 3, 6>,
     /// Lanes in which the stiffness is positive definite.
     pub(super) positive: R::Mask,
@@ -68,7 +68,7 @@ impl<R: Number> Factor<R> {
         2 * (self.rungs.len() + 1) + rung
     }
 
-    /// Stiffness of the two nodes of a rung, before tip and higher rungs are eliminated.
+    /// Stiffness of the two nodes of a rung (joined by one rib), before the tip and the rungs nearer to the tip are eliminated.
     #[inline(always)]
     fn rung_stiffness(&self, level: usize) -> EndsMatrix<R> {
         let stiffness = |line: usize| &self.chains[line].stiffness;
@@ -84,7 +84,7 @@ impl<R: Number> Factor<R> {
         sum
     }
 
-    /// Sum of a quantity at the ends of lines, over the lines that end at a rung.
+    /// Sum of a quantity at the ends of lines (plate members and ribs), over the lines that end at a rung.
     #[inline(always)]
     pub(super) fn rung_sum<'a>(&self, level: usize, at_ends: impl Fn(usize) -> &'a Ends<R>) -> Ends<R>
     where
@@ -147,7 +147,8 @@ impl<R: Number> Factor<R> {
         self.accurate = zero.both(self.accurate, self.tip.pivots_exceed(&limits));
     }
 
-    /// Eliminates a rung. `curvatures` are the second derivatives of the loads' potential by the rotations of the rung's back and front node, N mm.
+    /// Eliminates a rung (pair of key nodes joined by a rib). `curvatures` are the second derivatives of the loads' potential by the rotations of the rung's
+    /// back and front node, N mm.
     #[inline(always)]
     pub(super) fn eliminate_rung(&mut self, level: usize, rib: Option<RigidRib<R>>, curvatures: [R; 2]) {
         let zero = curvatures[0].zero();

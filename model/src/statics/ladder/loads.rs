@@ -22,14 +22,14 @@ pub(super) struct OnNode<R> {
 #[derive(Debug, Clone)]
 pub(super) struct Applied<R> {
     nothing: OnNode<R>,
-    /// Potentials on key nodes: back and front node of each rung, then the tip.
+    /// Potentials on key nodes: back and front node of each rib, then the tip.
     on_nodes: Vec<OnNode<R>>,
     /// Indices of loaded elements, with the potential of the loads between their nodes or on their first node.
     on_members: Vec<(usize, Response<R>)>,
 }
 
 impl<R: Number> Applied<R> {
-    /// No loads, for a ladder of `rungs` rungs, in the number type of `like`.
+    /// No loads, for a ladder of `rungs` rungs (one per rib), in the number type of `like`.
     pub(super) fn none(rungs: usize, like: R) -> Applied<R> {
         let nothing = OnNode { gradient: [like.zero(); 3], curvature: like.zero() };
         Applied { nothing, on_nodes: vec![nothing; 2 * rungs + 1], on_members: Vec::new() }
@@ -41,7 +41,7 @@ impl<R: Number> Applied<R> {
         self.on_members.clear();
     }
 
-    /// The loads on a key node of a rung. `row` is 0 for the back node and 3 for the front node.
+    /// The loads on a key node of a rung (one per rib, from the base). `row` is 0 for the back node and 3 for the front node.
     #[inline(always)]
     pub(super) fn on_rung(&self, rung: usize, row: usize) -> &OnNode<R> {
         &self.on_nodes[2 * rung + row / 3]

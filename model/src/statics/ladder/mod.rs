@@ -65,7 +65,7 @@ pub struct Ladder<'m> {
     forgotten: bool,
     factored: bool,
     balance: Balance<'m>,
-    /// While sensitivities are computed: gradients on each rung, then their forward substitutions.
+    /// Gradients on each rung while sensitivities are computed, then the forward substitutions of these gradients.
     waiting: Vec<Ends>,
 }
 

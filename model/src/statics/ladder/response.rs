@@ -73,7 +73,7 @@ impl Ladder<'_> {
         self.respond(motion, &tip, out);
     }
 
-    /// Assigns the gradient of a load to an element: to the loaded one, or to one that ends at the loaded node.
+    /// Assigns the gradient of a load to the loaded element, or to an element that ends at the loaded node.
     fn placed(&self, load: &FrameLoad, gradient: Ends) -> OnElement {
         let line = match place(self.mesh, load) {
             Location::Inside { line, element } => return OnElement { line, element, gradient },
@@ -110,7 +110,7 @@ impl Ladder<'_> {
         [0.0; 3]
     }
 
-    /// Adds gradients at the ends of a line to the gradients on the rungs. Returns the gradient on the tip.
+    /// Adds gradients at the ends of a line to the gradients on the rungs (nodes of one rib each). Returns the gradient on the tip.
     fn put_on(&mut self, line: usize, on_ends: &Ends, mut tip: [f64; 3]) -> [f64; 3] {
         let per_plate = self.waiting.len() + 1;
         // Level (0 is the base, r + 1 is rung r) and row of each end of the line.

@@ -87,8 +87,8 @@ impl<R: Number> Retraction<R> {
         let end_chord = chord_in(motion, &last);
         let last_slope = slope(whole, count, end_chord, -self.surplus(count - 1, end_chord));
         let mut slopes = end_slopes([first_slope, last_slope], count);
-        // These slopes are exact for the end chords, but Newton's rotations apply at the end nodes, half an element away. The difference would cause a shear
-        // force that grows as 1 / h. The effect of axial forces would grow with it, so the tangent might lose positive definiteness.
+        // The slopes so far are exact for the end chords, but Newton's rotations apply at the end nodes, half an element away. The difference would cause a
+        // shear force that grows as 1 / h. The effect of axial forces would grow with it, so the tangent might lose positive definiteness.
         if count > 2 {
             let mut more = slopes;
             for (end, (at, next)) in [(0, 1), (count - 1, count - 2)].into_iter().enumerate() {

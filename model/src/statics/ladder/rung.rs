@@ -99,7 +99,8 @@ impl<R: Number> TiedNode<R> {
     }
 }
 
-/// A rung with the unknowns x, y and rotation of the back node, then of the front node. It is eliminated towards the rung below.
+/// A rung: the back and front node of one rib, with the unknowns x, y and rotation of the back node, then of the front node. It is eliminated towards the rung
+/// below.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rung<R: Number> {
     block: Block<R, 6, 6>,
