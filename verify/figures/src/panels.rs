@@ -16,7 +16,7 @@ use super::text::{widest, width_of, wrap};
 
 /// Heading, description and size of a figure.
 ///
-/// A figure scales with the page. Its width in px sets the size of text relative to that of lines.
+/// A figure scales with the page. The frame's width, px, sets the size of text and lines relative to the figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     /// Heading; empty for a figure without heading.

@@ -36,7 +36,7 @@ pub struct RefusedImage {
     pub reason: String,
 }
 
-/// A table of observed markers. Each field holds some columns of the file; all have the same rows in the same order.
+/// A table of observed markers. Each field holds some columns of the file; all fields have the same rows in the same order.
 pub struct ObservationTable {
     path: PathBuf,
     coordinates: Coordinates,

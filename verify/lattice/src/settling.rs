@@ -76,7 +76,7 @@ impl Precision {
     }
 }
 
-/// Result of settling: how many steps the bodies took to come to rest.
+/// Result of settling: number of steps until rest, and the last movement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rest {
     /// Number of steps between two position checks.
@@ -275,7 +275,7 @@ impl<'a> Dynamics<'a> {
         self.handles.iter().zip(&self.assembly.bodies).map(motion).collect()
     }
 
-    /// Advances one step, then stops all bodies if the kinetic energy has passed its peak. Returns whether it has.
+    /// Advances one step, then stops all bodies if the kinetic energy has passed its peak. Returns whether the energy has passed its peak.
     pub(crate) fn damped_step(&mut self, loads: &[BodyLoad]) -> bool {
         self.step(loads);
         let energy = self.kinetic_energy();

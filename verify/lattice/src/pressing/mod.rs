@@ -54,7 +54,7 @@ pub struct Pressed {
     pub touches: Vec<Touch>,
     /// Force of the hand on the object, N, finger frame.
     pub hand_force: Vector,
-    /// Force on the clamps, N, finger frame. It includes the springs, and the object if the object touches a clamped part.
+    /// Force on the clamps, N, finger frame: from the springs, and from the object if the object touches a clamped part.
     pub base_force: Vector,
     /// Moment on the clamps about the origin, N mm.
     pub base_moment_nmm: f64,

@@ -56,7 +56,7 @@ impl World<'_> {
         self.scene.fingers[finger].lattice.shape(&self.state.motions[finger])
     }
 
-    /// Force (N) and moment about the origin (N mm) on a finger's base, in the finger's frame. They include springs and contacts on clamped parts.
+    /// Force (N) and moment about the origin (N mm) on a finger's base, in the finger's frame. Both include the springs and the contacts on clamped parts.
     pub fn on_base(&self, finger: usize) -> (Vector, f64) {
         let (mut force, mut moment) = self.scene.fingers[finger].energy.on_clamps(&self.state.motions[finger]);
         let contacts = self.contacts();
