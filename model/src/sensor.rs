@@ -8,7 +8,7 @@ mod unloaded;
 use crate::Vector;
 use crate::estimators::network::Networks;
 use crate::estimators::{EstimatorError, EstimatorId, Question};
-use crate::finger::Finger;
+use crate::finger::{Finger, Plate};
 use crate::measurement::{BaseUncertainty, Measurement};
 use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
@@ -111,9 +111,9 @@ pub struct SensedForces {
     measured: Option<MeasuredContactForces>,
 }
 
-/// Without a stated noise, a warning names a residual above this share of the displacements: the right contacts leave less of a real finger's, of a force
-/// that bends the finger visibly.
-const LARGE_RESIDUAL: f64 = 0.1;
+/// Without a stated noise, a warning names a residual above this share of the displacements and of the front plate's length. A camera's noise is below the
+/// latter; a real finger under the right contacts leaves a residual below the former.
+const LARGE_RESIDUAL: [f64; 2] = [0.1, 0.002];
 
 /// A reason to trust forces less, or to state the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -271,7 +271,9 @@ impl<'s> Sensor<'s> {
         let of_model = estimate.warning.map(|warning| SensorWarning::Model { warning, is_linear });
         let no_residual = estimate.noise_mm.is_infinite().then_some(SensorWarning::NoResidual);
         let (residual_rms_mm, moved_rms_mm) = (estimate.residual_rms_mm, question.measurement.displacement_rms_mm());
-        let is_large = question.noise_mm.is_none() && residual_rms_mm > LARGE_RESIDUAL * moved_rms_mm;
+        let limits_mm = [moved_rms_mm, self.scene.finger.plate_length_mm(Plate::Front)];
+        let is_beyond = |(share, whole_mm)| residual_rms_mm > share * whole_mm;
+        let is_large = question.noise_mm.is_none() && LARGE_RESIDUAL.into_iter().zip(limits_mm).all(is_beyond);
         let large_residual = is_large.then_some(SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm });
         Ok(SensedForces {
             contacts,

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Coverage of the intervals of some forces, and errors of the forces.
@@ -17,6 +18,8 @@ pub struct Figure {
     pub question: String,
     /// Number of forces.
     pub cases: usize,
+    /// How many of them were refused.
+    pub refused: usize,
     /// Mean error, as a share of the true force.
     pub mean_error: f64,
     /// Largest error, as a share of the true force.
@@ -32,6 +35,9 @@ pub struct Figure {
     /// Command that measures it again.
     pub command: String,
 }
+
+/// Studies that run at once write one after the other.
+static WRITING: Mutex<()> = Mutex::new(());
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -55,6 +61,7 @@ pub fn recorded_figures() -> Vec<Figure> {
 /// # Panics
 /// If the table cannot be written.
 pub fn record_figures(study: &str, command: &str, figures: Vec<Figure>) {
+    let _one = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
     let (state, date) = (state_of_code(), today());
     let mut all = if file().exists() { recorded_figures() } else { Vec::new() };
     all.retain(|other| other.study != study);

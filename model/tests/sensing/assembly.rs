@@ -158,7 +158,8 @@ fn intervals_hold_on_fingers_that_were_assembled_anew() {
             row: if with_rest { "with an image of the unloaded finger" } else { "`[assembly]` alone, no image" }
                 .to_owned(),
             question: format!("direction {}, noise {noise_mm} mm", if knows_direction { "known" } else { "unknown" }),
-            cases: errors.len(),
+            cases,
+            refused: cases - errors.len(),
             mean_error: mean,
             largest_error: errors.iter().map(|[_, share]| share.abs()).fold(0.0, f64::max),
             within: share,

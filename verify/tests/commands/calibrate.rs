@@ -107,7 +107,7 @@ fn measurements_that_do_not_fit_are_refused_by_file_and_line() {
         ("a,19,0,-1,7,0,-1\n", "line 3: node 7 is listed twice"),
         ("a,19,0,-1,26,0,-1\n", "line 3: node 26 does not exist"),
         ("a,19,0,-1,25,0,-1\n", "line 3: node 25 is clamped"),
-        ("b,1,0,-1,7,0,-1\n", "line 3: node 1 is clamped: a load there"),
+        ("b,1,0,-1,7,0,-1\n", "line 3: node 1 is clamped: a load on it"),
         ("b,27,0,-1,7,0,-1\n", "line 3: node 27 does not exist"),
         ("b,19,0,down,7,0,-1\n", "line 3: fy_n: expected a finite number, found \"down\""),
         ("b,19,0,nan,7,0,-1\n", "line 3: fy_n: expected a finite number"),

@@ -286,7 +286,7 @@ mod modes {
         assert_eq!(mode(&target), 0o640);
         symlink("round.csv", folder.path("round.csv")).expect("a link");
         let message = finray(&["solve", PAPER, "--load", "19:0,-1", "--out", &folder.path("round.csv")]).failed();
-        assert_says(&message, &["round.csv", "cannot be written", "circle"]);
+        assert_says(&message, &["round.csv", "cannot be written", "loop"]);
         assert_eq!(names_in(std::path::Path::new(&folder.path("results"))), ["new.csv", "out.csv"]);
     }
 }

@@ -27,6 +27,9 @@ const FIT: &str = "preload=8,height=1.5,base,brackets=0.2,ribs=0.2";
 /// Fingers from which on the coverage is checked.
 const ENOUGH: usize = 10;
 
+/// Fingers from which on the figures are recorded.
+const RECORDED: usize = 30;
+
 /// How a force is sensed.
 const REMEDIES: [&str; 4] = [
     "`[assembly]` alone",
@@ -179,6 +182,7 @@ fn intervals_hold_on_rendered_fingers_that_were_assembled_anew() {
                 row: (*remedy).to_owned(),
                 question: (*question).to_owned(),
                 cases: tally.asked(),
+                refused,
                 mean_error: mean,
                 largest_error: largest,
                 within,
@@ -193,7 +197,7 @@ fn intervals_hold_on_rendered_fingers_that_were_assembled_anew() {
             assert!([i, k] != [2, 0] || mean < 0.03, "{remedy}, {question}: {mean}");
         }
     }
-    if fingers >= ENOUGH {
+    if fingers >= RECORDED {
         record_figures("reassembled", COMMAND, figures);
     }
 }

@@ -283,6 +283,7 @@ fn record(study: &str, question: &str, tallies: &[Tally; 5]) {
         row: known.in_words().to_owned(),
         question: question.to_owned(),
         cases: tally.asked(),
+        refused: tally.asked() - tally.errors.len(),
         mean_error: tally.mean(),
         largest_error: tally.errors.iter().copied().fold(0.0, f64::max),
         within: tally.coverage(),

@@ -228,8 +228,10 @@ pub fn views(
     let (fitted, covariance, scatter) = found.ok_or(CalibrationError::NoMinimum)?;
     let sigma = |k: usize| covariance[(k, k)].sqrt();
     let open = |k: &usize| {
-        let limit = LARGEST_SIGMAS[usize::from(!sought[*k].quantity.is_modulus())];
-        sigma(*k).is_nan() || sigma(*k) >= limit
+        let quantity = sought[*k].quantity;
+        let limit = LARGEST_SIGMAS[usize::from(!quantity.is_modulus())];
+        // A shared lean is as uncertain as its prior where nothing shows it.
+        sigma(*k).is_nan() || sigma(*k) >= limit && quantity != Quantity::Lean
     };
     if (0..sought.len()).any(|k| open(&k)) {
         return Err(CalibrationError::NotIdentifiable { parameters: names(&mut (0..sought.len()).filter(open)) });

@@ -18,15 +18,15 @@ impl Problem<'_> {
         if shared == 0 {
             return Vec::new();
         }
-        let jacobian = self.by_stated_noise(fitted);
-        let Some(covariance) = covariance(&jacobian) else { return Vec::new() };
+        let jacobian = &fitted.jacobian;
+        let Some(covariance) = covariance(jacobian) else { return Vec::new() };
         let mut changes: Vec<RowDVector<f64>> = Vec::new();
         for (view, own, rows, column) in self.parts(&fitted.point).filter(|(view, ..)| view.force.is_none()) {
             // All unknowns of the view, then all except the lean.
             let all: Vec<usize> = (column..column + self.own_count(view)).collect();
             let known_direction = &all[..=OWN];
             for unknowns in [&all[..], known_direction] {
-                let found = self.force_alone(&jacobian, rows.clone(), unknowns, own.force_n);
+                let found = self.force_alone(jacobian, rows.clone(), unknowns, own.force_n);
                 changes.extend(found.map(|(mut by_shared, ..)| {
                     // The lean of a new force is uncertain by the amount that the scene states, so the lean of this fit has no effect.
                     let leans = self.sought.iter().zip(by_shared.iter_mut());
@@ -48,21 +48,6 @@ impl Problem<'_> {
         counts
             .map(|(_, combination)| self.unloaded_error((&spread * combination.transpose()).as_slice(), base))
             .collect()
-    }
-
-    /// The Jacobian of a fit, reweighted so that the noise of the markers is at least the stated noise. Errors that all images share affect the fitted
-    /// quantities but not the residuals.
-    fn by_stated_noise(&self, fitted: &Fit<Point>) -> DMatrix<f64> {
-        let mut jacobian = fitted.jacobian.clone();
-        for (view, _, rows, _) in self.parts(&fitted.point) {
-            let markers = view.measurement.markers().iter().flat_map(|marker| [marker; 2]);
-            for (row, marker) in rows.zip(markers) {
-                let stated_mm = view.noise_mm / marker.weight;
-                let found_mm = self.errors.sd_mm(stated_mm);
-                jacobian.row_mut(row).scale_mut(found_mm / found_mm.max(stated_mm));
-            }
-        }
-        jacobian
     }
 
     /// Changes of all sought quantities as one error of the calibrated finger. `base` is the calibrated pose of its base, mm and rad.

@@ -43,7 +43,10 @@ fn images_of_one_name_are_distinguished_by_their_folders() {
         assert!((force_n - FORCES_N[i]).abs() < 0.01, "{name}: {force_n}");
     }
     assert_says(&named("1.png").refused(), &["\"1.png\" may be 100/1.png or 101/1.png", "--image-name"]);
-    assert_says(&named("102/1.png").refused(), &["\"102/1.png\" is not among those", "100/1.png, 101/1.png, 2.png"]);
+    assert_says(
+        &named("102/1.png").refused(),
+        &["\"102/1.png\" is not among the located images", "100/1.png, 101/1.png, 2.png"],
+    );
     // As seen from one of the folders.
     let inside =
         command(&["locate", CAMERA, "--image", "1.png", "../101/1.png"]).current_dir(folder.path("100")).output();
@@ -75,7 +78,10 @@ fn forces_find_images_of_one_name_by_their_folders() {
     assert!((table.numbers("value")[0] - 1.0).abs() < 0.01, "{table:?}");
     assert_eq!(Csv::of(&calibrated([&images[0], "x/101/1.png", "101/2.png"]).computed()), table);
     assert_says(&calibrated(["100/1.png", "1.png", "2.png"]).refused(), &["line 3: ", "may be 100/1.png or 101/1.png"]);
-    assert_says(&calibrated(["100/1.png", "102/1.png", "2.png"]).refused(), &["line 3: ", "is not among those"]);
+    assert_says(
+        &calibrated(["100/1.png", "102/1.png", "2.png"]).refused(),
+        &["line 3: ", "is not among the located images"],
+    );
     assert_says(&calibrated(["100/1.png", &images[0], "2.png"]).refused(), &["line 3: ", "is listed twice"]);
 }
 

@@ -1,4 +1,4 @@
-//! Measurement of bright or dark discs and rings in grey images by their outer rim.
+//! Measurement of bright or dark discs and rings in grey images by their outer rim and, if it is a circle, the inner edge of a ring.
 //!
 //! The inside of a ring (a screw's head, a hole) and its surroundings may have any appearance. The rim is where the light changes most along a ray from the
 //! centre. Rays are cast in the plane of the markers, where the rim is a circle, independent of perspective and lens distortion.

@@ -39,7 +39,7 @@ fn peer(table: &Table<9>, row: &Row<9>) -> Result<Peer, FileError> {
     }
     let error = if row.cells[4].is_empty() { None } else { Some(table.number(row, 4)?) };
     if let Some(error) = error.filter(|error| *error < 0.0) {
-        return Err(table.wrong(row, format!("error: expected a number of at least 0, or nothing, found {error}")));
+        return Err(table.wrong(row, format!("expected an error of at least 0, or an empty cell, found {error}")));
     }
     let (model, setting, program, version) = (text(1)?, text(2)?, text(5)?, text(6)?);
     let asked = Asked { nodes: text(7)?, forces_n: text(8)? };
