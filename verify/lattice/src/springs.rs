@@ -94,7 +94,8 @@ impl Default for AxialSprings {
 }
 
 impl Segment {
-    /// Springs that replace the segment: one axial spring, and three, one or no bending springs with no, one or two pinned ends.
+    /// Springs that replace the segment: one axial spring and the bending springs. Bending springs are three without pinned ends, one with one pinned end, and
+    /// none with two pinned ends.
     ///
     /// Between two unpinned ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative
     /// rotation of the ends, and `across` the gap at the middle if both halves stayed straight. For symmetry, half of the gap's energy is measured in
