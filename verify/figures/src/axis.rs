@@ -74,7 +74,7 @@ impl Axis {
         Self { ticks: Some(ticks), ..self }
     }
 
-    /// Number of given ticks; for an axis of categories, the number of categories.
+    /// Number of ticks that were given by `named` or `with_ticks`; for an axis of categories, the number of categories.
     pub(super) fn names(&self) -> usize {
         self.ticks.as_ref().map_or(0, Vec::len)
     }
@@ -153,7 +153,7 @@ impl ValueFormatter<f64> for Ruler {
     }
 }
 
-/// Round values between the limits; their number is about `most` or less.
+/// Ticks at round values between the limits, with their names; there are about `most` ticks or fewer.
 pub(super) fn round_ticks(scale: Scale, [low, high]: [f64; 2], most: f64) -> Vec<(f64, String)> {
     let decades = (high / low).log10();
     // A logarithmic axis of less than a decade contains too few powers of ten, so it has the ticks of a linear axis.
@@ -186,7 +186,7 @@ fn round_up(value: f64) -> f64 {
 fn round_out(scale: Scale, [low, high]: [f64; 2]) -> [f64; 2] {
     match scale {
         Scale::Linear if low == high => {
-            // An axis for a single value extends to both sides of it, by half of the value.
+            // An axis for a single value extends to both sides of the value, by half of the value.
             let room = if low == 0.0 { 1.0 } else { low.abs() * 0.5 };
             [low - room, high + room]
         }

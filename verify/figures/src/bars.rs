@@ -56,9 +56,9 @@ impl Bars {
     }
 }
 
-/// Size and orientation of the values that are written above bars.
+/// Text size and orientation of the values that are written above bars.
 pub(super) struct Writing {
-    /// Whether the values are written vertically, because they are wider than their bars.
+    /// Whether the values are written vertically, because horizontal text would be wider than the bars.
     rising: bool,
     size: f64,
     /// Space for the longest value above its bar, px.
@@ -72,7 +72,7 @@ impl Writing {
             bars.iter().flat_map(|bars| &bars.values).flatten().map(|value| number(*value)).collect();
         let bar = pixels * FILLED / (categories.names() * bars.len()).max(1) as f64;
         let rising = widest(&texts, TICK_TEXT) + 2.0 > bar;
-        // The size of vertical text is at most the bar's width, so that it does not cover the text of neighbours, but at least legible.
+        // The size of vertical text is at most the bar's width, so that it does not cover neighbouring text. A lower limit keeps the text legible.
         let size = if rising { bar.clamp(13.0, TICK_TEXT) } else { TICK_TEXT };
         let height = if rising { widest(&texts, size) } else { size } + 10.0;
         Self { rising, size, height: if bars.is_empty() { 0.0 } else { height } }

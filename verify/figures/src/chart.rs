@@ -29,13 +29,13 @@ pub struct Chart {
     pub series: Vec<Series>,
     /// Sets of bars, side by side in each category; all bars start at 0.
     pub bars: Vec<Bars>,
-    /// Values on the vertical axis with a reference line and its text, for instance "10 %".
+    /// Horizontal reference lines: value on the vertical axis, and text beside the line, for instance "10 %".
     pub references: Vec<(f64, String)>,
     /// Whether both axes have the same scale, in mm, as in a drawing.
     pub equal_axes: bool,
 }
 
-/// Space around a drawing to scale for numbers and clamps, px.
+/// Space around a drawing to scale, for node numbers and symbols of clamps, px.
 const MARGIN: f64 = 44.0;
 /// Space left of a drawing to scale for tick labels of four characters, and space to its right, px.
 pub(super) const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];

@@ -2,11 +2,11 @@
 
 use plotters::style::{Color, RGBAColor, RGBColor};
 
-/// Placeholder for the page's text colour. The SVG writer replaces this colour and the next two, which occur in no figure otherwise.
+/// Placeholder for the page's text colour. The SVG writer replaces this colour, [`OVER_LINES`] and [`ON_MAP`]; no figure uses them otherwise.
 pub(super) const TEXT: RGBColor = RGBColor(1, 2, 3);
-/// Placeholder for text in the page's text colour with an outline in the background colour, which is legible on top of lines.
+/// Placeholder for text that is legible on top of lines: the page's text colour, outlined in the background colour.
 pub(super) const OVER_LINES: RGBColor = RGBColor(1, 2, 4);
-/// Placeholder for dark text with a white outline in light and dark mode, which is legible on the colours of a map.
+/// Placeholder for text that is legible on the colours of a map: dark with a white outline, in light and dark mode.
 pub(super) const ON_MAP: RGBColor = RGBColor(1, 2, 5);
 /// The dark colour that replaces [`ON_MAP`].
 pub(super) const DARK: RGBColor = RGBColor(0x14, 0x17, 0x1a);

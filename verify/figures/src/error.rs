@@ -5,7 +5,7 @@ use std::fmt;
 use plotters::drawing::DrawingAreaErrorKind;
 use thiserror::Error;
 
-/// Reason why a figure cannot be drawn. The text in each variant names the list that is at fault.
+/// Reason why a figure cannot be drawn. The text in most variants names the list or axis at fault.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FigureError {
     /// A list that must have entries is empty.

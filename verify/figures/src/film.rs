@@ -1,6 +1,6 @@
 //! Animated drawings to scale: a sequence of shots that CSS shows and hides, without scripts.
 //!
-//! A single chosen shot is shown in print, to readers who ask for no motion, and by programs without animation.
+//! Where no animation runs (in print, for readers who prefer no motion, in programs without animation), one chosen shot is shown.
 
 use super::chart::{Chart, SIDES};
 use super::error::{FigureError, require};

@@ -25,12 +25,12 @@ impl Area {
         Self { left: x - width / 2.0, top: y - height / 2.0, right: x + width / 2.0, bottom: y + height / 2.0 }
     }
 
-    /// The rectangle between two opposite corners.
+    /// The rectangle between two opposite corners, px.
     pub(super) fn between(a: Point, b: Point) -> Self {
         Self { left: a[0].min(b[0]), top: a[1].min(b[1]), right: a[0].max(b[0]), bottom: a[1].max(b[1]) }
     }
 
-    /// The smallest rectangle that contains all points.
+    /// The smallest rectangle that contains all points, px.
     pub(super) fn around(points: impl Iterator<Item = Point>) -> Self {
         let areas = points.map(|point| Self::between(point, point));
         let join = |a: Self, b: Self| Self {
@@ -54,13 +54,13 @@ impl Area {
         between([self.left, self.top], [self.right, self.bottom], 0.5)
     }
 
-    /// Its outline as a closed line.
+    /// Outline of the rectangle as a closed line, px.
     pub(super) fn outline(&self) -> [Point; 5] {
         let Self { left, top, right, bottom } = *self;
         [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]
     }
 
-    /// The horizontal line through its centre.
+    /// Horizontal line from edge to edge through the centre of the rectangle, px.
     pub(super) fn level(&self) -> [Point; 2] {
         [self.left, self.right].map(|x| [x, self.centre()[1]])
     }
@@ -103,7 +103,7 @@ pub(super) fn segments<'a>(lines: impl IntoIterator<Item = &'a Vec<Point>>) -> i
     lines.into_iter().flat_map(|line| line.windows(2)).map(|pair| [pair[0], pair[1]])
 }
 
-/// Distance between two points, in their unit.
+/// Distance between two points, in the unit of the points.
 pub(super) fn distance(a: Point, b: Point) -> f64 {
     (b[0] - a[0]).hypot(b[1] - a[1])
 }
@@ -124,7 +124,7 @@ pub(super) fn direction(a: Point, b: Point) -> Option<Point> {
     (length > 0.0).then(|| [(b[0] - a[0]) / length, (b[1] - a[1]) / length])
 }
 
-/// Distance of a point from a line segment, in their unit.
+/// Distance of a point from a line segment, in the unit of the points.
 pub(super) fn gap(at: Point, [from, to]: [Point; 2]) -> f64 {
     let along = direction(from, to).unwrap_or([0.0, 0.0]);
     let reach = (at[0] - from[0]) * along[0] + (at[1] - from[1]) * along[1];

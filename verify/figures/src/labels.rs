@@ -27,7 +27,7 @@ pub(super) struct Obstacles {
 }
 
 impl Obstacles {
-    /// Writes each label in turn at the position with the least cost; later labels avoid it.
+    /// Writes each label in turn at the position with the least cost; later labels avoid the earlier ones.
     pub(super) fn write(&mut self, sheet: &Sheet, labels: &[Label]) -> Result<(), FigureError> {
         for label in labels.iter().filter(|label| !label.text.is_empty()) {
             sheet.words(&label.text, self.position(label), &font(TICK_TEXT).color(&OVER_LINES))?;
@@ -35,7 +35,7 @@ impl Obstacles {
         Ok(())
     }
 
-    /// The best centre of a label near its anchor, px. There the label hides nothing, if such a position exists.
+    /// Centre of a label near its anchor, px: among the tried positions, the one with the least cost.
     fn position(&mut self, label: &Label) -> Point {
         let [width, height] = [width_of(&label.text, TICK_TEXT) + 4.0, TICK_TEXT + 2.0];
         let start = label.side[1].atan2(label.side[0]);

@@ -1,4 +1,4 @@
-//! The legend: samples with text, in rows below the plots, so that it hides no data.
+//! The legend: samples with text. It stands in rows below the plots, where it hides no data.
 
 use plotters::style::Color;
 
@@ -33,14 +33,14 @@ const GAP: f64 = 8.0;
 const BETWEEN: f64 = 24.0;
 const ROW: f64 = 24.0;
 
-/// Legend entries arranged in rows; each with its lines of text, left edge and row.
+/// Legend entries arranged in rows. Each entry has its sample, its lines of text, its left edge (px) and the index of its first row.
 pub(super) struct Legend<'a> {
     entries: Vec<(Sample<'a>, Vec<String>, f64, usize)>,
     rows: usize,
 }
 
 impl<'a> Legend<'a> {
-    /// Arranges the entries that have text in rows between two horizontal positions, px.
+    /// Arranges in rows, between two horizontal positions (px), the entries that have text.
     pub(super) fn lay_out(entries: Vec<Entry<'a>>, [left, right]: [f64; 2]) -> Self {
         let mut placed = Vec::new();
         // `row` is the current row of text; `next` is the first row below all entries of the current row.

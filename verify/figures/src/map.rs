@@ -18,7 +18,7 @@ use super::text::{width_of, wrap};
 pub struct Map {
     /// Heading, description and size of the figure.
     pub frame: Frame,
-    /// Horizontal axis; without given limits it ends at the outermost cells.
+    /// Horizontal axis; an axis without given limits ends at the outermost cells.
     pub x: Axis,
     /// Vertical axis of every plot.
     pub y: Axis,
@@ -36,7 +36,7 @@ pub struct Map {
     pub top: Option<Axis>,
     /// Format of the values written into the cells; `None` writes no values.
     pub written: Option<fn(f64) -> String>,
-    /// Whether the cell at a row and column is left blank, because it has no meaning.
+    /// Whether the cell at a row and column has no meaning and is left blank.
     pub blank: fn(usize, usize) -> bool,
 }
 

@@ -16,7 +16,7 @@ use super::text::{widest, width_of, wrap};
 
 /// Heading, description and size of a figure.
 ///
-/// A figure scales with the page. Its width in px sets the size of text relative to that of lines.
+/// A figure scales with the page. The frame's width, px, sets the size of text and lines relative to the figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     /// Heading; empty for a figure without heading.
@@ -34,12 +34,12 @@ impl Frame {
         Self { title: title.into(), alt: alt.into(), width: 900.0, plot_height: None }
     }
 
-    /// A figure that is half as wide as the page, or as wide as a phone (560 px).
+    /// A figure for half the width of the page, or for the width of a phone (560 px).
     pub fn half(title: impl Into<String>, alt: impl Into<String>) -> Self {
         Self { width: 560.0, ..Self::full(title, alt) }
     }
 
-    /// A figure that is a third as wide as the page (400 px).
+    /// A figure for a third of the width of the page (400 px).
     pub fn third(title: impl Into<String>, alt: impl Into<String>) -> Self {
         Self { width: 400.0, ..Self::full(title, alt) }
     }
@@ -49,7 +49,7 @@ impl Frame {
         Self { plot_height: Some(pixels), ..self }
     }
 
-    /// Height of a single plot, px. Narrow plots are relatively higher, so that their curves are not flattened.
+    /// Height of a single plot, px. Relative to its width, a narrow plot is higher, so that its curves are not flattened.
     pub(super) fn height(&self) -> f64 {
         self.plot_height.unwrap_or(self.width * if self.width > 700.0 { 0.46 } else { 0.62 })
     }
@@ -128,7 +128,7 @@ pub(super) struct Panels<'a> {
     pub(super) head: f64,
     /// An additional axis along the top, for instance node numbers.
     pub(super) top: Option<&'a Axis>,
-    /// Smallest space left of the plots, and space right of the plots, px.
+    /// Space left of the plots (at least; tick labels may need more), and space right of the plots, px.
     pub(super) sides: [f64; 2],
     /// Whether to draw grid lines at the ticks of x and y.
     pub(super) grid: [bool; 2],
@@ -142,7 +142,7 @@ pub(super) struct Panels<'a> {
     pub(super) legend: Vec<Entry<'a>>,
 }
 
-/// Smallest space left of the plots for the names of rows, px.
+/// Names of rows have at least this space left of the plots, px.
 const ROW_NAMES: f64 = 92.0;
 /// Width of bold letters relative to plain ones.
 const BOLD: f64 = 1.16;

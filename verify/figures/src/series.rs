@@ -88,7 +88,7 @@ impl Series {
         if self.labels.is_empty() { Ok(()) } else { require_len(&self.label, &self.labels, self.points.len()) }
     }
 
-    /// Draws the line through `line`, and the symbols at `signs`, px.
+    /// Draws the joining line through the points `line`, and the symbols at the points `signs`, px.
     fn stroke(&self, sheet: &Sheet, line: &[Point], signs: &[Point]) -> Result<(), FigureError> {
         match (self.dash, line) {
             (Dash::Arrow, [from, .., to]) => arrow(sheet, [*from, *to], self.hue.ink())?,
@@ -126,8 +126,8 @@ impl Series {
         plot.line(&self.points).into_iter().filter(|_| self.marker.is_some()).map(area)
     }
 
-    /// Labels of the points. At an arrow, a label lies behind its start. In a drawing, it lies outside, perpendicular to the nearest line. Otherwise
-    /// it lies to the upper right of the point.
+    /// Labels of the points. The label of an arrow lies behind the arrow's start. In a drawing to scale, a label lies outside, perpendicular to the nearest
+    /// line. Otherwise the label lies to the upper right of the point.
     pub(super) fn words(&self, plot: &Plot, lines: &Lines, middle: Option<Point>) -> Vec<Label> {
         let points = plot.line(&self.points);
         let behind = points.windows(2).next().and_then(|ends| direction(ends[1], ends[0]));

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Component, Path, PathBuf};
 
-/// Largest width and height of an image, px, and largest memory for decoding, bytes.
+/// An image is refused if its width or height exceeds this limit, px, or if decoding needs more memory than `MOST_MEMORY`, bytes.
 const LARGEST_SIDE_PX: u32 = 20_000;
 const MOST_MEMORY: u64 = 1 << 30;
 
@@ -58,7 +58,7 @@ fn orientation(bytes: &[u8], format: ImageFormat) -> Orientation {
     }
 }
 
-/// The orientation in the eXIf chunk of a PNG file. The chunk may follow the pixels, where the decoder does not search for it.
+/// The orientation in the eXIf chunk of a PNG file. The chunk may follow the pixels, and the decoder does not search there.
 fn after_pixels(png: &[u8]) -> Option<Orientation> {
     const SIGNATURE: usize = 8;
     // Bytes of a chunk besides its data: length (4), name (4) and checksum (4).
@@ -74,7 +74,7 @@ fn after_pixels(png: &[u8]) -> Option<Orientation> {
     }
 }
 
-/// Names of images in a table: their file names, each preceded by as many folders, joined by `/`, as distinguish it from the others.
+/// Names of images in a table. Each name is the file name, preceded by the folders that distinguish the image from the others, joined by `/`.
 ///
 /// # Errors
 /// [`FileError`] if an image is given twice.
@@ -109,7 +109,7 @@ fn parts_of(path: &Path) -> Vec<String> {
 }
 
 /// Finds an image of a table by name or path: the image with exactly this name, else the only image whose path may be the same. Two paths may be the
-/// same if one is the end of the other.
+/// same if one path ends with the other.
 ///
 /// # Errors
 /// A message if no image, or more than one, matches.

@@ -8,7 +8,7 @@ use finray_model::observation::LargestClampedMotion;
 use finray_model::{Finger, Load, Mesh, Vector};
 use std::path::Path;
 
-/// Reads `case,load_node,fx_n,fy_n,node,ux_mm,uy_mm`; every row of a case repeats its load. `noise_mm` is the standard deviation of the noise in one
+/// Reads `case,load_node,fx_n,fy_n,node,ux_mm,uy_mm`; every row of a load case repeats the load. `noise_mm` is the standard deviation of the noise in one
 /// coordinate, mm. Rows of clamped nodes are ignored if this noise explains their displacement.
 ///
 /// # Errors

@@ -21,7 +21,7 @@ const SHOWN: usize = 5;
 /// Columns from which a table's marker coordinates are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coordinates {
-    /// Displacements `ux_mm,uy_mm`. If the scene has its markers on hinges and the table has `hinge_ux_mm,hinge_uy_mm`, these instead.
+    /// Displacements `ux_mm,uy_mm`, or `hinge_ux_mm,hinge_uy_mm` if the scene has its markers on hinges and the table has these columns.
     Displacements,
     /// Located positions of the markers, `x_mm,y_mm`.
     Positions,
@@ -36,7 +36,7 @@ pub struct RefusedImage {
     pub reason: String,
 }
 
-/// A table of observed markers. Each field holds some columns of the file; all have the same rows in the same order.
+/// A table of observed markers. Each field holds some columns of the file; all fields have the same rows in the same order.
 pub struct ObservationTable {
     path: PathBuf,
     coordinates: Coordinates,
@@ -46,7 +46,7 @@ pub struct ObservationTable {
     own_sigmas: Option<Table<1>>,
     poses: Option<Table<3>>,
     base_sigmas: Option<Table<2>>,
-    /// Deformed positions, mm, where the table has them beside displacements. Position minus displacement gives the undeformed position.
+    /// Deformed positions, mm; `None` if the table has only displacements. Position minus displacement gives the undeformed position.
     positions: Option<Table<2>>,
     refused: Option<Table<1>>,
 }
@@ -125,7 +125,7 @@ impl ObservationTable {
         Ok(Observation { image: image.unwrap_or_default().to_owned(), markers, base })
     }
 
-    /// Converts an error of the model about an image's observation to one that names file, line and column.
+    /// Converts the model's error about an image's observation to an error that names file, line and column.
     pub fn error(&self, image: Option<&str>, error: &ObservationError) -> FileError {
         let Ok(chosen) = self.image_meant(image).map(|image| self.rows_of(image)) else { return self.wrong(error) };
         let row = |i: usize| chosen.get(i).map(|&row| &self.rows.rows()[row]);
@@ -150,7 +150,7 @@ impl ObservationTable {
         FileError::content(&self.path, message)
     }
 
-    /// The name of the image that `image` means; `None` if the table has no column `image`.
+    /// Full name of the image to which `image` refers; `None` if the table has no column `image`.
     fn image_meant(&self, image: Option<&str>) -> Result<Option<&str>, FileError> {
         if self.images.is_none() {
             return match image {
@@ -242,7 +242,7 @@ struct BaseRow {
     marker_sigma_mm: Option<f64>,
 }
 
-/// Last column of a table in which images were refused.
+/// Last column, `refused`, of a table in which at least one image was refused.
 #[derive(Serialize)]
 struct RefusedRow<'o> {
     refused: &'o str,

@@ -21,12 +21,12 @@ pub struct Elsewhere {
     pub node: NodeId,
     /// Undeformed position in the file, mm.
     pub stated: Vector,
-    /// Undeformed position of the finger's node, mm.
+    /// Undeformed position of the same node in the scene, mm.
     pub own: Vector,
 }
 
-/// The key node whose undeformed position differs most from the finger's, if it differs enough to be another finger's. `None` if all nodes agree, or if
-/// the file has no positions. `solve` writes undeformed positions, `locate` deformed ones, each of the nodes or of their markers; all four are tried.
+/// The key node whose undeformed position differs most from the scene's, if the difference shows another finger. `None` if all nodes agree, or if the
+/// file has no positions. A file may have undeformed positions (`solve`) or deformed ones (`locate`), of nodes or of markers; all four cases are tried.
 pub fn of_another_finger(path: &Path, text: &str, finger: &Finger) -> Option<Elsewhere> {
     let table = Table::of_text(path, text, AT_REST).ok()?;
     let off_mm = |found: &Elsewhere| (found.stated - found.own).norm();
@@ -46,9 +46,9 @@ pub fn of_another_finger(path: &Path, text: &str, finger: &Finger) -> Option<Els
     (off_mm(&farthest) > UNLIKE_SHARE * finger.plate_length_mm(Plate::Front)).then_some(farthest)
 }
 
-/// Largest difference, mm, between a file of `locate` and the positions that the given scene yields for the same markers. It compares undeformed
-/// positions, and the camera's view of each pixel in the frame of the base. The result is 0 within rounding if the file was located with this scene, or
-/// if it lacks the columns.
+/// Largest difference, mm, between a file of `locate` and the positions that the given scene yields for the same markers. It compares two
+/// kinds of positions: undeformed ones, and those to which the camera maps each pixel (plane of the markers, frame of the base). The result is 0 within
+/// rounding if the file was located with this scene, or if the file lacks the columns.
 ///
 /// # Errors
 /// [`FileError`] with the line of a cell that is not a number.

@@ -43,8 +43,9 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_all_or_nothing(&[(path.to_owned(), bytes)])
 }
 
-/// Writes several files: each first under a temporary name in its folder; all are then renamed. A new file has the mode that the umask leaves. An
-/// existing file keeps its mode, and a symbolic link is followed. If standard output is among the paths, the files are written one after the other.
+/// Writes several files. Each file is first written under a temporary name in its folder; then all files are renamed. A new file has the mode that
+/// the umask leaves. An existing file keeps its mode, and a symbolic link is followed. If standard output is among the paths, the files are written
+/// one after the other.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] for the first file that cannot be written, for instance a read-only one; no file is left half-written.

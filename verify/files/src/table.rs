@@ -86,7 +86,7 @@ impl<const N: usize> Table<N> {
         })
     }
 
-    /// The vector whose components are in two columns; `None` if both cells are empty, as for a hidden marker.
+    /// The vector with its components in two columns; `None` if both cells are empty, as for a hidden marker.
     ///
     /// # Errors
     /// [`FileError`] with the line if a cell is not a finite number, or if only one of the two is empty.

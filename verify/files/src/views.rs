@@ -14,15 +14,15 @@ pub struct LocatedViews {
     pub views: Vec<LocatedView>,
     /// Images that `locate` refused.
     pub refused: Vec<RefusedImage>,
-    /// Largest difference, mm, between the file and the positions that this scene yields for the same markers. It is 0 within rounding if the markers
-    /// were located with this scene.
+    /// Largest difference, mm, between the positions in the file and the positions that this scene yields for the same markers. The difference is 0 within
+    /// rounding if the markers were located with this scene.
     pub misplaced_mm: f64,
 }
 
 /// A measured contact force in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredForce {
-    /// Name of the image among the located ones.
+    /// Name of the image, one of the located images.
     pub image: String,
     /// Force on the finger in the frame of the camera's pose, N.
     pub force: Vector,

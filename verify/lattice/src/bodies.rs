@@ -61,7 +61,7 @@ pub struct Assembly {
     pub springs: Vec<Spring>,
     /// Body and arm of each key node, in the order of the nodes.
     pub key_nodes: Vec<Anchor>,
-    /// Pieces of the front plate from base to tip, each with the position of its end along the plate, mm.
+    /// Pieces of the front plate from base to tip. Each piece has the position along the plate, mm, at which the piece ends.
     front: Vec<(f64, FrontSpan)>,
     /// Properties of the segments' axial springs.
     axial: AxialSprings,
@@ -264,7 +264,7 @@ impl Assembly {
     }
 }
 
-/// A finger with more segments is rejected; the limit is far above any useful number.
+/// A lattice with more segments than this is rejected; the limit is far above any useful number.
 const MOST_SEGMENTS: f64 = 20_000.0;
 /// Axial rigidity of an undeformable hinged rib, relative to that of the stiffer plate. Plates are much softer in bending, so the strain of the rib is
 /// negligible. A much stiffer rib would settle more slowly.

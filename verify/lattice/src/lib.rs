@@ -75,13 +75,13 @@ pub enum LatticeError {
         "the finger does not hold the object against the force{}", touched_n.map_or(String::new(), |n| format!(": they last touched at {n:.3} N"))
     )]
     LetGo {
-        /// Force at which the object last touched the finger, N; `None` if the object never touched it.
+        /// Pull at which the finger lost the object, N (in rapier: the last pull with contact). `None` if the object never touched the finger.
         touched_n: Option<f64>,
     },
     /// No equilibrium is found with the object at its prescribed position.
     #[error("no stable equilibrium of finger and object is found{}", if *is_folded { ": the finger folds" } else { "" })]
     NoContactEquilibrium {
-        /// Whether a finger folds: one of its bodies has rotated too far.
+        /// Whether the finger folds: a rigid body of the lattice has rotated by more than 1 rad.
         is_folded: bool,
     },
     /// Newton's method found no stable equilibrium on the way to the full load.
@@ -102,7 +102,7 @@ pub struct Lattice {
 /// State of a finger after it has come to rest in the physics engine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settled {
-    /// Displacements and rotations of the key nodes.
+    /// Displacements and rotations of the key nodes (ends of plates and ribs), finger frame, mm and rad.
     pub shape: FingerShape,
     /// Number of time steps taken.
     pub steps: usize,

@@ -32,9 +32,9 @@ pub const SWEEPS: usize = 32;
 pub const AT_REST: f64 = 2e-5;
 /// Duration of the slowest motion, in units of the time to the first peak of the kinetic energy. The peak comes a quarter of a period after the start.
 const PATIENCE: usize = 2;
-/// Smallest number of steps between two position checks.
+/// Position checks are at least this number of steps apart.
 const SHORTEST_WATCH: usize = 20;
-/// Smallest displacement scale for the test of rest, relative to the finger's size. Rounding of rapier's positions dominates smaller displacements.
+/// The displacement scale in the test of rest is at least this share of the finger's size. Rounding of rapier's positions dominates smaller displacements.
 const RESOLUTION: f64 = 1e-9;
 /// Settling fails after this number of steps. With two segments per member the paper's finger needs 3000 steps, a spring-steel finger 22000. Shorter
 /// segments need proportionally more.
@@ -76,7 +76,7 @@ impl Precision {
     }
 }
 
-/// Result of settling: how many steps the bodies took to come to rest.
+/// Result of settling: number of steps until rest, and the last movement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rest {
     /// Number of steps between two position checks.
@@ -275,7 +275,7 @@ impl<'a> Dynamics<'a> {
         self.handles.iter().zip(&self.assembly.bodies).map(motion).collect()
     }
 
-    /// Advances one step, then stops all bodies if the kinetic energy has passed its peak. Returns whether it has.
+    /// Advances one step, then stops all bodies if the kinetic energy has passed its peak. Returns whether the energy has passed its peak.
     pub(crate) fn damped_step(&mut self, loads: &[BodyLoad]) -> bool {
         self.step(loads);
         let energy = self.kinetic_energy();
@@ -299,7 +299,7 @@ impl<'a> Dynamics<'a> {
         self.watch(loads, (PATIENCE * steps).max(SHORTEST_WATCH), steps, most_steps)
     }
 
-    /// Simulates from step `steps` on, until no body has moved during `watch` steps.
+    /// Simulates from step `steps` on, until no body moves by more than [`AT_REST`] of the largest displacement during `watch` steps.
     ///
     /// # Errors
     /// [`LatticeError::NotSettled`] with the last residual if bodies still move after `most_steps`.

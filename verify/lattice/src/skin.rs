@@ -54,7 +54,7 @@ pub struct Touch {
 #[derive(Clone, Copy)]
 pub(crate) enum Skin {
     Rod(NodeId),
-    /// A piece of plate; fields give its start along the plate (mm), and the same point relative to the body's centre (mm).
+    /// A piece of plate. The fields give the start of the piece: along the plate, mm, and relative to the body's centre, mm.
     Plate {
         from_mm: f64,
         from_arm: Vector,
@@ -121,8 +121,8 @@ pub(crate) fn add_skin(
 }
 
 impl Lattice {
-    /// Equilibrium under the forces of given contacts as fixed loads, by Newton's method. Contact, engine and object are not involved. Correct contact forces
-    /// yield the shape in which the contacts were found.
+    /// Equilibrium under the forces of given contacts as fixed loads, by Newton's method, without contact search and without physics engine. Correct
+    /// contact forces yield the shape in which the contacts were found.
     ///
     /// # Errors
     /// [`LatticeError::NoEquilibrium`] if no stable equilibrium is found.

@@ -30,8 +30,8 @@ pub enum Deformation {
         /// Vector from the first point to the second, undeformed, mm.
         rest: Vector,
     },
-    /// Displacement of the second point relative to the first, mm, normal to a direction that rotates with the first body. Undeformed, the two points
-    /// coincide.
+    /// Displacement of the second point relative to the first point, mm. It is measured normal to a direction that rotates with the first body.
+    /// Undeformed, the two points coincide.
     Across {
         /// Unit vector of the direction, undeformed.
         direction: Vector,
@@ -94,7 +94,8 @@ impl Default for AxialSprings {
 }
 
 impl Segment {
-    /// The springs of the segment; their number depends on which ends are pinned.
+    /// Springs that replace the segment: one axial spring and the bending springs. Bending springs are three without pinned ends, one with one pinned end, and
+    /// none with two pinned ends.
     ///
     /// Between two unpinned ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative
     /// rotation of the ends, and `across` the gap at the middle if both halves stayed straight. For symmetry, half of the gap's energy is measured in

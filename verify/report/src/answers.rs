@@ -10,7 +10,7 @@ use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGM
 use finray_studies::settings::{CAMERA_FRAME_S, TWO_FORCES_N};
 use minijinja::value::Serde;
 
-/// A region of the finger is named as weak if its share of trusted cells is below this.
+/// A region of the finger is named as weak if its share of trusted cells (positions and directions) is below this.
 const MOSTLY: f64 = 0.9;
 
 /// The five answers; an answer is left out if the scene has no numbers for it.
@@ -108,7 +108,7 @@ fn use_what(study: &Study) -> Result<Option<String>, ReportError> {
             context! { forces_n => study.checked_forces().scaled(TWO_FORCES_N), sigmas => LARGEST_BIAS_SIGMAS };
         return say("answers.no_setting", (!ways(&study.speed_error).is_empty()).then_some(numbers));
     };
-    // Time without a previous answer to start from, if it was measured separately.
+    // The time of a first answer, without a previous answer to start from, counts if it was measured separately.
     let slowest = way.cold.unwrap_or(way.one);
     let numbers = context! {
         estimator => way.one.estimator.map_or(way.one.model.as_str(), |estimator| estimator.label()),
@@ -131,7 +131,7 @@ fn linear(study: &Study) -> Option<f64> {
     TrustCounts::of(&map.worst()).share()
 }
 
-/// Coverage of the stated intervals, on the uniform finger and on the finger with softer ends.
+/// Coverage of the stated 95 % intervals, on the uniform finger and on the finger with softer ends.
 fn how_sure(study: &Study) -> Option<Value> {
     let of = |truth| {
         let row = study.coverage.iter().find(|row| row.truth == truth && row.estimator == EstimatorId::Nonlinear)?;

@@ -72,7 +72,7 @@ fn setting(row: &CameraRow) -> String {
 /// Reads a numeric column of the table from a row.
 type CameraQuantity = fn(&CameraRow) -> Option<f64>;
 
-/// Label of a row of the drawing. Conditions that differ only in the reference of their displacements share a row.
+/// Label of a row of the drawing. Camera conditions share a row if they differ only in the undeformed positions to which displacements refer.
 fn line(row: &CameraRow) -> String {
     if row.item == AS_IT_IS { row.item.to_owned() } else { format!("{}: {}", row.item, row.setting) }
 }

@@ -15,9 +15,9 @@ use finray_studies::experiments::causes::{
 const CSV: &str = "causes.csv";
 /// Number of maps of the largest cause: one of least squares with known contact, one with assumed contact.
 const DRAWN: usize = 2;
-/// The true finger that equals the scene's.
+/// The simulated true finger that equals the scene's finger.
 const OWN: TruthId = TruthId::Corotational;
-/// The true finger that was fitted to the paper's Table I.
+/// The simulated true finger that was fitted to the paper's Table I.
 const FITTED: TruthId = TruthId::Twin;
 
 /// Text that names the regions in which the nonlinear estimator fails for forces along the normal, with the largest cause in each.
@@ -86,13 +86,13 @@ fn find(study: &Study, truth: TruthId, practice: Practice, contact: ContactKnowl
     study.causes.iter().find(is)
 }
 
-/// All maps; those of the scene's finger come first.
+/// All maps of causes; the maps of the scene's finger come first.
 fn own_first(study: &Study) -> impl Iterator<Item = &CauseMap> {
     let (own, others): (Vec<_>, Vec<_>) = study.causes.iter().partition(|map| map.truth == OWN);
     own.into_iter().chain(others)
 }
 
-/// The maps that have every position and direction; those of the scene's finger come first.
+/// Maps of causes that have every position and direction; the maps of the scene's finger come first.
 fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
     own_first(study).filter(|map| map.request.angles_deg.len() > 1)
 }

@@ -63,7 +63,7 @@ const LAST_BIT: f64 = f64::EPSILON;
 /// Row of the figure for the residuals of the fit to the paper's Table I.
 const FITTED: &str = "the paper's Table I";
 
-/// Figure of the relative disagreement with each independent reference, one point per check. Residuals of the fit have a separate row.
+/// Figure of the relative disagreement with each independent reference, one point per check. Residuals of the fit to Table I have a separate row.
 fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     let mut found: Vec<(Kind, &str, f64)> =
         study.all_checks().filter_map(|check| Some((check.kind, &*check.source, check.disagreement?))).collect();

@@ -17,7 +17,7 @@ const CSV: &str = "contact_scenes.csv";
 /// Length of the arrow of the largest force, as a share of the front plate's length.
 const LONGEST_ARROW: f64 = 0.2;
 
-/// A row of a scene; with the noise samples of its step and the index of its force in them, if the force was sensed.
+/// A force of a scene. If the force was sensed: also the noise samples of its step, and the index of the force in these samples.
 type StepRow<'s> = (&'s SceneStudy, &'s ForceRow, Option<(&'s NoiseSamples, usize)>);
 
 fn rows(scene: &SceneStudy) -> impl Iterator<Item = StepRow<'_>> {
@@ -148,7 +148,7 @@ fn drawing(press: &DrawnPress) -> Result<String, FigureError> {
     Chart::to_scale(Frame::half(press.name, alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
-/// Forces of one contact over the steps in which it exists: points of travel (mm) and force (N).
+/// Forces of one contact over the steps in which the contact exists: points of travel (mm) and force (N).
 #[derive(Default)]
 struct Course {
     truth: Vec<[f64; 2]>,

@@ -27,7 +27,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("convergence", "How fine a mesh must be", blocks)))
 }
 
-/// Error over number of mesh nodes, one series per force.
+/// Series of the shape's error over the number of mesh nodes, one series per force.
 fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
     let series = |(n, force_n): (usize, f64)| {
         let points = convergence.meshes.iter().enumerate().filter_map(|(mesh, size)| {

@@ -28,7 +28,7 @@ fn rows(study: &Study) -> impl Iterator<Item = Row<'_>> {
         best.or_else(|| of.min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))).map(|way| way.one.seconds)
     };
     EstimatorId::ALL.iter().map(move |&estimator| {
-        // The overview shows the same cells, so both state the same shares.
+        // The overview of maps has the same coarse grid of cells, so overview and table state the same shares.
         let map = small(study, TruthId::Corotational, estimator, study.noise_mm > 0.0);
         let of = |row: &&CoverageRow| row.truth == TruthId::Corotational && row.estimator == estimator;
         Row {
@@ -80,7 +80,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ))
 }
 
-/// Times of the fastest and the slowest estimator, s; `None` if the slowest takes a tenth of a camera frame or more.
+/// Times of the fastest and the slowest estimator per force, s; `None` if the slowest takes a tenth of a camera frame or more.
 fn says(study: &Study) -> Option<Value> {
     let times: Vec<f64> = rows(study).filter_map(|row| row.seconds).collect();
     let [fastest, slowest] = [f64::min, f64::max].map(|of| times.iter().copied().reduce(of));

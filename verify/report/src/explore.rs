@@ -97,7 +97,7 @@ fn of_causes(map: &CauseMap, force_n: f64, off: &str) -> Value {
     })
 }
 
-/// Mean errors of the single forces and of their sum at two contacts, for both estimators.
+/// For a pair of contacts and each of two estimators: mean error over both single forces, and mean error of the sum of the forces.
 fn of_pair((nonlinear, linear): (&ScatterRow, &ScatterRow)) -> Value {
     let errors = |row: &ScatterRow| json!([row.mean_error().map(number), row.sum.map(|sum| number(sum.mean_error))]);
     let of = |row: &ScatterRow| (row.estimator.label().to_owned(), errors(row));

@@ -1,4 +1,4 @@
-//! The finger as rigid bodies and springs: its difference from beams, the choice of its springs, and sensing on it.
+//! The finger as a lattice of rigid bodies and springs: difference from beams, choice of the springs, and sensing on the lattice.
 
 pub mod words;
 
@@ -15,7 +15,7 @@ use finray_studies::problems::lattice::FINENESS;
 const CSV: &str = "lattice.csv";
 const AXIAL_CSV: &str = "lattice_axial_springs.csv";
 const SETTLING_CSV: &str = "lattice_settling.csv";
-/// Factor by which the figure's axis extends beyond the first and the last point.
+/// The figure's axis extends beyond the first and the last point by this factor.
 const BESIDE: f64 = 1.08;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {

@@ -10,7 +10,7 @@ use finray_studies::statistics::{mean, rms};
 
 const CSV: &str = "measured_forces.csv";
 const COVERAGE_CSV: &str = "measured_coverage.csv";
-/// Number of cases that are listed image by image: with the measured direction, and with the friction of the scene.
+/// Number of kinds of contact knowledge that are listed image by image: the measured direction, and the friction of the scene.
 const OF_SCENE: usize = 2;
 const RESIDUALS_CSV: &str = "measured_residuals.csv";
 /// Length of the longest drawn residual, mm on the page; all residuals have the same magnification.
@@ -69,7 +69,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("measured", "Measured images", blocks).saying(says)))
 }
 
-/// Images sensed with the same knowledge of the contact, of one object or of all objects.
+/// Images of one object, or of all objects, sensed with the same knowledge of the contact (for instance its direction or friction).
 struct Coverage<'s> {
     known: &'static str,
     object: Option<&'s str>,
@@ -87,7 +87,7 @@ impl Coverage<'_> {
     }
 }
 
-/// Coverage for each knowledge of the contact: over all images, then for each object if the file names objects.
+/// Coverage of the intervals for each kind of contact knowledge: over all images, then for each object if the file names objects.
 fn coverages(measured: &MeasuredStudy) -> Vec<Coverage<'_>> {
     let mut objects: Vec<&str> = Vec::new();
     for force in measured.forces.iter().filter(|force| !force.object.is_empty()) {
@@ -148,7 +148,7 @@ pub(super) fn in_words(measured: &MeasuredStudy) -> Option<Value> {
 fn forces(measured: &MeasuredStudy) -> Result<Option<String>, FigureError> {
     let mut series = Vec::new();
     let mut largest = 0.0_f64;
-    // Only the knowledge that a scene can provide is drawn; the table lists the rest.
+    // Only kinds of contact knowledge that a scene can provide are drawn; the table lists all kinds.
     for (n, (known, forces)) in measured.by_knowledge().take(3).enumerate() {
         let answered = || forces.iter().filter_map(|force| Some((force.measured_n, force.sensed_n?, force.sigma_n?)));
         let points: Vec<Point> = answered().map(|(measured_n, sensed_n, _)| [measured_n, sensed_n]).collect();

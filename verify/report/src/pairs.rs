@@ -1,4 +1,4 @@
-//! Two contacts at once: pairs of nodes at which both forces can be trusted, and the reason why neighbours are difficult.
+//! Two contacts at once: pairs of nodes at which both forces can be trusted, and the reason why neighbouring nodes are difficult.
 
 use super::drawings::percent_classes;
 use super::format::{list, nodes_in_words, range_of};
@@ -33,7 +33,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     vec![Dataset::new(CSV, &columns, rows)]
 }
 
-/// Root mean square error divided by the Cramer-Rao bound, for the force of the two with the larger ratio.
+/// Ratio of root mean square error to Cramer-Rao bound, dimensionless: the larger ratio of the two forces of a pair.
 fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
     row.forces.iter().filter_map(|force: &Scatter| Some(force.bound?.over_bound)).reduce(f64::max)
 }

@@ -93,7 +93,7 @@ fn name(point: &SpeedErrorPoint) -> String {
     }
 }
 
-/// Coordinates of a point in the chart: time, microseconds, and error; errors of forces in percent.
+/// Coordinates of a point in the chart: time, microseconds, and error. Errors of forces are in percent.
 fn place(point: &SpeedErrorPoint) -> [f64; 2] {
     [1e6 * point.seconds, if point.task == Task::Solve { 1.0 } else { 100.0 } * point.error]
 }
@@ -110,7 +110,7 @@ pub fn drawing(
     let mut series: Vec<Series> = Vec::new();
     for group in drawn.chunk_by(|a, b| name(a) == name(b)) {
         let one = Series::nth(series.len(), name(group[0]), group.iter().map(|point| place(point)).collect());
-        // A point that another one beats in time and error has a label only if it failed; the table names all points.
+        // A point that another point beats in both time and error has a label only if it failed. The table names all points.
         let labels = group.iter().map(|point| match point.failed {
             0 if point.on_front => point.mesh().to_owned(),
             0 => String::new(),

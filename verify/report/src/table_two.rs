@@ -38,7 +38,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("table-two", "The paper's Table II", blocks).saying(says)))
 }
 
-/// Bar chart of the paper's five figures and of those on the co-rotational finger.
+/// Bar chart of the five errors in the paper's Table II, and of the same errors on the co-rotational finger.
 fn drawing(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Result<String, FigureError> {
     let truth = TruthId::Corotational;
     let bars = |label: String, hue, of: &dyn Fn(&ContactGroup, &'static str) -> Option<f64>| {
@@ -127,7 +127,8 @@ fn by_group<T>(of: impl Fn(&ContactGroup, &'static str) -> T) -> Vec<T> {
 /// A row of the page's table: its name, its errors by group and quantity, and the share of refused cases.
 type Line = (String, Vec<Cell>, String);
 
-/// Table with noise: the paper, its recorded network, the estimators and the bound; then least squares on the linear finger. The file has all other rows.
+/// Table with noise: the paper, its recorded network, the estimators and the Cramer-Rao bound; then least squares on the linear finger. The CSV file has
+/// all other rows.
 fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     let truth = TruthId::Corotational;
     let mut lines: Vec<Line> = vec![(

@@ -18,15 +18,15 @@ const REACH: f64 = 0.1;
 /// Half the width of the coloured plate in the drawing, as a share of the plate length.
 const HALF_WIDTH: f64 = 0.012;
 
-/// A case in which the recommended estimator is evaluated: known or assumed contact and finger.
+/// A case in which the recommended estimator is evaluated: contact and finger are known exactly, or assumed with errors.
 pub(super) struct Situation<'s> {
     /// Short name for files and headings.
     pub name: &'static str,
     /// Text that states which quantities are known and which are not.
     pub about: String,
-    /// The same as part of a sentence.
+    /// Text of `about` as part of a sentence.
     pub in_words: String,
-    /// Whether the contact is known exactly or assumed with an error.
+    /// Whether the contact is known exactly, or assumed with an error of position and direction.
     pub contact: ContactKnowledge,
     /// Name of the CSV file with the cells.
     csv: &'static str,

@@ -30,7 +30,7 @@ fn at_nodes(study: &TwinStudy) -> impl Iterator<Item = NodeComparison<'_>> {
     })
 }
 
-/// Errors by node: the paper's; the uniform finger's and the twin's under the weights of Table I; then the twin's with noise.
+/// Errors by node: the paper's errors; errors of the uniform finger and of the twin under the weights of Table I; errors of the twin with noise.
 fn by_node<'s>(study: Option<&'s TwinStudy>) -> Dataset<'s> {
     let columns = Columns::<NodeComparison>::new()
         .file("node", |at| at.sensing.node)

@@ -14,8 +14,8 @@ const AT_POSITIONS: &str = "contact-at";
 pub struct Contacts(Vec<AskedContact>);
 
 impl Contacts {
-    /// Combines the contacts with the scene's friction and object. `friction` is the friction coefficient of contacts with standard deviations,
-    /// whose forces lie in its cone. `measured_deg` is the direction of the image's measured force, degrees.
+    /// Combines the contacts with the scene's friction and object. `friction` is the coefficient of friction of contacts with standard deviations; their
+    /// forces lie in this friction cone. `measured_deg` is the direction of the image's measured force, degrees.
     ///
     /// # Errors
     /// [`Failure::BadInput`] if the scene lacks the friction or object that a direction needs, or if only some contacts have standard deviations.

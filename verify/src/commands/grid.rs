@@ -101,7 +101,7 @@ fn grid(
     scene: &Scene,
     truths: &[Box<dyn Truth + '_>],
 ) -> Result<Grid, Failure> {
-    // A true finger from exported data has fixed contact positions; they then apply to the whole grid.
+    // A true finger from exported data has fixed contact positions; the whole grid then uses these positions.
     let given = truths.iter().map(|truth| truth.positions(&arguments.force_n)).collect::<Result<Vec<_>, _>>()?;
     let (positions_mm, angles_deg) = given
         .into_iter()

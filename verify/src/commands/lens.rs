@@ -39,8 +39,8 @@ pub struct Arguments {
 /// A warning is printed if the relative standard deviation of the focal length exceeds this share. Distances from the camera, and heights above the
 /// grid's plane, then have about the same relative error.
 const LARGEST_FOCAL_SHARE: f64 = 0.05;
-/// The plane counts as moved if an image's normal differs from the mean by more than the first value, degrees. It also counts as moved if the distance
-/// from the camera differs by more than the second, relative.
+/// The plane counts as moved if its normal in one image differs from the mean normal by more than this, degrees. It also counts as moved if its distance
+/// from the camera differs from the mean by more than the relative limit that follows.
 const SAME_NORMAL_DEG: f64 = 0.5;
 const SAME_DISTANCE: f64 = 0.005;
 

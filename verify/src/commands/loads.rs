@@ -7,8 +7,8 @@ use finray_model::mesh::FingerShape;
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh};
 
-/// Elements per member of successively finer meshes. `render` draws the first mesh on which no marker moves by more than `DRAWN_MM`, mm, from the
-/// mesh before. Errors fall with the square of the element length, so a third of that change remains: 0.001 px at 10 px per mm.
+/// Elements per member of successively finer meshes. `render` draws the first mesh whose markers all lie within `DRAWN_MM`, mm, of those on the previous
+/// mesh. Errors fall with the square of the element length, so a third of that change remains: 0.001 px at 10 px per mm.
 const DRAWN_ELEMENTS: [usize; 7] = [4, 8, 16, 32, 64, 128, 256];
 const DRAWN_MM: f64 = 3e-4;
 

@@ -92,7 +92,7 @@ struct SeenImage {
 
 type SeenImages = Vec<Result<SeenImage, Failure>>;
 
-/// Locates all images. If the markers have other radii than the scene's, it prints a message and searches again with the measured radii.
+/// Locates the markers in all images. If measured marker radii differ from the scene's, prints a message and searches again with the measured radii.
 fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Observer) -> SeenImages {
     let found = all_images(arguments, observer);
     let others = OtherRadius::of(scene, &radii(&found));
@@ -124,7 +124,7 @@ fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Obser
     found
 }
 
-/// Largest distance between the positions of one marker in two searches, in standard deviations, at which the positions count as equal.
+/// Two positions of one marker, from two searches, count as equal up to this distance, in standard deviations of the position.
 const ALIKE_SIGMAS: f64 = 3.0;
 
 /// Whether two searches found the same markers at the same positions in all images.
@@ -147,7 +147,7 @@ fn radii(images: &SeenImages) -> Vec<&SeenRadii> {
     images.iter().flatten().map(|seen| &seen.radii).collect()
 }
 
-/// Locates each image independently, in parallel. If markers are tracked, each image starts from the one before, in order.
+/// Locates the markers of each image independently, in parallel. If markers are tracked, the search in each image starts from the previous image.
 fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
     if observer.is_tracking() {
         return arguments.image.iter().map(|path| observed(&mut observer, path)).collect();

@@ -31,7 +31,7 @@ pub fn warn_of_forces(sensor: &Sensor, sensed: &SensedForces) {
     }
 }
 
-/// The step of a pressed finger with the largest strain relative to its limit, computed with beams under the true contact forces.
+/// The step of a press at which a strain of the finger is largest relative to the limit of its material. Strains are those of beams under the true forces.
 #[derive(Default)]
 pub struct Pressing {
     steps: usize,

@@ -1,4 +1,4 @@
-//! Linear equations of the fingers and of their border: the unknowns that all fingers share, which are the object's pose.
+//! Linear equations in bordered form: one block of unknowns per finger, and a border with the unknowns that all fingers share (the object's pose).
 
 use super::elimination::Order;
 use nalgebra::{DMatrix, DVectorViewMut, Matrix3};

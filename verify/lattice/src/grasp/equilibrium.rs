@@ -16,24 +16,25 @@ use std::collections::BTreeMap;
 
 /// A solve is abandoned after this number of Newton steps; 99 % of the solves that converge take fewer.
 const MOST_STEPS: usize = 30;
-/// A solve is abandoned if anything moves by more than this factor times the allowed distance; 99 % of the solves that converge never do.
+/// A solve is abandoned if the object or a body moves by more than this factor times the allowed distance; 99 % of the solves that converge never do.
 const ASTRAY: f64 = 2.5;
 /// From this Newton step on, friction uses the normal force of the previous step. This mostly ends alternation between sticking and slipping.
 const LAGGING: usize = 15;
-/// The iteration counts as cycling if all statuses equal those of an earlier step, and the step lengths differ by at most this share...
+/// The iteration counts as cycling if all contact statuses equal those of an earlier step (from step `LAGGING` on), and the lengths of the two steps
+/// differ by at most this share.
 const ROUND: f64 = 1e-3;
-/// ...unless the step is shorter than this share of the object's size, because small steps may still converge.
+/// A step shorter than this share of the object's size never counts as cycling, because the iteration may still converge.
 const ROUND_MM: f64 = 1e-6;
-/// Largest Newton step of a body or the object: translation as a share of the object's size, and rotation in rad.
+/// A longer Newton step is scaled down to these limits for every body and the object: translation as a share of the object's size, and rotation, rad.
 const LONGEST: [f64; 2] = [0.3, 0.2];
-/// The iteration has converged if a step moves nothing by more than this share of the object's size.
+/// The iteration converges only when a Newton step moves every body and the object by at most this share of the object's size.
 const CONVERGED: f64 = 1e-11;
-/// An overlap above this share of the object's size means that a pair was overlooked.
+/// A solution with an overlap above this share of the object's size is rejected, because a contact pair was overlooked.
 const OVERLAP: f64 = 1e-6;
 
 impl Scene<'_> {
     /// Equilibrium with the fingers at `placements`; slips count from the state `before`. `None` if Newton's method does not converge, or if
-    /// anything moves by more than `farthest_mm`, mm.
+    /// the object or a body moves by more than `farthest_mm`, mm.
     pub(super) fn equilibrium(
         &self,
         before: &State,
@@ -93,7 +94,7 @@ impl Scene<'_> {
         !pulls && !self.near_pairs(state, before, around).iter().any(overlaps)
     }
 
-    /// Largest share of a correction that keeps within the largest step, and the correction's largest displacement, mm (rotations times the object's size).
+    /// Largest share of a correction that respects `LONGEST`, and the correction's largest displacement, mm (rotations times the object's size).
     fn share(&self, correction: &[f64]) -> (f64, f64) {
         let object = self.first(self.fingers.len());
         let (mut moved_mm, mut turned_rad) = (0.0_f64, 0.0_f64);

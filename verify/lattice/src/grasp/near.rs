@@ -1,5 +1,5 @@
-//! Contact pairs within a search distance, each a part of a finger and a feature of the object. Their status in a Newton step is open, sticking or
-//! slipping.
+//! Contact pairs within a search distance. Each pair is a feature of the object and a part of a finger, or the support. In a Newton step, each pair is
+//! open, sticking or slipping.
 
 use super::contact::{Pair, PairPose, Tangent, Touching};
 use super::scene::{Key, Scene, State, Surroundings};
@@ -10,7 +10,7 @@ use finray_model::Vector;
 use finray_model::gripper::Placement;
 use std::collections::BTreeMap;
 
-/// Pieces of the plate count as neighbours if their distance along the plate is at most this number of piece lengths.
+/// Two pieces of the plate count as neighbours up to this distance along the plate, in piece lengths.
 const NEXT: f64 = 1.5;
 
 /// Search distance: a pair takes part in a Newton step if its gap is below this share of the object's size.
@@ -159,7 +159,7 @@ impl Scene<'_> {
     }
 
     /// Contact statuses of all pairs after a Newton step that assumed the statuses `before`. If the object is lifted off its support, only the fingers hold
-    /// it; the pairs of the fingers are then set to sticking.
+    /// the object; all closed pairs are then set to sticking.
     pub(super) fn statuses(
         &self,
         pairs: &[ContactPair],
@@ -222,7 +222,7 @@ impl Scene<'_> {
     }
 }
 
-/// The part in contact. On a flat piece, this is the position along the plate of the contact, which `arm` gives relative to the body's centre.
+/// The touched part of the finger. On a flat piece, its position along the plate follows from `arm`, the vector from the body's centre to the contact, mm.
 pub(super) fn touched(part: &Part, arm: Vector) -> TouchedPart {
     match (part.touched, part.to) {
         (TouchedPart::Plate(from_mm), Some(to)) => {

@@ -82,11 +82,12 @@ pub(super) struct Surroundings {
     pub weight: Vector,
     /// A point of the support (mm) and its upward unit normal, world frame.
     pub support: Option<(Vector, Vector)>,
-    /// Displacement of the gripper in this step, mm. The Newton iteration starts with the object displaced by it, and resistance counts from there.
+    /// Displacement of the gripper in this step, mm. The Newton iteration starts with the object displaced by this vector; numerical resistance acts
+    /// against further displacement.
     pub carried: Vector,
     /// Numerical resistance to the object's translation since the start of the step, N/mm. For rotation it is multiplied by the squared size, N mm per rad.
     pub drag: f64,
-    /// Numerical resistance to the motion of each body in its finger's frame, N/mm. It makes steps over a snap solvable, where no equilibrium path exists.
+    /// Numerical resistance to the motion of each body in its finger's frame, N/mm. With it, a step over a snap is solvable although no equilibrium path exists.
     pub finger_drag: f64,
 }
 
@@ -99,7 +100,7 @@ impl Surroundings {
 }
 
 impl Scene<'_> {
-    /// Largest displacement between two states, mm: of the object (rotations times its size), and of the bodies in their fingers' frames.
+    /// Largest displacement between two states, mm, of the object or of any body in its finger's frame. Rotations of the object count times its size.
     pub(super) fn way_mm(&self, from: &State, to: &State) -> f64 {
         let [x, y, angle] = [0, 1, 2].map(|i| to.object[i] - from.object[i]);
         let bodies = from.motions.iter().flatten().zip(to.motions.iter().flatten());

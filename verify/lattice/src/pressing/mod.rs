@@ -1,12 +1,12 @@
 //! An object pressed onto the lattice: a sequence of quasi-static equilibria with Coulomb friction.
 //!
-//! The object is rigid and does not rotate. It touches the front plate and its rods only; the finger does not touch itself.
-//! A hand moves the object to a prescribed position, or pulls it with a force along a line. If the clamped end of the plate blocks an object that is
-//! moved, the object stops there.
+//! The object is rigid and does not rotate. It touches only the front plate and the plate's rods; contact of the finger with itself is not modelled.
+//! A "hand" (the imposed motion or force) moves the object to a prescribed position, or pulls the object along a line. An object that is moved into the
+//! clamped end of the plate stops there.
 //! Every step is an equilibrium of one finger and a held object, found by the Newton method of [`grasp`](crate::grasp). The hand moves in short
 //! increments, because friction depends on the whole path.
 //!
-//! [`settled`] presses the same object in rapier, which verifies these equilibria.
+//! [`settled`] presses the same object in the physics engine rapier, to verify these equilibria.
 
 pub mod settled;
 
@@ -20,17 +20,17 @@ use finray_model::finger::Plate;
 use finray_model::gripper::Placement;
 use finray_model::mesh::FingerShape;
 
-/// Position of the hand, or its pull on the object.
+/// Position of the hand, or the force with which the hand pulls the object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Push {
     /// The hand holds the object's reference point at this position, finger frame, mm.
     To(Vector),
-    /// The hand pulls the object with this force, N, and keeps it on its line.
+    /// The hand pulls the object along the pressing line with this force, N, and keeps the object on that line.
     With(f64),
 }
 
 impl Push {
-    /// The position or pull at a share, 0 to 1, of the way to another.
+    /// Interpolates between `self` and `to`, at `share` from 0 (`self`) to 1 (`to`).
     fn towards(self, to: Push, share: f64) -> Push {
         match (self, to) {
             (Push::To(from), Push::To(to)) => Push::To(from + (to - from) * share),
@@ -44,9 +44,9 @@ impl Push {
 /// Finger and object in equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pressed {
-    /// Displacements and rotations of the key nodes.
+    /// Displacements and rotations of the key nodes (ends of plates and ribs), finger frame, mm and rad.
     pub shape: FingerShape,
-    /// Motions of the lattice's bodies.
+    /// Motions of the lattice's rigid bodies, finger frame, mm and rad.
     pub motions: Vec<BodyMotion>,
     /// Reference point of the object, finger frame, mm.
     pub object: Vector,
@@ -54,7 +54,7 @@ pub struct Pressed {
     pub touches: Vec<Touch>,
     /// Force of the hand on the object, N, finger frame.
     pub hand_force: Vector,
-    /// Force on the clamps, N, finger frame. It includes the springs, and the object if the object touches a clamped part.
+    /// Force on the clamps, N, finger frame: from the springs, and from the object if the object touches a clamped part.
     pub base_force: Vector,
     /// Moment on the clamps about the origin, N mm.
     pub base_moment_nmm: f64,
@@ -66,8 +66,8 @@ impl Pressed {
         self.touches.iter().map(|touch| touch.force).sum()
     }
 
-    /// Largest imbalance of the contact force, with the hand's force or with the clamps' force, as a share of the contact force. `None` if there is no
-    /// contact.
+    /// The contact force should equal both the hand's force and the clamps' force: the larger of the two differences, as a share of the contact force.
+    /// `None` if there is no contact.
     pub fn imbalance(&self) -> Option<f64> {
         let contact = self.contact_force();
         let off = |other: Vector| (contact - other).norm() / contact.norm();
@@ -80,11 +80,11 @@ impl Pressed {
     }
 }
 
-/// Largest displacement of the hand in one increment, as a share of the front plate's length.
+/// Without friction, the hand moves by at most this share of the front plate's length in one increment.
 const WAY: f64 = 1.0 / 75.0;
-/// The same with friction. The error from the friction history is proportional to the increment.
+/// With friction, the hand moves by at most this share of the front plate's length. The error of the friction history is proportional to the increment.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// Largest displacement of the hand in one increment, as a share of the radii in contact. Below it, no part of the finger passes the object undetected.
+/// The hand also moves by at most this share of the sum of the object's corner radius and half the plate's thickness. No contact is then overlooked.
 const WAY_OF_RADII: f64 = 0.5;
 /// Length scale of displacements for tolerances, as a share of the front plate's length.
 const SIZE: f64 = 1.0 / 8.0;
@@ -172,7 +172,7 @@ impl<'l> Pressing<'l> {
         })
     }
 
-    /// Number of increments, not rounded, from one position or pull of the hand to another.
+    /// Number of increments, not rounded, in which the hand changes from one position or pull to another.
     fn parts(&self, from: Push, to: Push) -> f64 {
         let by_force = |change_n: f64| change_n.abs() / (self.world.stiffness() * self.way_mm);
         match (from, to) {

@@ -1,7 +1,7 @@
 //! An object pressed onto the lattice in the physics engine rapier, to verify equilibria found by Newton's method.
 //!
-//! The object is a rigid body that does not rotate. It touches the [`skin`](crate::skin) of the front plate only; the finger does not touch itself.
-//! A hand moves the object to a prescribed position, or pulls it with a force; stiff springs then keep the object on its line.
+//! The object is a rigid body that does not rotate. It touches only the [`skin`](crate::skin) of the front plate; the finger does not touch itself.
+//! A "hand" moves the object to a prescribed position, or pulls the object with a force. A pulled object is kept on its line by a stiff spring.
 //!
 //! In every step the bodies come to rest as in [`settling`], starting from the previous step or from an equilibrium to be verified. Without friction,
 //! rapier and Newton's method reach the same equilibrium. With friction the rest state is not unique: within the friction cone it depends on the motion
@@ -49,7 +49,7 @@ pub struct EnginePressing<'l> {
     pace: (f64, f64),
     /// Last position or pull of the hand.
     last: Push,
-    /// Pull at which the object last touched the finger, N.
+    /// Last pull under which the object touched the finger, N; `None` before the first contact.
     touched_n: Option<f64>,
 }
 
@@ -63,7 +63,7 @@ const OVERLAP: f64 = 1e-5;
 const WAY: f64 = 1.0 / 75.0;
 /// The same displacement with friction. It is smaller, because the rest state then depends on every slip on the path.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// Settling fails after this number of steps for one position or pull. The paper's finger needs 2000 with two segments per member.
+/// Settling fails this number of steps after the hand has stopped. The paper's finger needs 2000 with two segments per member.
 const MOST_STEPS: usize = 50_000;
 /// Number of position checks between two tests of whether the object still touches the finger.
 const LOOKS: usize = 8;
@@ -332,12 +332,12 @@ impl<'l> EnginePressing<'l> {
     }
 }
 
-/// Index, in its manifold's points, of a contact of the engine's solver.
+/// Index of a solver contact within the points of its contact manifold.
 fn point_of(contact: &SolverContact) -> usize {
     (contact.contact_id[0] & 0x7fff_ffff) as usize
 }
 
-/// Number of steps of the finger's slowest motion, as measured by [`Dynamics::settle`], and the stiffness of the finger's middle, N/mm.
+/// Duration of the finger's slowest motion, in steps, as measured by [`Dynamics::settle`]; and the stiffness of the finger's middle, N/mm.
 fn slowest_motion(lattice: &Lattice) -> Result<(usize, f64), LatticeError> {
     let finger = lattice.finger();
     let middle = finger.contact_nodes().nth(finger.contact_nodes().len() / 2).unwrap_or(finger.tip());

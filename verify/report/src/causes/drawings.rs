@@ -7,7 +7,7 @@ use crate::prelude::*;
 use finray_figures::Paint;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
 
-/// Cells with a smaller error than this show no cause: root mean square of sensed / true - 1.
+/// Cells with a smaller root mean square of sensed / true - 1 than this show no cause, dimensionless.
 const SMALL_ERROR: f64 = 0.02;
 
 /// Colour class of the n-th cause in a map.
@@ -57,7 +57,7 @@ pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportE
     Ok(Figure::narrow(svg, "The cause without which the error is smallest.", CSV))
 }
 
-/// Small maps of the error as remedies are added one after the other, one row per true finger; `None` without such results.
+/// Small maps of the error as remedies (removals of a cause) are added one after the other, one row per true finger; `None` without such results.
 pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     let force_n = study.forces.drawn_n();
     let rows: Vec<_> =
@@ -80,7 +80,7 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     )))
 }
 
-/// Bars of the error at the nodes as remedies are added one after the other. Each bar shows a remaining error, so the bars do not add up.
+/// Bars of the error at the nodes as remedies (removals of a cause) are added one after the other. Each bar shows a remaining error, so the bars do not add up.
 pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     let force_n = study.forces.drawn_n();
     let Some(map) = study.causes.iter().find(|map| map.truth == OWN && is_drawn(map, force_n)) else { return Ok(None) };

@@ -71,7 +71,7 @@ pub(super) struct Shares {
 pub(super) struct CauseShare {
     /// Cause of sensing error that the other fields describe.
     pub cause: Cause,
-    /// Share of the mean square error that disappears without the cause. Cells that are not answered without it count as no reduction.
+    /// Share of the mean square error that disappears without the cause. Cells that the estimator does not answer without the cause count as no reduction.
     pub share: f64,
     /// Root mean square of sensed / true - 1 without the cause, over the cells answered then.
     pub rms_without: f64,
@@ -80,7 +80,7 @@ pub(super) struct CauseShare {
 }
 
 impl Shares {
-    /// `None` if no cell is answered, or if there is no error.
+    /// Shares of the causes in the region's error; `None` if no cell is answered, or if there is no error.
     pub(super) fn of(finger: &Finger, map: &CauseMap, force_n: f64, region: Region) -> Option<Shares> {
         let length_mm = finger.plate_length_mm(Plate::Front);
         let within = |cell: &&CauseCell| cell.force_n == force_n && region.covers(length_mm, cell.s_mm, cell.angle_deg);
@@ -109,7 +109,7 @@ impl Shares {
         self.by_cause.first().copied().filter(|of| of.share > 0.0)
     }
 
-    /// Text with the error without a cause. It adds the number of answered positions if that number is smaller without the cause.
+    /// Text with the error without a cause. The text adds the number of answered positions if fewer are answered without the cause.
     pub(super) fn without(&self, of: &CauseShare) -> String {
         let left = format!("{} without it", percent(of.rms_without));
         if of.cells < self.answered {

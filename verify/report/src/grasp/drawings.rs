@@ -21,7 +21,7 @@ pub(super) struct Drawing {
     pub(super) caption: String,
 }
 
-/// Drawings of selected steps, then of the forces over the steps and over the motor angle.
+/// Drawings of selected steps, then drawings of the forces over the steps and over the motor angle.
 ///
 /// # Errors
 /// [`FigureError`] if there is nothing to draw. The other functions of this file have the same error.
@@ -131,7 +131,7 @@ pub(super) fn object(scene: &GraspScene, step: &GraspStep) -> Vec<Series> {
     Series::lines("object", vec![outline], Hue::Green, 2.4)
 }
 
-/// Series of the support, if any, as wide as the positions in all given steps.
+/// Series of the support, if any. The drawn support spans the positions of all given steps.
 pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
     let Some((on_it, upward)) = scene.support() else { return Vec::new() };
     let along = Vector::new(upward.y, -upward.x);
@@ -147,7 +147,7 @@ pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
     lines.map(|line| Series { dash, ..line }).collect()
 }
 
-/// Arrows of the true and sensed force of every contact, which end at the contact. A force of `largest_n`, N, has the longest arrow.
+/// Arrows of the true and sensed force of every contact. Each arrow ends at its contact. A force of `largest_n`, N, has the longest arrow.
 pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Vec<Series> {
     let finger = scene.finger();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);

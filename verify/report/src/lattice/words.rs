@@ -4,7 +4,7 @@ use crate::prelude::*;
 use finray_studies::experiments::lattice::LatticeStudy;
 use finray_studies::lattice::accuracy::FinenessRow;
 
-/// The difference counts as converging to zero if its order in the segment length is above this.
+/// The difference from beams counts as converging to zero if its order of convergence in the segment length is above this.
 const COARSENESS_ORDER: f64 = 2.0;
 
 /// Sentence on the lattice's difference from beams, and on sensing on the lattice compared with the uniform finger.

@@ -6,7 +6,7 @@ use crate::prelude::*;
 use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded, recorded_sets};
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, TableTwo};
 
-/// Errors of one quantity: of one set of contacts, or the mean over the sets of a group.
+/// Errors of one quantity, for one set of contacts or as the mean over the sets of a group.
 struct Line {
     truth: TruthId,
     noise_mm: f64,

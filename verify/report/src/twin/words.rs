@@ -6,7 +6,7 @@ use finray_studies::experiments::twin::fit::TwinFit;
 use finray_studies::experiments::twin::moduli_mpa;
 use finray_studies::experiments::twin::study::{LOADED, TwinStudy};
 
-/// A set of zones reproduces Table I within the accuracy of its figures if its misfit is below this.
+/// A set of zones reproduces Table I within the accuracy of the table if the misfit of the set is below this.
 const FITS: f64 = 1.0;
 
 /// Sentence on the errors of the fitted finger, its number of parameters, and its moduli compared with the material's.

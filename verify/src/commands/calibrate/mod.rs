@@ -152,7 +152,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
 /// Largest plausible modulus factor; the smallest is its reciprocal. A factor outside this range suggests a wrong unit.
 const LARGEST_FACTOR: f64 = 10.0;
 
-/// Warns of a modulus factor so far from 1 that a wrong unit or node numbering is more likely than such a material.
+/// Warns of a modulus factor far from 1, for which a wrong unit or node numbering is more likely than such a material.
 fn warn_of_modulus(factor: f64) {
     if !(1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
         print_message(format_args!(

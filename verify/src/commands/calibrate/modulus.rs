@@ -5,8 +5,8 @@ use crate::commands::prelude::*;
 use finray_model::calibration::{self, CalibrationCase, CorotationalModulus};
 use finray_model::sensing::Warning;
 
-/// Mesh elements per member. With only four, the factor errs by 3e-4 for weights that bend the paper's finger by 15 mm. That is a fifth of the factor's
-/// standard deviation by noise.
+/// Mesh elements per member. With only four elements, the modulus factor errs by 3e-4 for weights that bend the paper's finger by 15 mm. That is a
+/// fifth of the factor's standard deviation by noise.
 const ELEMENTS: usize = 8;
 /// Largest number of outlying markers that warnings name.
 const MOST_NAMED: usize = 3;

@@ -3,7 +3,7 @@
 use crate::commands::prelude::*;
 use finray_model::calibration::{self, FoundView, FrictionEstimate, LeftOutObject, RigEstimate, ViewEstimate};
 
-/// A note is printed if the posterior standard deviation exceeds this share of the prior's: the images then add little.
+/// A note is printed if a parameter's posterior standard deviation exceeds this share of its prior standard deviation: the images then add little.
 const HARDLY_BETTER: f64 = 0.8;
 
 /// Prints the notes about priors, base and friction.

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 /// Work and energy since the start of a grasp, N mm.
 ///
-/// Each work is integrated from forces of contacts, bases and resistance by the trapezoidal rule over the increments of the bases. The elastic energy is
-/// that of the springs. No value is computed from the others, so an imbalance is the error of the rule or of the forces.
+/// Each work is the integral of its forces (contacts, bases or resistance), by the trapezoidal rule over the increments of the bases. The elastic energy
+/// is that of the springs. No value is computed from the others, so an imbalance shows an error of the integration or of the forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Account {
     /// Work done by the bases, and by the numerical medium that moves an object along with the gripper, N mm.
@@ -26,7 +26,7 @@ pub struct Account {
     pub resistance_nmm: f64,
     /// Largest decrease of driven work minus stored energy since the start, N mm: energy that errors have created.
     pub created_nmm: f64,
-    /// Sum of the absolute imbalances of all increments, N mm: an estimate of the error of the works.
+    /// Sum of the absolute imbalances of all increments, N mm: an estimate of the error of all work integrals.
     pub error_nmm: f64,
     #[serde(skip)]
     most_lost_nmm: f64,
@@ -56,7 +56,7 @@ impl Account {
     }
 }
 
-/// Forces at a state, except those of the contacts, and the elastic energy.
+/// Forces at one state, without the contact forces, and the elastic energy at this state.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Acting {
     elastic_nmm: f64,

@@ -11,7 +11,7 @@ use finray_model::gripper::Placement;
 /// Bodies count as overlapping only above this depth, mm; rounding causes less.
 const ROUNDING_MM: f64 = 1e-9;
 
-/// A deformed part of a front surface: all points within a radius of a line segment, world frame, mm.
+/// A deformed part of a finger's front surface: all points within a radius (mm) of a line segment, world frame.
 struct Round {
     ends: [Vector; 2],
     radius_mm: f64,

@@ -21,7 +21,7 @@ use finray_model::gripper::Placement;
 use finray_model::mesh::Load;
 use motion::{AT_REST, BOLDER, FIRST_DRAG};
 
-/// A finger counts as folded if one of its bodies rotates by more than this, rad. A finger that wraps an object rotates by half as much.
+/// A finger counts as folded if one of its bodies rotates by more than this, rad. The bodies of a finger that wraps an object rotate by half as much.
 const FOLDED_RAD: f64 = 1.0;
 
 /// Placements of the fingers, and weight of the object, at one instant.
@@ -109,7 +109,7 @@ impl<'l> World<'l> {
         }
     }
 
-    /// Makes the object one that a hand holds. `size_mm` then replaces the object's size as the length scale, because the displacements
+    /// Lets a hand hold the object against all motion. `size_mm` then replaces the object's size as the length scale, because the displacements
     /// of finger and object do not depend on the size of a held object.
     pub fn holding(mut self, size_mm: f64) -> World<'l> {
         self.scene.size_mm = size_mm;

@@ -13,7 +13,7 @@ const MISSING: f64 = 1e-4;
 /// Smallest numerical resistance to the object's motion, relative to the fingers' stiffness. It keeps a loose object in position. With a stiffness of
 /// 1 N/mm, a displacement of 1 mm then meets a force of a millionth of a newton.
 const DRAG: f64 = 1e-6;
-/// Smallest numerical resistance while the bases move.
+/// Numerical resistance to the object's motion while the bases move, relative to the fingers' stiffness. Only a snap raises this resistance.
 const MOVING_DRAG: f64 = 1e-3;
 /// Numerical resistance with which the object begins to come to rest, relative to the fingers' stiffness.
 pub(super) const FIRST_DRAG: f64 = 1e-4;
@@ -25,9 +25,10 @@ const DRAG_FACTOR: f64 = 10.0;
 const LESS: f64 = 3.0;
 /// Number of solved increments in a row before a larger increment, or less resistance, is tried.
 pub(super) const BOLDER: usize = 2;
-/// Largest displacement of the object in one increment, as a share of the object's size.
+/// An increment fails if the object or a body moves farther than this share of the object's size plus the displacement of the fingers' bases.
 const FARTHEST: f64 = 0.1;
-/// Everything counts as at rest if the numerical resistance is at most this share of the contact forces.
+/// Everything counts as at rest if the numerical resistance is at most this share of the contact forces. Unless the resistance is at its minimum, the
+/// last displacement must also be at most this share of the object's size.
 pub(super) const AT_REST: f64 = 1e-5;
 /// Coming to rest fails after this number of increments.
 const MOST_STEPS: usize = 400;

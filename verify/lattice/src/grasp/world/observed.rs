@@ -56,7 +56,7 @@ impl World<'_> {
         self.scene.fingers[finger].lattice.shape(&self.state.motions[finger])
     }
 
-    /// Force (N) and moment about the origin (N mm) on a finger's base, in the finger's frame. They include springs and contacts on clamped parts.
+    /// Force (N) and moment about the origin (N mm) on a finger's base, in the finger's frame. Both include the springs and the contacts on clamped parts.
     pub fn on_base(&self, finger: usize) -> (Vector, f64) {
         let (mut force, mut moment) = self.scene.fingers[finger].energy.on_clamps(&self.state.motions[finger]);
         let contacts = self.contacts();
@@ -71,8 +71,8 @@ impl World<'_> {
         (force, moment)
     }
 
-    /// Contacts that carry a force, from base to tip on each finger. A force is dropped if the numerical resistance at rest could cause it; an object that
-    /// rolls away freely therefore has no contact.
+    /// Contacts that carry a force, from base to tip on each finger. A contact is left out if the numerical resistance at rest could cause its force. An
+    /// object that rolls away freely therefore has no contact.
     pub fn contacts(&self) -> Vec<ObjectContact> {
         let normals_n = self.state.forces.values().map(|[normal_n, _]| *normal_n);
         let nothing_n = AT_REST * normals_n.fold(self.drive.weight.norm(), f64::max);
