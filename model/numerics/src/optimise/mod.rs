@@ -11,7 +11,7 @@
 //! use finray_numerics::optimise::{FromFunction, LevenbergMarquardt, Refusal};
 //! use nalgebra::{DMatrix, DVector};
 //!
-//! Fits the decay exp(-rate t) to two measurements.
+//! // Fits the decay exp(-rate t) to two measurements.
 //! let readings = [(1.0_f64, 0.50), (2.0, 0.24)];
 //! let residual = |rate: &DVector<f64>| {
 //!     let decay = |t: f64| (-rate[0] * t).exp();

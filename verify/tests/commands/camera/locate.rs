@@ -177,7 +177,8 @@ fn intervals_of_forces_and_bases_hold_on_images_of_an_exact_finger() {
 /// their blur. The inner edge of the ring is free of them.
 #[test]
 fn strips_that_meet_at_a_ring_do_not_pull_its_centre() {
-    const NOISE_MM: f64 = 0.012;
+    // Noise of a marker is 0.01 mm at most, that of the base at the tip 0.02 mm.
+    const LARGEST_MM: f64 = 0.04;
     let folder = Folder::new();
     let brackets = "bracket_mm = [[3.1, 2.67], [3.22, 3.22], [2.77, 3.12], [3.27, 2.68]]";
     let scene = folder.put("scene.toml", BRACKETED_SCENE.replace("bracket_mm = 3.0", brackets));
@@ -195,5 +196,5 @@ fn strips_that_meet_at_a_ring_do_not_pull_its_centre() {
             largest_mm = largest_mm.max(off[0].hypot(off[1]));
         }
     }
-    assert!(largest_mm < 2.0 * NOISE_MM, "{largest_mm}");
+    assert!(largest_mm < LARGEST_MM, "{largest_mm}");
 }
