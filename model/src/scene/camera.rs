@@ -34,7 +34,7 @@ pub struct Markers {
 /// Appearance that distinguishes markers from the background.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MarkerLook {
-    /// Two colours, which occur nowhere else in the image.
+    /// The markers have two colours that occur nowhere else in the image.
     Coloured {
         /// Colour of the markers on the front plate, including the tip and the clamped node.
         front_rgb: Rgb,

@@ -17,7 +17,7 @@ impl Done {
     }
 
     /// Adds a written file; standard output is not listed.
-    pub fn to(mut self, file: &Path) -> Done {
+    pub fn with_file(mut self, file: &Path) -> Done {
         if !is_standard_stream(file) {
             self.files.push(file.display().to_string());
         }
@@ -25,8 +25,8 @@ impl Done {
     }
 
     /// Adds several written files.
-    pub fn to_each<'f>(self, files: impl IntoIterator<Item = &'f Path>) -> Done {
-        files.into_iter().fold(self, Done::to)
+    pub fn with_files<'f>(self, files: impl IntoIterator<Item = &'f Path>) -> Done {
+        files.into_iter().fold(self, Done::with_file)
     }
 }
 

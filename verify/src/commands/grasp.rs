@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     match ended {
         GraspEnd::Done => {
             let done = format!("grasp of {} and its figures", count(steps.len(), "step"));
-            Ok(Done::new(done).to(&arguments.out))
+            Ok(Done::new(done).with_file(&arguments.out))
         }
         failed => {
             let last = steps.last();

@@ -185,7 +185,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Done,
     let beside: Vec<_> = figure.into_iter().collect();
     partial.finish(&beside)?;
     let result = map.map_or_else(|| count(rows, "row"), |map| trusted(&map));
-    Ok(Done::new(result).to(&out).to_each(beside.iter().map(|(path, _)| path.as_path())))
+    Ok(Done::new(result).with_file(&out).with_files(beside.iter().map(|(path, _)| path.as_path())))
 }
 
 /// Reason why the output stream ends before the last row.

@@ -138,5 +138,5 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         None => csv_text(rows)?,
     };
     write_text(&arguments.out, &text)?;
-    Ok(Done::new(format!("fingertips at {}", count(motor_deg.len(), "motor angle"))).to(&arguments.out))
+    Ok(Done::new(format!("fingertips at {}", count(motor_deg.len(), "motor angle"))).with_file(&arguments.out))
 }

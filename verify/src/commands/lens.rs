@@ -95,7 +95,8 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         print_message(format_args!("warning: {warning}"));
     }
     let points = if kind == GridKind::Chessboard { "corner" } else { "dot" };
-    Ok(Done::new(format!("lens of {} in {}", count(dots, points), count(grids.len(), "image"))).to(&arguments.out))
+    Ok(Done::new(format!("lens of {} in {}", count(dots, points), count(grids.len(), "image")))
+        .with_file(&arguments.out))
 }
 
 /// Mean pose of the grid's plane over all images; an error if the plane moved between images.

@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let located = seen.iter().flatten();
     let markers: usize = located.clone().map(|seen| seen.markers.len()).sum();
     let done = format!("{markers} markers located in {} of {}", located.count(), count(seen.len(), "image"));
-    Ok(Done::new(done).to(&arguments.out))
+    Ok(Done::new(done).with_file(&arguments.out))
 }
 
 /// Observation and marker radii of one image.

@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     sources.extend(figure.iter().zip(&mut texts).map(|((path, _), text)| (path.as_path(), text as &mut dyn Read)));
     write_from(sources)?;
     let result = map.as_ref().map_or_else(joined, |map| format!("{}, {}", joined(), trusted(map)));
-    Ok(Done::new(result).to(&out).to_each(figure.iter().map(|(path, _)| path.as_path())))
+    Ok(Done::new(result).with_file(&out).with_files(figure.iter().map(|(path, _)| path.as_path())))
 }
 
 /// Copies the table to standard output, a device or a pipe.

@@ -140,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let force_n = last.pressed.contact_force().norm();
     let done =
         format!("{}, the last at a travel of {:.3} mm with {force_n:.3} N", count(steps.len(), "step"), last.travel_mm);
-    Ok(Done::new(done).to_each(files.iter().map(PathBuf::as_path)))
+    Ok(Done::new(done).with_files(files.iter().map(PathBuf::as_path)))
 }
 
 /// Writes the table, its figure and the shape, and returns their paths.

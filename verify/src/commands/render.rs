@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let png = to_png(&image).map_err(not_computed)?;
     write_bytes(&arguments.out, &png)?;
     let [width, height] = [image.width(), image.height()];
-    Ok(Done::new(format!("image of {width} x {height} px")).to(&arguments.out))
+    Ok(Done::new(format!("image of {width} x {height} px")).with_file(&arguments.out))
 }
 
 /// Parses the pose of a base, `X_MM,Y_MM,DEG`.

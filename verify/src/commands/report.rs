@@ -125,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             page.display()
         ));
     }
-    Ok(Done::new("report").to(&page))
+    Ok(Done::new("report").with_file(&page))
 }
 
 /// First line of the error: the browser opener's message may have several.

@@ -147,7 +147,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         format!("{} sensed", count(sensed.forces_n.len(), "force"))
     };
     hints::of_displacements(&arguments.displacements, &text, finger);
-    Ok(Done::new(done).to(&arguments.out))
+    Ok(Done::new(done).with_file(&arguments.out))
 }
 
 /// Contacts, friction and estimator for all images, with the measured force of each image.

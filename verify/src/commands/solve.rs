@@ -63,5 +63,5 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     write_text(&arguments.out, &displacements::to_csv(&shape, mesh.finger())?)?;
     validity::warn_of_equilibrium(&scene.strain_limits, &mesh, &motion, kinematics, &loads);
     let (nodes, largest_mm) = (mesh.finger().key_node_count(), shape.largest_displacement_mm());
-    Ok(Done::new(format!("{} displaced by up to {largest_mm:.3} mm", count(nodes, "node"))).to(&arguments.out))
+    Ok(Done::new(format!("{} displaced by up to {largest_mm:.3} mm", count(nodes, "node"))).with_file(&arguments.out))
 }

@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     bar.finish();
     write_bytes(&arguments.out, &network.to_bytes()?)?;
     print_message(tested(&network).trim_end());
-    Ok(Done::new("network trained").to(&arguments.out))
+    Ok(Done::new("network trained").with_file(&arguments.out))
 }
 
 /// The training recipe that the arguments describe.

@@ -117,7 +117,7 @@ fn grown(dots: &[Dot], seed: usize, steps: [Pixel; 2]) -> Lattice {
 }
 
 /// Numbers of dots on the outline of a lattice whose missing neighbours would lie in the image. The first number counts dots that lack one neighbour, as
-/// along a row. The second number counts dots that lack two adjacent neighbours, as along a diagonal.
+/// where the outline follows a row. The second number counts dots that lack two adjacent neighbours, as where the outline runs diagonally.
 pub(super) fn outline(dots: &[Dot], lattice: &Lattice, size_px: [u32; 2]) -> [usize; 2] {
     let mut counts = [0; 2];
     for (&[i, k], &number) in lattice {

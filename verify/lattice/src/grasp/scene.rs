@@ -85,7 +85,7 @@ pub(super) struct Surroundings {
     /// Displacement of the gripper in this step, mm. The Newton iteration starts with the object displaced by this vector; numerical resistance acts
     /// against further displacement.
     pub carried: Vector,
-    /// Numerical resistance to the object's translation since the start of the step, N/mm. For rotation it is multiplied by the squared size, N mm per rad.
+    /// Numerical resistance to the object's translation since the start of the step, N/mm. Resistance to rotation is this value times the square of the object's size, in N mm per rad.
     pub drag: f64,
     /// Numerical resistance to the motion of each body in its finger's frame, N/mm. With it, a step over a snap is solvable although no equilibrium path exists.
     pub finger_drag: f64,

@@ -205,7 +205,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<Done, Fai
     write_all_or_nothing(&files)?;
     let (images, forces) = (count(seen.len(), "image"), count(measured, "measured force"));
     let done = format!("{} estimated from {images} and {forces}", count(rows(&found).len(), "parameter"));
-    Ok(Done::new(done).to_each(files.iter().map(|(path, _)| path.as_path())))
+    Ok(Done::new(done).with_files(files.iter().map(|(path, _)| path.as_path())))
 }
 
 /// One row per estimated parameter. Rows of standard deviations, and of the force over which friction builds up, have no standard deviation.

@@ -146,7 +146,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     files.push((arguments.out.clone(), csv_text(factor_rows(&finger, &estimate))?));
     write_all_or_nothing(&files)?;
     let done = format!("{} estimated from {}", count(estimate.factors.len(), "factor"), count(cases.len(), "case"));
-    Ok(Done::new(done).to_each(files.iter().map(|(path, _)| path.as_path())))
+    Ok(Done::new(done).with_files(files.iter().map(|(path, _)| path.as_path())))
 }
 
 /// Largest plausible modulus factor; the smallest is its reciprocal. A factor outside this range suggests a wrong unit.

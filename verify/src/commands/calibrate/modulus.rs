@@ -65,7 +65,7 @@ pub fn run(
         }
     }
     write_text(&arguments.out, &csv_text(modulus_rows(finger, factor, sigma))?)?;
-    Ok(Done::new(format!("modulus estimated from {}", count(cases.len(), "case"))).to(&arguments.out))
+    Ok(Done::new(format!("modulus estimated from {}", count(cases.len(), "case"))).with_file(&arguments.out))
 }
 
 /// Warns of the markers with the largest residuals, and if the stated noise is too small for the residual.

@@ -175,8 +175,9 @@ pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, L
 }
 
 impl DisplacementNoiseStudy {
-    /// Study of single contact nodes (at most 12, without the tip) and of those pairs of Table II that the finger has. Each carries `force_n` (N) along
-    /// the normal, with `cases` noise samples of standard deviation `image_sd_mm` (mm). Contacts without equilibrium are left out.
+    /// Study of single contact nodes (at most 12, without the tip) and of those pairs of Table II that the finger has. Each contact node carries
+    /// `force_n` (N) along the normal, both nodes of a pair at once. Each node or pair is sensed for `cases` noise samples of standard deviation
+    /// `image_sd_mm` (mm). Contacts without equilibrium are left out.
     ///
     /// # Errors
     /// [`LoadError`] if a node is not on the finger.

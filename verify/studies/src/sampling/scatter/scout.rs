@@ -9,8 +9,8 @@ use std::sync::OnceLock;
 const CLEARLY_TOO_LARGE: f64 = 0.98;
 /// A known limit load replaces a solve if the two ratios of forces differ by at most this angle, rad.
 const NEIGHBOURS: f64 = 0.1;
-/// Margin of the limits of neighbouring ratios. Forces are too large if this share of the forces exceeds the larger limit. Forces are carried if
-/// they are below this share of the smaller limit.
+/// Factor for a margin around the largest forces that the two neighbouring ratios carry. Forces count as carried below this factor times the smaller of
+/// the two, and as too large above the larger divided by this factor.
 const BETWEEN_NEIGHBOURS: f64 = 0.9;
 
 /// Largest angle, rad, between the ratios of forces whose limit loads are computed once for all blocks of cases.
