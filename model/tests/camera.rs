@@ -1,8 +1,8 @@
 //! The camera model: projection and its inverse, derivatives, invariance under rigid motion, and refused input.
 
 use finray_model::camera::{Camera, Distortion, ImpossibleLens, Lens, Pixel, Pose, ViewError};
-use finray_tests::cases;
-use nalgebra::{Rotation3, Vector3};
+use finray_tests::{camera, cases};
+use nalgebra::Vector3;
 use proptest::prelude::*;
 
 /// Largest error of a pixel that was projected to the plane and back, px, as the camera was asked to have it.
@@ -10,32 +10,6 @@ const IDENTITY_PX: f64 = 1e-10;
 /// Central differences with steps of 1e-5 mm of pixels of size 1e3: rounding 1e3 * 2e-16 / 1e-5 px/mm, of derivatives of 5 px/mm.
 const DIFFERENCE_STEP_MM: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-6;
-
-fn lens() -> impl Strategy<Value = Lens> {
-    let distortion = (-0.25..0.25, -0.1..0.1, -0.005..0.005, -0.005..0.005, -0.05..0.05);
-    ((1000.0..3000.0, 0.9..1.1), (700.0..900.0, 600.0..800.0), distortion).prop_filter_map(
-        "a lens that folds",
-        |((focal, aspect), (u, v), (k1, k2, p1, p2, k3))| {
-            let distortion = Distortion::from_opencv([k1, k2, p1, p2, k3]);
-            Lens::new([1600, 1400], [focal, focal * aspect], [u, v], distortion).ok()
-        },
-    )
-}
-
-/// The finger's plane from before, tilted by up to half a radian, turned anyhow, its middle near the axis.
-fn pose() -> impl Strategy<Value = Pose> {
-    let tilt = (-0.35..0.35, -0.35..0.35, -3.0..3.0);
-    (tilt, -10.0..10.0, -10.0..10.0, 150.0..400.0).prop_map(|((a, b, turn), x, y, z)| {
-        let rotation = Rotation3::from_euler_angles(std::f64::consts::PI + a, b, 0.0)
-            * Rotation3::from_axis_angle(&Vector3::z_axis(), turn);
-        let middle = Vector3::new(75.0, 0.0, 0.0);
-        Pose { rotation, translation_mm: Vector3::new(x, y, z) - rotation * middle }
-    })
-}
-
-fn camera() -> impl Strategy<Value = Camera> {
-    (lens(), pose()).prop_map(|(lens, pose)| Camera { lens, pose })
-}
 
 fn pixel() -> impl Strategy<Value = Pixel> {
     (0.0..1599.0, 0.0..1399.0).prop_map(|(u, v)| Pixel::new(u, v))

@@ -1,6 +1,7 @@
 //! What the tests of `model` and of `verify` beside this crate share: fingers, the paper's and random ones; contacts and loads on them;
 //! what a camera sees of them; and how results are compared.
 
+mod cameras;
 mod chance;
 mod comparison;
 mod figures;
@@ -10,6 +11,7 @@ mod measurements;
 mod strategies;
 mod study;
 
+pub use cameras::camera;
 pub use chance::{
     CAMERA_NOISE_MM, STANDARD_ERRORS, TWO_SIDED_95, case_count, cases, is_full_study, random_stream, repetitions,
     share_error,

@@ -253,6 +253,30 @@ fn geometry_is_found_without_forces() {
     assert!(estimate.quantities[..2].iter().all(|found| found.sigma < 0.1), "{:?}", estimate.quantities);
 }
 
+/// Forces of one object, all near an end of the stated range of friction: leans taken for independent once made their mean known 2.4 times too well.
+#[test]
+fn one_friction_in_all_views_is_within_the_stated_sigmas() {
+    let mut truth = truth();
+    (truth.more_height_mm, truth.base) = (0.0, Isometry2::identity());
+    truth.finger = truth.stated.clone();
+    let presses = [(60.0, 1.5), (65.0, 2.5), (70.0, 4.0), (75.0, 5.5), (80.0, 7.5), (85.0, 9.0)];
+    let presses = presses.map(|(s_mm, force_n)| (s_mm, force_n, 30.0));
+    let seen = views_at(&presses, &truth, false, &mut ChaCha8Rng::seed_from_u64(3));
+    let lean = Lean { from: Normal::Undeformed, ..Lean::within([0.0, 0.6]) };
+    let mut all = sought(&ribs(), Some(0.2));
+    all.extend(sought(&[Quantity::Preload], Some(8.0)));
+    let estimate = views(&scene_finger(), &seen, &all, &model(lean)).expect("identifiable");
+    let sigmas = estimate
+        .views
+        .iter()
+        .zip(presses)
+        .map(|(view, (_, force_n, _))| (view.force.norm() - force_n) / view.force_sigma_n);
+    let sigmas: Vec<f64> = sigmas.collect();
+    assert!(sigmas.iter().all(|sigmas| sigmas.abs() < 2.0), "{sigmas:?}");
+    let found = estimate.quantities.iter().find(|found| found.sought.quantity == Quantity::Lean).expect("a lean");
+    assert!((found.value - 30.0).abs() < 2.0 * found.sigma, "{found:?}");
+}
+
 /// What nothing tells is refused by name.
 #[test]
 fn what_is_not_identifiable_is_refused() {
