@@ -160,7 +160,7 @@ fn circle(view: &GreyView, shape: &RimShape, mut centre: Vector) -> Option<(Circ
 }
 
 /// The rim of a ring, with the centre of its inner edge if that edge is a circle. Strips behind a ring shift its outer edge but not its inner edge. If both
-/// centres contradict each other, the standard deviation grows in proportion to the contradiction (Birge ratio).
+/// centres contradict each other, the variance of the outer one is therefore raised until they agree.
 fn with_inner_edge(view: &GreyView, shape: &RimShape, rim: Rim) -> Option<Rim> {
     let shade = match shape.shade {
         Shade::Bright => Shade::Dark,
@@ -171,12 +171,12 @@ fn with_inner_edge(view: &GreyView, shape: &RimShape, rim: Rim) -> Option<Rim> {
         return None;
     }
     let (circle, mm_a_px) = circle(view, &inner, rim.centre)?;
-    let variances = [rim.sd_mm, circle.sd_mm.max(LEAST_SD_PX * mm_a_px)].map(|sd_mm| sd_mm * sd_mm);
-    let weights = variances.map(f64::recip);
+    let inner_variance = circle.sd_mm.max(LEAST_SD_PX * mm_a_px).powi(2);
     let away = circle.centre - rim.centre;
-    let contradiction = away.norm_squared() / (2.0 * (variances[0] + variances[1]));
-    let variance = contradiction.max(1.0) / (weights[0] + weights[1]);
-    let centre = rim.centre + away * weights[1] / (weights[0] + weights[1]);
+    let outer_variance = (rim.sd_mm * rim.sd_mm).max(away.norm_squared() / 2.0 - inner_variance);
+    let weights = [outer_variance, inner_variance].map(f64::recip);
+    let variance = 1.0 / (weights[0] + weights[1]);
+    let centre = rim.centre + away * weights[1] * variance;
     let pixel = view.camera.project(&centre.push(shape.height_mm)).ok()?;
     Some(Rim { centre, pixel, sd_mm: variance.sqrt(), ..rim })
 }
