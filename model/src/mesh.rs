@@ -192,7 +192,7 @@ impl Mesh {
     ///
     /// # Errors
     /// [`LoadError`] if `s_mm` is not on the front plate.
-    pub(crate) fn front_point(&self, motion: &FrameMotion, s_mm: f64) -> Result<Vector, LoadError> {
+    pub fn front_point(&self, motion: &FrameMotion, s_mm: f64) -> Result<Vector, LoadError> {
         let load = self.frame_load(&Load::at_position(s_mm, Vector::zeros()))?;
         Ok(self.finger.plate_point(Plate::Front, s_mm) + self.frame.displacement_at(motion, &load))
     }

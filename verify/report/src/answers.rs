@@ -1,11 +1,13 @@
 //! First screen of the report: five questions of a gripper builder, each answered in one line from the results.
 
-use super::format::capitalised;
+use super::format::{capitalised, list, percent};
 use super::maps::small;
 use super::page::Answer;
 use super::trust::{Situation, situations};
 use super::{causes, checks, measured, shapes};
 use crate::prelude::*;
+use finray_studies::experiments::causes::ContactKnowledge;
+use finray_studies::experiments::direction::DirectionStudy;
 use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
 use finray_studies::settings::{CAMERA_FRAME_S, TWO_FORCES_N};
 use minijinja::value::Serde;
@@ -28,11 +30,89 @@ pub(super) fn answers(study: &Study) -> Result<Vec<Answer>, ReportError> {
     Ok(all.into_iter().filter_map(said).collect())
 }
 
+/// The verdict in a few lines: where, why not elsewhere, what to use then, how sure, and what of it is real.
+pub(super) fn verdict(study: &Study) -> Vec<Answer> {
+    let situations = situations(study);
+    let lines = [
+        ("Where", places(study, &situations)),
+        ("Why not elsewhere", reasons(study, &situations)),
+        ("Contact uncertain?", study.directions.as_ref().and_then(seeking)),
+        ("How sure", sureness(study)),
+        ("Real or simulated", Some(reality(study))),
+    ];
+    let line =
+        |(question, answer): (&str, Option<String>)| Some(Answer { question: question.to_owned(), answer: answer? });
+    lines.into_iter().filter_map(line).collect()
+}
+
+/// Shares of trusted cells, by situation.
+fn places(study: &Study, situations: &[Situation]) -> Option<String> {
+    let [known, others @ ..] = situations else { return None };
+    let [least_n, .., most_n] = study.forces.of_maps_n();
+    let other = |of: &Situation| Some(format!("; {}: {}", of.in_words, percent(of.all().share()?)));
+    Some(format!(
+        "The error stays within {} ({least_n} to {most_n} N) at {} of all places and directions{}.",
+        percent(TRUSTED_ERROR),
+        percent(known.all().share()?),
+        list(others.iter().filter_map(other), "")
+    ))
+}
+
+/// Main reasons of failures, with the contact known and assumed.
+fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
+    let known = situations.first()?;
+    let Failures { failed, by_noise } = failures(known);
+    let (failed, by_model) = (failed.len(), failed.len() - by_noise);
+    let known = match failed {
+        0 => "Contact known: nothing fails.".to_owned(),
+        _ if by_noise >= by_model => format!("Contact known: camera noise ({by_noise} of {failed} failures)."),
+        _ => format!("Contact known: error of the model ({by_model} of {failed} failures)."),
+    };
+    let assumed = situations.iter().find(|of| of.contact == ContactKnowledge::Assumed);
+    let assumed = assumed.and_then(|of| causes::largest_by_region(study, of.map.truth, of.contact));
+    Some(assumed.map_or(known.clone(), |assumed| format!("{known} Contact assumed: {assumed}.")))
+}
+
+/// How often an unknown direction is found with the force.
+fn seeking(directions: &DirectionStudy) -> Option<String> {
+    let [.., most_n] = directions.forces_n;
+    let [identified, all] = directions.identified(most_n);
+    (all > 0).then(|| {
+        format!("Seek its direction: at {most_n} N found in {} of the cells.", percent(identified as f64 / all as f64))
+    })
+}
+
+/// Coverage of intervals without a warning.
+fn sureness(study: &Study) -> Option<String> {
+    let of = |truth| {
+        let row = study.coverage.iter().find(|row| row.truth == truth && row.estimator == EstimatorId::Nonlinear)?;
+        row.covered_without_warning
+    };
+    let known = format!("Without a warning, 95 % intervals hold in {}", percent(of(TruthId::Corotational)?));
+    Some(match of(TruthId::Twin) {
+        Some(softer) => format!("{known}; with softer ends in {}.", percent(softer)),
+        None => format!("{known}."),
+    })
+}
+
+/// What was measured on a real finger.
+fn reality(study: &Study) -> String {
+    let Some(measured::Outcome { images, known, error, within, forces, .. }) =
+        study.measured.as_ref().and_then(measured::outcome)
+    else {
+        return "Simulation: no real finger was measured.".to_owned();
+    };
+    format!(
+        "{images} images with measured forces ({known}): mean error {}, {within} of {forces} intervals hold. All else is simulation.",
+        percent(error)
+    )
+}
+
 /// The assumptions that hold for the whole page.
 pub(super) fn caveat(study: &Study) -> Result<String, ReportError> {
     let finger = study.finger.description();
     let numbers = context! {
-        noise_mm => study.noise_mm, measured => study.measured.as_ref().and_then(measured::in_words), is_paper => study.is_paper,
+        noise_mm => study.noise_mm, measured => study.measured.as_ref().and_then(measured::outcome).map(Serde), is_paper => study.is_paper,
         base_width_mm => finger.base_width_mm, depth_mm => finger.depth_mm,
     };
     Ok(say("answers.caveat", Some(numbers))?.unwrap_or_default())
@@ -74,20 +154,34 @@ fn weak_regions(study: &Study, situation: &Situation) -> Vec<Value> {
     weak.into_iter().take(2).map(|(share, name)| context! { share, name }).collect()
 }
 
+/// Cells of a map that answer with an error above the trusted one.
+struct Failures<'s> {
+    failed: Vec<&'s MapCell>,
+    /// How many of them fail by camera noise rather than by a wrong model.
+    by_noise: usize,
+}
+
+fn failures<'s>(situation: &Situation<'s>) -> Failures<'s> {
+    let is_wrong = |cell: &&MapCell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
+    let failed: Vec<&MapCell> = situation.map.cells.iter().filter(is_wrong).collect();
+    let by_noise = failed.iter().filter(|cell| cell.spread > cell.bias.map(f64::abs)).count();
+    Failures { failed, by_noise }
+}
+
 /// The main cause of the failing cells in each situation.
 fn why_not(study: &Study, situations: &[Situation]) -> Option<Value> {
     let [known, others @ ..] = situations else { return None };
-    let is_wrong = |cell: &&MapCell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
-    let failed: Vec<&MapCell> = known.map.cells.iter().filter(is_wrong).collect();
-    let by_noise = failed.iter().filter(|cell| cell.spread > cell.bias.map(f64::abs)).count();
+    let Failures { failed, by_noise } = failures(known);
     let least_n = known.map.request.forces_n.first().copied().unwrap_or_default();
     let other = |situation: &Situation| {
-        let failed =
-            || situation.cells.iter().filter(|cell| !cell.is_trusted && cell.state != CellState::WithoutEquilibrium);
+        let failed = |is_turned: bool| {
+            let counts = situation.counts(&study.finger, |_, angle_deg| (angle_deg != 0.0) == is_turned);
+            counts.share().map(|trusted| 1.0 - trusted)
+        };
         context! {
             name => capitalised(situation.name),
-            failed => failed().count(),
-            turned => failed().filter(|cell| cell.angle_deg != 0.0).count(),
+            failed_turned => failed(true),
+            failed_along => failed(false),
             along => causes::largest_by_region(study, situation.map.truth, situation.contact),
         }
     };

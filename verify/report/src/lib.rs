@@ -1,4 +1,4 @@
-//! Turns a [`Study`] into page, figures, tables and a machine-readable summary. Nothing is simulated here.
+//! Turns a [`Study`] into pages, figures, tables and a machine-readable summary. Nothing is simulated here.
 #![forbid(unsafe_code)]
 
 mod answers;
@@ -25,6 +25,7 @@ mod networks;
 pub mod page;
 mod pairs;
 mod prelude;
+mod push;
 mod scatter;
 mod sections;
 mod shapes;
@@ -65,6 +66,9 @@ pub enum ReportError {
     /// A table could not be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
+    /// The program of the finger that one can push could not be compressed.
+    #[error("cannot compress a program: {0}")]
+    Program(#[from] std::io::Error),
     /// The summary could not be written.
     #[error("cannot write the summary: {0}")]
     Summary(#[from] serde_json::Error),
@@ -80,7 +84,7 @@ struct Results<'s> {
 /// The files of a report, not yet written to disk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Relative path and text of each file: `index.html`, `summary.json` and a CSV file behind every figure.
+    /// Relative path and text of each file: `index.html` and the pages behind it, `summary.json`, and a CSV file behind every figure.
     pub files: Vec<(PathBuf, String)>,
     /// Conclusions: the answers at the top of the page, then the conclusions of its sections.
     pub verdict: Vec<String>,
@@ -92,17 +96,21 @@ pub struct Report {
 /// [`ReportError`] if a figure has nothing to draw, or a template or table fails.
 pub fn report(study: &Study, claims: &[Claim]) -> Result<Report, ReportError> {
     let results = Results { study, claims };
-    let page = sections::page(results)?;
+    let pages = sections::pages(results)?;
     let data = sections::datasets(results);
-    let says = page.questions.iter().flat_map(|question| &question.sections).flat_map(|section| &section.says);
-    let answers = page.answers.iter().map(|it| format!("{} {}", it.question, it.answer));
-    let verdict: Vec<String> = answers.chain(says.cloned()).chain([page.caveat.clone()]).collect();
+    let first = pages.iter().find_map(|(_, page)| page.first.as_ref());
+    let answers = first.iter().flat_map(|first| &first.answers).map(|it| format!("{} {}", it.question, it.answer));
+    let says = pages.iter().flat_map(|(_, page)| &page.sections).flat_map(|section| &section.says);
+    let caveat = first.map(|first| first.caveat.clone());
+    let verdict: Vec<String> = answers.chain(says.cloned()).chain(caveat).collect();
     let mut files: Vec<(PathBuf, String)> = Vec::new();
     for dataset in &data {
         files.extend(dataset.csv()?.map(|(name, text)| (name.into(), text)));
     }
     files.push(("summary.json".into(), summary(&study.scene, &verdict, &data)?));
-    files.push(("index.html".into(), page::render(&page)?));
+    for (file, page) in &pages {
+        files.push((file.into(), page::render(page)?));
+    }
     Ok(Report { files, verdict })
 }
 

@@ -7,6 +7,7 @@ use finray_figures::Spread;
 use finray_studies::experiments::measured::picture::Picture;
 use finray_studies::experiments::measured::{MarkerResidual, MeasuredForce, MeasuredStudy};
 use finray_studies::statistics::{mean, rms};
+use minijinja::value::Serde;
 
 const CSV: &str = "measured_forces.csv";
 const COVERAGE_CSV: &str = "measured_coverage.csv";
@@ -65,7 +66,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let table =
         image_columns().table("Each image, by what is known; z is the error in standard deviations", CSV, of_scene);
     blocks.push(details("By image", vec![Block::Table(table)]));
-    let says = say("measured.says", in_words(measured))?;
+    let says = say("measured.says", outcome(measured).map(|it| Value::from(Serde(it))))?;
     Ok(Some(Section::new("measured", "Measured images", blocks).saying(says)))
 }
 
@@ -133,16 +134,31 @@ fn image_columns<'s>() -> Columns<'s, &'s MeasuredForce> {
         .page("z", Format::Fixed(2), |force| force.error_over_sigma)
 }
 
+/// What measured images show, sensed with one knowledge of the contact.
+#[derive(serde::Serialize)]
+pub(super) struct Outcome {
+    /// Number of images.
+    pub images: usize,
+    /// What is known of the contact.
+    pub known: &'static str,
+    /// Mean relative error, dimensionless.
+    pub error: f64,
+    /// Number of 95 % intervals that contain the measured force.
+    pub within: usize,
+    /// Number of measured forces.
+    pub forces: usize,
+    /// Names of the objects, if the file of forces has them.
+    pub objects: Vec<String>,
+}
+
 /// Numbers for the conclusion, with the scene's friction if it has one, otherwise with the measured direction.
-pub(super) fn in_words(measured: &MeasuredStudy) -> Option<Value> {
+pub(super) fn outcome(measured: &MeasuredStudy) -> Option<Outcome> {
     let all = coverages(measured);
     let first = all.iter().find(|of| of.known.starts_with("friction") && of.object.is_none()).or(all.first())?;
     let of_known = all.iter().filter(|of| of.known == first.known);
     let objects: Vec<String> = of_known.filter_map(|of| of.object.map(str::to_owned)).collect();
     let (error, within) = (mean(first.errors())?, first.within());
-    Some(
-        context! { images => measured.images, known => first.known, error, within, forces => first.forces.len(), objects },
-    )
+    Some(Outcome { images: measured.images, known: first.known, error, within, forces: first.forces.len(), objects })
 }
 
 fn forces(measured: &MeasuredStudy) -> Result<Option<String>, FigureError> {

@@ -1,4 +1,4 @@
-//! The report as one self-contained HTML page.
+//! The report's pages, each a self-contained HTML file.
 //!
 //! A page is plain data, rendered through one template. SVG is inserted unchanged; other text is escaped.
 
@@ -15,27 +15,50 @@ pub const SCRIPT: &str = include_str!("explore/explore.js");
 /// Style sheet of the interactive section.
 pub const STYLE: &str = include_str!("explore/explore.css");
 
-/// Content of the whole page.
+/// Script and style sheet of the finger that one can push.
+const PUSH: [&str; 2] = [include_str!("push/push.js"), include_str!("push/push.css")];
+
+/// Content of one page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Page {
     /// Title of the page.
     pub title: String,
-    /// One sentence below the title.
-    pub subtitle: String,
-    /// The reader's questions with their answers, shown first.
+    /// First screen of the report; `None` on the pages behind it.
+    pub first: Option<First>,
+    /// Data of the interactive section; `None` leaves the section out.
+    pub explore: Option<String>,
+    /// The results, in the order of the page.
+    pub sections: Vec<Section>,
+    /// All pages of the report, this one included.
+    pub pages: Vec<PageLink>,
+    /// Text in small print at the end of the page.
+    pub footer: String,
+}
+
+/// First screen of the report, and what rests on it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct First {
+    /// Short verdict, beside the picture.
+    pub verdict: Vec<Answer>,
+    /// The finger that the reader can push; `None` leaves the drawing of the map in its place.
+    pub push: Option<Pushable>,
+    /// The reader's questions with their full answers.
     pub answers: Vec<Answer>,
     /// Assumptions behind the answers.
     pub caveat: String,
-    /// Drawings beside and below the answers.
+    /// Drawings of the trusted cells. The first stands where the finger can be pushed, until its program runs.
     pub lead: Vec<Figure>,
     /// Text below the drawings of `lead`.
     pub lead_caption: String,
-    /// Data of the interactive section; `None` leaves the section out.
-    pub explore: Option<String>,
-    /// The results by question, in the order of the table of contents.
-    pub questions: Vec<Question>,
-    /// Text in small print at the end of the page.
-    pub footer: String,
+}
+
+/// A finger that the reader can push: its program and its data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Pushable {
+    /// WebAssembly, compressed by gzip, in base64.
+    pub program: String,
+    /// Scene and map as JSON.
+    pub data: String,
 }
 
 /// A question with a short answer.
@@ -47,15 +70,17 @@ pub struct Answer {
     pub answer: String,
 }
 
-/// A question of the reader, and the sections that answer it.
+/// A page of the report as others link to it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Question {
-    /// Anchor for links within the page.
-    pub id: String,
-    /// The question in a few words.
+pub struct PageLink {
+    /// File beside this page.
+    pub file: String,
+    /// Its heading in the navigation.
     pub heading: String,
-    /// The sections, in order.
-    pub sections: Vec<Section>,
+    /// Whether it is this page.
+    pub is_this: bool,
+    /// Its sections: anchor and heading.
+    pub sections: Vec<[String; 2]>,
 }
 
 /// A part of the page with its own heading.
@@ -241,6 +266,8 @@ pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;
-    let page = context! { page => Serde(page), about => about(), script => SCRIPT, style => STYLE };
+    let scripts = context! { explore => SCRIPT, push => PUSH[0] };
+    let styles = context! { explore => STYLE, push => PUSH[1] };
+    let page = context! { page => Serde(page), about => about(), scripts, styles };
     environment.get_template("page.html")?.render(page)
 }

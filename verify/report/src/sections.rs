@@ -1,67 +1,94 @@
 //! All sections of the report. Each contributes to the page, the CSV files and the summary.
 
 use super::dataset::Dataset;
-use super::page::{Page, Question, Section};
+use super::page::{First, Page, PageLink, Section};
 use super::{
     ReportError, Results, answers, camera, causes, checks, claims, contact_scenes, convergence, directions,
-    displacement_noise, estimators, explore, finger, grasp, hard_cases, lattice, maps, measured, networks, pairs,
+    displacement_noise, estimators, explore, finger, grasp, hard_cases, lattice, maps, measured, networks, pairs, push,
     scatter, shapes, speed_error, table_one, table_two, times, trust, twin,
 };
 
-/// A section: its question, its part of the page (`None` if the scene has no such study), and its data.
-struct Entry(Asked, fn(Results) -> Result<Option<Section>, ReportError>, for<'s> fn(Results<'s>) -> Vec<Dataset<'s>>);
+/// A section: its page, its part of that page (`None` if the scene has no such study), and its data.
+struct Entry(On, fn(Results) -> Result<Option<Section>, ReportError>, for<'s> fn(Results<'s>) -> Vec<Dataset<'s>>);
 
-/// Questions of the reader, in the order in which the page answers them.
+/// Pages of the report, in the order of their navigation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Asked {
-    Where,
-    Fix,
-    Which,
-    Physics,
+enum On {
+    Index,
+    Measured,
+    Maps,
+    Objects,
+    Camera,
+    Speed,
+    Networks,
+    Checks,
+    Lattice,
+    HardCases,
     Paper,
 }
 
-impl Asked {
-    const ALL: [Asked; 5] = [Asked::Where, Asked::Fix, Asked::Which, Asked::Physics, Asked::Paper];
+impl On {
+    const ALL: [On; 11] = [
+        On::Index,
+        On::Measured,
+        On::Maps,
+        On::Objects,
+        On::Camera,
+        On::Speed,
+        On::Networks,
+        On::Checks,
+        On::Lattice,
+        On::HardCases,
+        On::Paper,
+    ];
 
-    /// Anchor of the question for links, and its heading.
+    /// File of the page, and its heading.
     fn names(self) -> [&'static str; 2] {
         match self {
-            Asked::Where => ["where", "Where"],
-            Asked::Fix => ["fix", "What to fix first"],
-            Asked::Which => ["which", "Which estimator"],
-            Asked::Physics => ["physics", "Is it right"],
-            Asked::Paper => ["paper", "The paper"],
+            On::Index => [INDEX, "Summary"],
+            On::Measured => ["measured.html", "Photographs"],
+            On::Maps => ["maps.html", "Maps"],
+            On::Objects => ["objects.html", "Objects"],
+            On::Camera => ["camera.html", "Camera"],
+            On::Speed => ["speed.html", "Meshes and speed"],
+            On::Networks => ["networks.html", "Networks"],
+            On::Checks => ["checks.html", "Checks"],
+            On::Lattice => ["lattice.html", "Lattice and MuJoCo"],
+            On::HardCases => ["hard-cases.html", "Hard cases"],
+            On::Paper => ["paper.html", "The paper"],
         }
     }
 }
 
+/// File of the first page.
+pub(super) const INDEX: &str = "index.html";
+
 /// Every section, in the order of the page. A new section needs its experiment, its file in this folder, and a row here.
 const SECTIONS: &[Entry] = &[
-    Entry(Asked::Where, maps::section, maps::datasets),
-    Entry(Asked::Where, pairs::section, pairs::datasets),
-    Entry(Asked::Where, directions::section, directions::datasets),
-    Entry(Asked::Where, contact_scenes::section, contact_scenes::datasets),
-    Entry(Asked::Where, grasp::section, grasp::datasets),
-    Entry(Asked::Where, measured::section, measured::datasets),
-    Entry(Asked::Fix, causes::section, causes::datasets),
-    Entry(Asked::Fix, camera::section, camera::datasets),
-    Entry(Asked::Fix, displacement_noise::section, displacement_noise::datasets),
-    Entry(Asked::Which, estimators::section, estimators::datasets),
-    Entry(Asked::Which, scatter::section, scatter::datasets),
-    Entry(Asked::Which, speed_error::section, speed_error::datasets),
-    Entry(Asked::Which, convergence::section, convergence::datasets),
-    Entry(Asked::Which, networks::section, networks::datasets),
-    Entry(Asked::Physics, checks::section, checks::datasets),
-    Entry(Asked::Physics, claims::section, claims::datasets),
-    Entry(Asked::Physics, lattice::section, lattice::datasets),
-    Entry(Asked::Physics, hard_cases::section, hard_cases::datasets),
-    Entry(Asked::Physics, shapes::section, shapes::datasets),
-    Entry(Asked::Physics, finger::section, finger::datasets),
-    Entry(Asked::Physics, times::section, times::datasets),
-    Entry(Asked::Paper, table_two::section, table_two::datasets),
-    Entry(Asked::Paper, table_one::section, table_one::datasets),
-    Entry(Asked::Paper, twin::section, twin::datasets),
+    Entry(On::Index, causes::section, causes::datasets),
+    Entry(On::Index, estimators::section, estimators::datasets),
+    Entry(On::Index, grasp::section, grasp::datasets),
+    Entry(On::Measured, measured::section, measured::datasets),
+    Entry(On::Maps, maps::section, maps::datasets),
+    Entry(On::Maps, pairs::section, pairs::datasets),
+    Entry(On::Maps, directions::section, directions::datasets),
+    Entry(On::Objects, contact_scenes::section, contact_scenes::datasets),
+    Entry(On::Camera, camera::section, camera::datasets),
+    Entry(On::Camera, displacement_noise::section, displacement_noise::datasets),
+    Entry(On::Speed, speed_error::section, speed_error::datasets),
+    Entry(On::Speed, scatter::section, scatter::datasets),
+    Entry(On::Speed, convergence::section, convergence::datasets),
+    Entry(On::Speed, times::section, times::datasets),
+    Entry(On::Networks, networks::section, networks::datasets),
+    Entry(On::Checks, checks::section, checks::datasets),
+    Entry(On::Checks, shapes::section, shapes::datasets),
+    Entry(On::Checks, finger::section, finger::datasets),
+    Entry(On::Lattice, lattice::section, lattice::datasets),
+    Entry(On::HardCases, hard_cases::section, hard_cases::datasets),
+    Entry(On::Paper, claims::section, claims::datasets),
+    Entry(On::Paper, table_two::section, table_two::datasets),
+    Entry(On::Paper, table_one::section, table_one::datasets),
+    Entry(On::Paper, twin::section, twin::datasets),
 ];
 
 /// Datasets of all sections.
@@ -70,32 +97,57 @@ pub(super) fn datasets(results: Results) -> Vec<Dataset> {
     first.into_iter().chain(SECTIONS.iter().flat_map(|Entry(.., datasets)| datasets(results))).collect()
 }
 
-/// The page with all its sections.
-pub(super) fn page(results: Results) -> Result<Page, ReportError> {
+/// All pages with their sections: file and content, the first page first.
+pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, ReportError> {
     let study = results.study;
-    let mut questions = Vec::new();
-    for asked in Asked::ALL {
-        let [id, heading] = asked.names().map(str::to_owned);
-        let of_question = SECTIONS.iter().filter(|Entry(of, ..)| *of == asked);
-        let sections = of_question.filter_map(|Entry(_, section, _)| section(results).transpose());
+    let mut filled = Vec::new();
+    for on in On::ALL {
+        let of_page = SECTIONS.iter().filter(|Entry(of, ..)| *of == on);
+        let sections = of_page.filter_map(|Entry(_, section, _)| section(results).transpose());
         let sections = sections.collect::<Result<Vec<_>, _>>()?;
-        // A question is left out if the scene has no study that answers it.
-        if !sections.is_empty() {
-            questions.push(Question { id, heading, sections });
+        // A page is left out if the scene has no study for it.
+        if on == On::Index || !sections.is_empty() {
+            filled.push((on, sections));
         }
     }
-    Ok(Page {
-        title: format!("Where the finger \"{}\" senses forces", study.scene),
-        subtitle: "Contact forces sensed through the finger's own deformation, in simulation.".to_owned(),
+    let link = |(on, sections): &(On, Vec<Section>)| {
+        let [file, heading] = on.names().map(str::to_owned);
+        let sections = sections.iter().map(|section| [section.id.clone(), section.heading.clone()]).collect();
+        PageLink { file, heading, is_this: false, sections }
+    };
+    let links: Vec<PageLink> = filled.iter().map(link).collect();
+    let page = |(on, sections): (On, Vec<Section>)| {
+        let [file, heading] = on.names();
+        let is_first = on == On::Index;
+        let pages = links.iter().map(|link| PageLink { is_this: link.file == file, ..link.clone() }).collect();
+        let page = Page {
+            title: if is_first {
+                format!("Where the finger \"{}\" senses forces", study.scene)
+            } else {
+                format!("{heading}: {}", study.scene)
+            },
+            first: is_first.then(|| first(results)).transpose()?,
+            explore: (on == On::Maps).then(|| explore::data(results)),
+            sections,
+            pages,
+            footer: format!(
+                "Made by finray {}. Every figure names its data; they and summary.json lie beside this page.",
+                super::VERSION
+            ),
+        };
+        Ok((file, page))
+    };
+    filled.into_iter().map(page).collect()
+}
+
+fn first(results: Results) -> Result<First, ReportError> {
+    let study = results.study;
+    Ok(First {
+        verdict: answers::verdict(study),
+        push: Some(push::of(study)?),
         answers: answers::answers(study)?,
         caveat: answers::caveat(study)?,
         lead: trust::figures(results)?,
         lead_caption: trust::caption(study)?,
-        explore: Some(explore::data(results)),
-        questions,
-        footer: format!(
-            "Made by finray {}. Every figure names its data; they and summary.json lie beside this page.",
-            super::VERSION
-        ),
     })
 }

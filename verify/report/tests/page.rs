@@ -1,17 +1,27 @@
 //! The page: text is escaped, every block is shown, nothing is loaded from elsewhere.
 
-use finray_report::page::{Answer, Block, Cell, Column, Figure, Page, Question, Section, Shade, Table, render};
+use finray_report::page::{Answer, Block, Cell, Column, Figure, First, Page, PageLink, Section, Shade, Table, render};
 
 fn page() -> Page {
+    let link = |file: &str, heading: &str, is_this| PageLink {
+        file: file.into(),
+        heading: heading.into(),
+        is_this,
+        sections: vec![["maps".into(), "Maps".into()]],
+    };
     Page {
         title: "Truth <b>".into(),
-        subtitle: "under the title".into(),
-        answers: vec![Answer { question: "Does it?".into(), answer: "It <em>works</em>.".into() }],
-        caveat: "all of it simulated".into(),
-        lead: vec![figure(Some("lead.csv"))],
-        lead_caption: "what the colours say".into(),
+        first: Some(First {
+            verdict: vec![Answer { question: "In short?".into(), answer: "So & so.".into() }],
+            push: None,
+            answers: vec![Answer { question: "Does it?".into(), answer: "It <em>works</em>.".into() }],
+            caveat: "all of it simulated".into(),
+            lead: vec![figure(Some("lead.csv"))],
+            lead_caption: "what the colours say".into(),
+        }),
         explore: None,
-        questions: vec![Question { id: "where".into(), heading: "Where & when".into(), sections: vec![section()] }],
+        sections: vec![section()],
+        pages: vec![link("index.html", "Here", true), link("maps.html", "Where & when", false)],
         footer: "the end".into(),
     }
 }
@@ -76,9 +86,11 @@ fn every_block_is_shown_also_within_details() {
         "It &lt;fails&gt;.",
         "Does it?",
         "all of it simulated",
+        "So &amp; so.",
         "Where &amp; when",
-        "href=\"#where\"",
-        "id=\"where\"",
+        "<a href=\"index.html\" aria-current=\"page\">Here</a>",
+        "href=\"maps.html\"",
+        "href=\"maps.html#maps\"",
         "<a href=\"24.csv\">24.csv</a>",
         "<abbr title=\"The finger with linear statics\">linear finger</abbr>",
         "href=\"#maps\"",

@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if is_stream(&arguments.out) {
         return Err(Failure::BadInput("--out: expected a folder for five files, found -".to_owned()));
     }
-    let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
+    let SceneWithOutline { scene, corners, .. } = load_scene_with_outline(&arguments.scene)?;
     let name = name_of(&arguments.scene);
     let bad = |error: GraspError| {
         // A missing table has no line number; the message names line 1, as for any missing key.

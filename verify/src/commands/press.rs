@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             ));
         }
     }
-    let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
+    let SceneWithOutline { scene, corners, .. } = load_scene_with_outline(&arguments.scene)?;
     let Some(object) = &scene.object else {
         let message = format!(
             "{}: line 1: object is missing: expected a table [object] with shape, at_mm and travel_mm or force_n",

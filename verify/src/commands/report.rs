@@ -23,7 +23,7 @@ Examples:
 
 Guide: finray guide reading-the-report";
 
-/// Run all checks and maps of a finger, and write them to one HTML page.
+/// Run all checks and maps of a finger, and write them as HTML pages.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -53,7 +53,7 @@ pub struct Arguments {
     /// Images (PNG, JPEG) among those in the file; the page draws marker residuals over them
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", num_args = 1.., requires = "measurements")]
     image: Vec<PathBuf>,
-    /// Open the page in the browser when done
+    /// Open the first page in the browser when done
     #[arg(long)]
     open: bool,
 }
@@ -64,11 +64,7 @@ const SAME_MM: f64 = 1e-3;
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let scene = match &arguments.scene {
         Some(path) => load_scene_with_outline(path)?,
-        None => {
-            let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE);
-            let scene = scene.map_err(not_computed)?;
-            SceneWithOutline { scene, corners: Vec::new() }
-        }
+        None => SceneWithOutline::from_toml(finray_fixtures::PAPER_SCENE).map_err(not_computed)?,
     };
     if let Some(path) = &arguments.scene {
         hints::of_moduli(path, &scene.scene.finger);

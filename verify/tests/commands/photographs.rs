@@ -208,7 +208,7 @@ fn compared_in_a_report(
     assert!(!answer.err.contains("another scene"), "{}", answer.err);
     let caveat = ["contact force in 3 images (objects disc, bar)", "section on measured images is simulation"];
     assert_says(&answer.computed(), &caveat);
-    let page = folder.read("report/index.html");
+    let page = folder.read("report/measured.html");
     let section =
         page.split("id=\"measured\"").nth(1).expect("the section").split("</section>").next().unwrap_or_default();
     assert_eq!(section.matches("<svg").count(), 4);

@@ -57,6 +57,8 @@ macro_rules! study {
         pub struct Study {
             /// Name of the scene.
             pub scene: String,
+            /// Text of the scene's file.
+            pub scene_text: String,
             /// The finger of the scene.
             pub finger: Finger,
             /// Largest admissible strains of the finger's materials.
@@ -101,6 +103,7 @@ macro_rules! study {
                 )+)+
                 Ok(Study {
                     scene: $context.given.scene.name.clone(),
+                    scene_text: $context.given.text.clone(),
                     finger: $context.finger.clone(),
                     strain_limits: $context.given.scene.strain_limits,
                     is_paper: $context.is_paper,

@@ -26,7 +26,7 @@ fn what_a_camera_costs_is_in_the_report() {
         assert_eq!(row["stated_mm"].is_null(), row["in_images"] == false, "{row}");
     }
     assert!(rows[0]["item"] == "as it is" && number(&rows[0], "displacement_rms_mm") < 0.004);
-    let page = PAPERS.read("index.html");
+    let page = PAPERS.pages();
     let section =
         page[page.find("id=\"camera\"").expect("the section")..].split("</section>").next().unwrap_or_default();
     assert_eq!(section.matches("<svg").count(), 2);

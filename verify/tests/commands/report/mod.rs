@@ -7,5 +7,6 @@ mod maps;
 mod models;
 mod networks;
 mod page;
+mod push;
 pub mod shared;
 mod timing;

@@ -28,8 +28,8 @@ fn networks_that_ship_are_within_their_tolerances() {
         &["noise_mm", "drawn", "answered", "refused", "mean_error", "mean_error_bound"],
     );
     assert_eq!(networks.iter().filter_map(|row| row["mean_error"].as_f64()).collect::<Vec<_>>(), ours);
-    assert!(PAPERS.read("index.html").contains("id=\"networks\""));
-    assert!(!SPRING_STEELS.read("index.html").contains("id=\"networks\""));
+    assert!(PAPERS.pages().contains("id=\"networks\""));
+    assert!(!SPRING_STEELS.pages().contains("id=\"networks\""));
     assert!(array(&SPRING_STEELS.summary(), "networks").is_empty());
 }
 
@@ -52,6 +52,6 @@ fn table_two_has_the_network_on_both_fingers() {
     );
     // The paper's own method stands beside them, as recorded, and the page says what it misses.
     assert!(rows.texts("estimator").iter().any(|estimator| estimator.starts_with("network of the paper")));
-    let page = PAPERS.read("index.html");
+    let page = PAPERS.pages();
     assert!(page.contains("does not reproduce Table II") && !page.contains("reproduces the paper"));
 }

@@ -4,23 +4,29 @@ use super::shared::*;
 use crate::kit::*;
 
 #[test]
-fn every_file_that_the_page_names_is_there() {
+fn every_file_that_a_page_names_is_there() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
-        let names = report.names();
-        assert!(names.contains(&"index.html".to_owned()) && names.contains(&"summary.json".to_owned()));
-        let page = report.read("index.html");
-        let (anchors, files): (Vec<_>, Vec<_>) = report.links().into_iter().partition(|link| link.starts_with('#'));
-        for anchor in &anchors {
-            assert!(page.contains(&format!("id=\"{}\"", &anchor[1..])), "{anchor}");
+        let (names, pages) = (report.names(), report.page_names());
+        assert!(pages.len() >= 5 && pages[0] == "index.html" && names.contains(&"summary.json".to_owned()));
+        let mut all = Vec::new();
+        for page in &pages {
+            let links = report.links(page);
+            // Every page leads to every other.
+            assert!(pages.iter().all(|other| links.contains(other)), "{page}: {links:?}");
+            for link in links.into_iter().filter(|link| !link.starts_with("https://")) {
+                let (file, anchor) = link.split_once('#').unwrap_or((&link, ""));
+                let file = if file.is_empty() { page } else { file };
+                assert!(names.contains(&file.to_owned()), "{file} is not in {names:?}");
+                assert!(anchor.is_empty() || report.read(file).contains(&format!("id=\"{anchor}\"")), "{page}: {link}");
+                if file.ends_with(".csv") {
+                    assert!(!Csv::of(&report.read(file)).rows.is_empty(), "{file}");
+                }
+                all.push(file.to_owned());
+            }
         }
-        assert!(files.len() >= 6 && !anchors.is_empty());
-        for name in files.iter().filter(|link| !link.starts_with("https://")) {
-            assert!(names.contains(name), "{name} is not in {names:?}");
-            assert!(!Csv::of(&report.read(name)).rows.is_empty(), "{name}");
-        }
-        // And no table lies there that the page does not name.
+        // And no table lies there that no page names.
         for name in names.iter().filter(|name| name.ends_with(".csv")) {
-            assert!(files.contains(name), "{name} is named nowhere");
+            assert!(all.contains(name), "{name} is named nowhere");
         }
         // Results are ordinary files, whole, and nothing else.
         assert!(names.iter().all(|name| !name.starts_with('.')), "{names:?}");
@@ -28,22 +34,63 @@ fn every_file_that_the_page_names_is_there() {
 }
 
 #[test]
-fn the_page_needs_nothing_but_itself() {
+fn a_page_needs_nothing_but_itself() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
-        // The name of SVG's namespace is no address that anything is loaded from.
-        let page = report
-            .read("index.html")
-            .replace("http://www.w3.org/2000/svg", "")
-            .replace("http://www.w3.org/1999/xhtml", "");
-        for outside in ["http://", "src=", "@import", "url(http", "<link", "<iframe", "import(", "fetch("] {
-            assert!(!page.contains(outside), "{outside}");
+        for name in report.page_names() {
+            // The name of SVG's namespace is no address that anything is loaded from.
+            let page = report
+                .read(&name)
+                .replace("http://www.w3.org/2000/svg", "")
+                .replace("http://www.w3.org/1999/xhtml", "");
+            for outside in ["http://", "src=", "@import", "url(http", "<link", "<iframe", "import(", "fetch("] {
+                assert!(!page.contains(outside), "{name}: {outside}");
+            }
+            assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
+            // A script stands only with what it takes: a program and its data, or numbers.
+            let with_data = match name.as_str() {
+                "index.html" => [1, 3],
+                "maps.html" => [1, 2],
+                _ => [0, 0],
+            };
+            assert_eq!([page.matches("<script>").count(), page.matches("<script").count()], with_data, "{name}");
+            assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count(), "{name}");
+            assert!(!without_program(&page).contains("NaN"), "{name}: a figure holds no number");
         }
-        assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
-        // One script, and the numbers that it takes.
-        assert_eq!((page.matches("<script>").count(), page.matches("<script").count()), (1, 2));
-        let figures = page.matches("<svg").count();
-        assert!(figures >= 8 && figures == page.matches("</svg>").count(), "{figures} figures");
-        assert!(!page.contains("NaN"), "a figure holds no number");
+        assert!(report.pages().matches("<svg").count() >= 8);
+    }
+}
+
+/// A page without the program of its finger, which is no text.
+fn without_program(page: &str) -> String {
+    let Some((before, rest)) = page.split_once("id=\"push-program\">") else { return page.to_owned() };
+    format!("{before}{}", rest.split_once('<').expect("the end of the program").1)
+}
+
+/// Largest size of the first page without the program that it carries, bytes, and of its visible words.
+const FIRST_PAGE: [usize; 2] = [1_000_000, 1800];
+/// Largest number of visible words of all pages.
+const WORDS: usize = 6000;
+
+/// Words that a reader sees before opening anything: without drawings, scripts and closed parts.
+fn visible_words(page: &str) -> usize {
+    let without = |text: &str, open: &str, close: &str| -> String {
+        let mut parts = text.split(open);
+        let first = parts.next().unwrap_or_default().to_owned();
+        parts.fold(first, |kept, part| kept + part.split_once(close).map_or("", |(_, rest)| rest))
+    };
+    let marks = [("<script", "</script>"), ("<style", "</style>"), ("<svg", "</svg>"), ("<details", "</details>")];
+    let text = marks.iter().fold(page.to_owned(), |text, (open, close)| without(&text, open, close));
+    without(&text, "<", ">").split_whitespace().count()
+}
+
+#[test]
+fn pages_are_short_enough_to_be_read() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let first = report.read("index.html");
+        let size = without_program(&first).len();
+        assert!(size < FIRST_PAGE[0] && visible_words(&first) < FIRST_PAGE[1], "{size}, {}", visible_words(&first));
+        let all: usize = report.page_names().iter().map(|name| visible_words(&report.read(name))).sum();
+        assert!(all < WORDS, "{all}");
     }
 }
 
@@ -55,25 +102,30 @@ const WIDTHS: [u32; 2] = [1280, 390];
 #[test]
 fn the_page_fits_its_window_and_prints() {
     let Some(browser) = browser::browser() else { return };
-    let html = PAPERS.read("index.html");
     let folder = tempfile::tempdir().expect("a folder");
     let measure = |html: &str, width, dark| browser::measure(&browser, folder.path(), html, width, dark);
-    for (width, dark) in WIDTHS.into_iter().flat_map(|width| [(width, false), (width, true)]) {
-        let measured = measure(&html, width, dark);
-        assert_eq!(measured.window, f64::from(width));
-        assert!(measured.page <= measured.window, "{width} px: the page has {} px: {}", measured.page, measured.wide);
-        assert_eq!((measured.drawings, measured.flat), (html.matches("<svg").count(), 0), "{width} px");
+    for (nth, name) in PAPERS.page_names().iter().enumerate() {
+        let html = PAPERS.read(name);
+        for (width, dark) in WIDTHS.into_iter().flat_map(|width| [(width, false), (width, true)]) {
+            // Colours are those of the first page.
+            if dark && nth > 0 {
+                continue;
+            }
+            let measured = measure(&html, width, dark);
+            assert_eq!(measured.window, f64::from(width));
+            assert!(measured.page <= measured.window, "{name}, {width} px: {} px: {}", measured.page, measured.wide);
+            assert_eq!((measured.drawings, measured.flat), (html.matches("<svg").count(), 0), "{name}, {width} px");
+        }
+        let (page, pdf) = (folder.path().join("printed.html"), folder.path().join("printed.pdf"));
+        std::fs::write(&page, &html).expect("a copy of the page");
+        let print = format!("--print-to-pdf={}", pdf.display());
+        browser::assert_silent(&browser::run(&browser, &page, &[&print, "--no-pdf-header-footer"]));
+        assert!(std::fs::read(&pdf).expect("a PDF").starts_with(b"%PDF"), "{name}");
     }
     // What is too wide is seen.
+    let html = PAPERS.read("camera.html");
     let broken = measure(&html.replace("</main>", "<div style=\"width:2000px\">wide</div></main>"), WIDTHS[1], false);
     assert!(broken.page >= 2000.0 && broken.wide.contains("DIV"), "{} px, {}", broken.page, broken.wide);
-
-    let (page, pdf) = (folder.path().join("printed.html"), folder.path().join("printed.pdf"));
-    std::fs::write(&page, &html).expect("a copy of the page");
-    let print = format!("--print-to-pdf={}", pdf.display());
-    browser::assert_silent(&browser::run(&browser, &page, &[&print, "--no-pdf-header-footer"]));
-    let printed = std::fs::read(&pdf).expect("a PDF");
-    assert!(printed.starts_with(b"%PDF") && printed.len() > html.len() / 20, "{} bytes", printed.len());
 }
 
 /// Drawings of a page: the figures that hold an `<svg>`.
@@ -110,7 +162,7 @@ fn every_drawing_says_what_it_shows() {
         "largest displacement",
     ];
     for report in [&*PAPERS, &*SPRING_STEELS] {
-        let page = report.read("index.html");
+        let page = report.pages();
         let drawings = drawings(&page);
         assert!(drawings.len() >= 8 && drawings.len() == page.matches("<svg").count());
         for figure in drawings {
@@ -125,20 +177,26 @@ fn every_drawing_says_what_it_shows() {
     }
 }
 
-/// Five answers, what they rest on and the finger in three situations before everything else, then questions; what sections say stands at their
-/// heads.
+/// Words that the first screen may have.
+const FIRST_SCREEN: usize = 120;
+
+/// A short verdict and what of it is real before everything else; then the finger in three situations, and the verdict in full; what sections say
+/// stands at their heads.
 #[test]
-fn the_page_begins_with_its_summary() {
+fn the_first_page_begins_with_its_verdict() {
     let page = PAPERS.read("index.html");
     let at = |part: &str| page.find(part).unwrap_or_else(|| panic!("no {part}"));
-    let head = &page[at("<div class=\"answers\">")..at("<nav class=\"bar\"")];
-    assert_eq!((head.matches("<dt>").count(), head.matches("<dd>").count(), head.matches("<svg").count()), (5, 5, 3));
-    assert!(head.contains("class=\"caveat\">Simulation only, with"));
-    for figure in drawings(head) {
+    let screen = &page[at("<body>")..at("<nav class=\"bar\"")];
+    assert!((4..=5).contains(&screen.matches("<dt>").count()) && visible_words(screen) <= FIRST_SCREEN, "{screen}");
+    assert!(screen.contains("Simulation: no real finger was measured."));
+    let trusted = page[at("<h2 id=\"trusted\"")..].split("</section>").next().expect("the section");
+    assert_eq!((trusted.matches("<dt>").count(), trusted.matches("<svg").count()), (5, 3));
+    assert!(trusted.contains("class=\"caveat\">Simulation only, with"));
+    for figure in drawings(trusted) {
         assert!(figure.contains("refused") && figure.contains("without equilibrium"), "a share without its counts");
     }
-    let questions = ["where", "fix", "which", "physics", "paper"].map(|id| at(&format!("<h2 id=\"{id}\"")));
-    assert!(questions.is_sorted() && at("<nav class=\"contents\"") < questions[0]);
+    let page = PAPERS.pages();
+    let at = |part: &str| page.find(part).unwrap_or_else(|| panic!("no {part}"));
     for id in [
         "maps",
         "contact-scenes",
@@ -154,19 +212,16 @@ fn the_page_begins_with_its_summary() {
         "table-one",
         "twin",
     ] {
-        let section = page[at(&format!("<h3 id=\"{id}\""))..].split("</section>").next().unwrap_or_default();
+        let section = page[at(&format!("<h2 id=\"{id}\""))..].split("</section>").next().unwrap_or_default();
         let blocks = section.split("class=\"says\"").nth(1).and_then(|says| says.split("</div>").next());
         assert!(blocks.is_some_and(|says| says.matches("<p>").count() >= 1), "{id} says nothing");
     }
-    // Every sentence of the summary for machines is on the page once, the five answers first and what they rest on last.
+    // Every sentence of the summary for machines is on one page, once.
     let page = as_read(&page);
-    let first = page.find("<h2 id=\"where\"").expect("the first question");
     let summary = PAPERS.summary();
-    let sentences = array(&summary, "verdict");
-    for (n, sentence) in sentences.iter().enumerate() {
+    for sentence in array(&summary, "verdict") {
         let sentence = sentence.as_str().expect("words");
         assert_eq!(page.matches(sentence).count(), 1, "{sentence}");
-        assert_eq!(n < 5 || n + 1 == sentences.len(), page[..first].contains(sentence), "{sentence}");
     }
 }
 
@@ -217,16 +272,14 @@ fn cells_without_an_equilibrium_are_said() {
     }
 }
 
-/// A question without sections is neither a chapter nor in the navigation; one with sections is both.
+/// A page without sections is not written, and no other leads to it; the others have sections.
 #[test]
-fn questions_without_an_answer_are_no_chapter() {
+fn pages_without_a_study_are_not_there() {
     for (report, expected) in [(&*PAPERS, true), (&*SPRING_STEELS, false)] {
-        let page = report.read("index.html");
-        assert_eq!(page.contains("<h2 id=\"paper\""), expected);
-        assert_eq!(page.contains("href=\"#paper\""), expected);
-        let chapters = page.split("<h2 id=\"").skip(1).filter(|chapter| !chapter.starts_with("explore"));
-        for chapter in chapters {
-            assert!(chapter.contains("<h3 id="), "{}", &chapter[..chapter.len().min(60)]);
+        assert_eq!(report.page_names().contains(&"paper.html".to_owned()), expected);
+        assert_eq!(report.read("index.html").contains("href=\"paper.html"), expected);
+        for name in report.page_names() {
+            assert!(report.read(&name).contains("<h2 id="), "{name}");
         }
     }
 }
@@ -372,7 +425,7 @@ const SAMPLES: [Sample; 10] = [
 /// What a table shows is what its file holds, to the digits shown: a sample of each kind of table.
 #[test]
 fn numbers_of_tables_are_those_of_their_files() {
-    let page = PAPERS.read("index.html");
+    let page = PAPERS.pages();
     for Sample { file, row, records, numbers } in SAMPLES {
         let csv = Csv::of(&PAPERS.read(file));
         let held =
@@ -414,7 +467,7 @@ fn table_row(page: &str, file: &str, row: &[&str]) -> Vec<(String, String)> {
 #[test]
 fn choices_change_what_the_page_shows() {
     let Some(browser) = browser::browser() else { return };
-    let html = PAPERS.read("index.html");
+    let html = PAPERS.read("maps.html");
     let [before, after] = [include_str!("explore/before.js"), include_str!("explore/after.js")];
     let results = |html: &str| -> Vec<String> {
         let folder = tempfile::tempdir().expect("a folder");

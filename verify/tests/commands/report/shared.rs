@@ -109,9 +109,21 @@ impl Report {
         serde_json::from_str(&self.read("summary.json")).expect("JSON")
     }
 
-    /// What the page links to: the values of `href`.
-    pub fn links(&self) -> Vec<String> {
-        let page = self.read("index.html");
+    /// Names of the pages, the first one first.
+    pub fn page_names(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.names().into_iter().filter(|name| name.ends_with(".html")).collect();
+        names.sort_by_key(|name| name != "index.html");
+        names
+    }
+
+    /// Text of all pages, the first one first.
+    pub fn pages(&self) -> String {
+        self.page_names().iter().map(|name| self.read(name)).collect()
+    }
+
+    /// What a page links to: the values of `href`.
+    pub fn links(&self, page: &str) -> Vec<String> {
+        let page = self.read(page);
         page.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap_or_default().to_owned()).collect()
     }
 }

@@ -61,7 +61,7 @@ fn times_say_who_took_them() {
     assert_eq!(point("solve", "co-rotational", "61 nodes").1, "timed here");
     assert_eq!(point("solve", "corotational frame", "684 nodes"), (0.15, "OpenSees 3.7.1.2".to_owned()));
     assert_eq!(by.iter().filter(|by| **by != "timed here").count(), 4);
-    let page = PAPERS.read("index.html");
+    let page = PAPERS.pages();
     let section =
         page[page.find("id=\"speed-error\"").expect("the section")..].split("</section>").next().unwrap_or_default();
     for said in [
@@ -77,7 +77,7 @@ fn times_say_who_took_them() {
     ] {
         assert!(section.contains(said), "{said}");
     }
-    let without = SPRING_STEELS.read("index.html");
+    let without = SPRING_STEELS.pages();
     assert!(without.contains("Other programs were not timed") && !section.contains("Other programs were not timed"));
 }
 

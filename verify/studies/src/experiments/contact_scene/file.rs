@@ -3,7 +3,7 @@
 use crate::experiments::contact_scene::study::SceneWithOutline;
 use crate::experiments::contact_scene::{OutlineError, TurnedOutline};
 use finray_files::table::Table;
-use finray_files::{FileError, is_standard_stream, load_scene};
+use finray_files::{FileError, is_standard_stream, load_scene_and_text};
 use finray_model::Vector;
 use finray_model::scene::Outline;
 use std::path::Path;
@@ -14,10 +14,10 @@ use std::path::Path;
 /// # Errors
 /// [`FileError`] with file, line and key, also for corners that form no valid outline.
 pub fn load_scene_with_outline(path: &Path) -> Result<SceneWithOutline, FileError> {
-    let scene = load_scene(path)?;
-    let Some(object) = &scene.object else { return Ok(SceneWithOutline { scene, corners: Vec::new() }) };
+    let (scene, text) = load_scene_and_text(path)?;
+    let Some(object) = &scene.object else { return Ok(SceneWithOutline { scene, text, corners: Vec::new() }) };
     let Outline::Polygon { points_csv } = &object.outline else {
-        return Ok(SceneWithOutline { scene, corners: Vec::new() });
+        return Ok(SceneWithOutline { scene, text, corners: Vec::new() });
     };
     let folder = if is_standard_stream(path) { None } else { path.parent() };
     let file = folder.unwrap_or(Path::new("")).join(points_csv);
@@ -25,7 +25,7 @@ pub fn load_scene_with_outline(path: &Path) -> Result<SceneWithOutline, FileErro
     let corner = |row| Ok(Vector::new(table.number(row, 0)?, table.number(row, 1)?));
     let corners: Vec<Vector> = table.rows().iter().map(corner).collect::<Result<_, FileError>>()?;
     match TurnedOutline::new(object, &corners) {
-        Ok(_) => Ok(SceneWithOutline { corners, scene }),
+        Ok(_) => Ok(SceneWithOutline { scene, text, corners }),
         Err(error @ OutlineError::TooFar { corner }) => Err(table.wrong(&table.rows()[corner - 1], error)),
         Err(error) => Err(FileError::content(&file, error)),
     }

@@ -87,7 +87,7 @@ pub fn run_all(
     samples: usize,
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<SceneStudy>, SceneStudyError> {
-    let run = |(SceneWithOutline { scene, corners }, fineness): &(SceneWithOutline, Option<usize>)| {
+    let run = |(SceneWithOutline { scene, corners, .. }, fineness): &(SceneWithOutline, Option<usize>)| {
         // Free objects belong to grippers.
         let is_pressed = |object: &&ObjectDescription| !matches!(object.motion, ObjectMotion::Free { .. });
         let Some(object) = scene.object.as_ref().filter(is_pressed) else { return Ok(None) };
@@ -99,13 +99,25 @@ pub fn run_all(
     Ok(studies.into_iter().flatten().collect())
 }
 
-/// A scene with the corners of its object's outline.
+/// A scene with its text and the corners of its object's outline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneWithOutline {
     /// The scene.
     pub scene: Scene,
+    /// Text of the scene's file.
+    pub text: String,
     /// Corners of a polygon, mm; empty for other outlines.
     pub corners: Vec<Vector>,
+}
+
+impl SceneWithOutline {
+    /// A scene whose object, if it has one, is no polygon.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the text is no scene.
+    pub fn from_toml(text: &str) -> Result<SceneWithOutline, SceneError> {
+        Ok(SceneWithOutline { scene: Scene::from_toml(text)?, text: text.to_owned(), corners: Vec::new() })
+    }
 }
 
 /// Number of segments per plate member that suffices if objects displace the finger by about 10 mm.
@@ -117,7 +129,7 @@ const COARSE: usize = 2;
 /// [`SceneStudyError`] if a scene or an outline cannot be read.
 pub fn shipped() -> Result<Vec<(SceneWithOutline, usize)>, SceneStudyError> {
     let scene = |text: &str, corners: &[Vector], fineness| -> Result<_, SceneStudyError> {
-        Ok((SceneWithOutline { scene: Scene::from_toml(text)?, corners: corners.to_vec() }, fineness))
+        Ok((SceneWithOutline { corners: corners.to_vec(), ..SceneWithOutline::from_toml(text)? }, fineness))
     };
     let mut fork = csv::Reader::from_reader(finray_fixtures::FORK_OUTLINE.as_bytes());
     let fork: Vec<[f64; 2]> = fork.deserialize().collect::<Result<_, _>>()?;

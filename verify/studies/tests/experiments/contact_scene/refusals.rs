@@ -4,6 +4,7 @@ use super::{COARSE, prepared, scene, steps};
 use finray_lattice::LatticeError;
 use finray_model::Vector;
 use finray_model::finger::Plate;
+use finray_studies::experiments::contact_scene::study::{SceneWithOutline, run_all};
 use finray_studies::experiments::contact_scene::{OutlineError, TurnedOutline};
 
 #[test]
@@ -70,7 +71,7 @@ fn a_free_object_is_not_pressed() {
     let object = scene.object.clone().expect("an object");
     let refused = finray_studies::experiments::contact_scene::ContactScene::new(&scene, &object, &[]);
     assert_eq!(refused.err(), Some(finray_studies::experiments::contact_scene::OutlineError::Free));
-    let given = finray_studies::experiments::contact_scene::study::SceneWithOutline { scene, corners: Vec::new() };
-    let studies = finray_studies::experiments::contact_scene::study::run_all(&[(given, Some(1))], 0.0, 0, &|| ());
+    let given = SceneWithOutline::from_toml(finray_fixtures::GRASPED_DISC_SCENE).expect("a scene");
+    let studies = run_all(&[(given, Some(1))], 0.0, 0, &|| ());
     assert!(studies.expect("nothing to study").is_empty());
 }

@@ -1,0 +1,277 @@
+//! A finger that a web page can push: its equilibrium under one force, and the force that would be sensed from a camera's view of it.
+//!
+//! The report embeds this crate as WebAssembly (`push.wasm`), so that its page computes with the same beam model and the same sensor as the program. A page
+//! asks in JSON and gets JSON (see [`Session::answer`]); a Rust program uses [`PushedFinger`]. Lengths are in mm, forces in N, angles in degrees,
+//! vectors in the finger frame of [`finray_model`].
+
+mod drawing;
+#[cfg(target_arch = "wasm32")]
+mod exports;
+mod session;
+
+pub use drawing::{Drawing, Polyline};
+pub use session::Session;
+
+use finray_model::estimators::EstimatorId;
+use finray_model::finger::Plate;
+use finray_model::observation::Observation;
+use finray_model::scene::SceneError;
+use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
+use finray_model::sensor::{Refusal, SensedForces, Sensor, SensorContacts, SensorOptions};
+use finray_model::statics::{Statics, StaticsError};
+use finray_model::{Kinematics, Mesh, Scene, Vector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+/// This crate as WebAssembly, made by `verify/push/build`.
+#[cfg(not(target_arch = "wasm32"))]
+pub const PROGRAM: &[u8] = include_bytes!("../push.wasm");
+
+/// Mesh nodes of the true finger. Twice as many change its displacements by less than a camera resolves.
+pub const MESH_NODES: usize = 200;
+/// Elements per member of a finger that has more key nodes than [`MESH_NODES`].
+const FEWEST_ELEMENTS: usize = 2;
+
+/// A force on the finger, and what is asked of the sensor.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Push {
+    /// Position of the true force along the front plate, mm from the base.
+    pub s_mm: f64,
+    /// Direction of the true force, degrees from the undeformed inward normal, positive towards the tip.
+    pub angle_deg: f64,
+    /// The true force, N.
+    pub force_n: f64,
+    /// Whether the true finger is the other one of [`PushedFinger::new`]; the sensor always takes it for the scene's.
+    #[serde(default)]
+    pub is_other: bool,
+    /// What the sensor knows of the contact.
+    pub contact: Knowledge,
+    /// Name of the estimator.
+    pub estimator: String,
+    /// Standard deviation of one coordinate of a marker, mm.
+    pub noise_mm: f64,
+    /// Number of the image. Every number has its own noise; the same number has the same noise under every force.
+    pub image: u64,
+}
+
+/// What the sensor knows of the contact.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Knowledge {
+    /// Position and direction are known.
+    Known,
+    /// The sensor assumes a position and a direction that are off by these amounts. The position stays on the plate.
+    Off {
+        /// Assumed less true position, mm.
+        by_mm: f64,
+        /// Assumed less true direction, degrees.
+        by_deg: f64,
+    },
+    /// The sensor seeks position and direction together with the force.
+    Sought,
+    /// The sensor is not asked: a page that shows a moving finger can have its shape at once, and the force when it rests.
+    Unasked,
+}
+
+/// The pushed finger, and what the sensor makes of its image.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pushed {
+    /// The finger carries the force.
+    Bent(Box<Bent>),
+    /// The finger has no equilibrium under the force; the reason.
+    NotCarried(String),
+}
+
+/// A finger bent by a force.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Bent {
+    /// The bent finger.
+    pub lines: Vec<Polyline>,
+    /// Point of the bent front plate at which the force acts.
+    pub at: [f64; 2],
+    /// True displacement of each marked node.
+    pub displacements: Vec<[f64; 2]>,
+    /// Displacement of each marked node with the camera's noise, as the sensor sees it.
+    pub seen: Vec<[f64; 2]>,
+    /// What the sensor answers.
+    pub sensed: Sensed,
+}
+
+/// Answer of the sensor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sensed {
+    /// A force.
+    Force(Box<SensedForce>),
+    /// No force, for this reason.
+    Refused(String),
+    /// The sensor was not asked.
+    Unasked,
+}
+
+/// A sensed force.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SensedForce {
+    /// The force along the direction at `angle_deg`, N.
+    pub force_n: f64,
+    /// Standard deviation, N.
+    pub sigma_n: f64,
+    /// Lower and upper limit of the 95 % interval, N.
+    pub interval_n: [f64; 2],
+    /// Known, assumed or sought position, mm from the base.
+    pub s_mm: Option<f64>,
+    /// Known, assumed or sought direction, degrees.
+    pub angle_deg: f64,
+    /// Point of the bent front plate at `s_mm`.
+    pub at: Option<[f64; 2]>,
+    /// Reasons to trust the force less than its interval says.
+    pub warnings: Vec<String>,
+}
+
+/// A scene's finger on which one force acts.
+#[derive(Debug, Clone)]
+pub struct PushedFinger {
+    scene: Scene,
+    mesh: Mesh,
+    other: Option<Mesh>,
+}
+
+impl PushedFinger {
+    /// The finger of a scene, in TOML. `other` is the text of a scene with another finger of as many nodes: a true finger that differs from the one that the
+    /// sensor knows.
+    ///
+    /// # Errors
+    /// [`SceneError`] if a scene cannot be read.
+    pub fn new(scene: &str, other: Option<&str>) -> Result<PushedFinger, SceneError> {
+        let scene = Scene::from_toml(scene)?;
+        let other = other.map(Scene::from_toml).transpose()?;
+        let mesh = drawn_mesh(&scene);
+        Ok(PushedFinger { mesh, other: other.as_ref().map(drawn_mesh), scene })
+    }
+
+    /// The scene of the finger.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The finger at rest.
+    pub fn drawing(&self) -> Drawing {
+        Drawing::new(&self.scene, &self.mesh)
+    }
+
+    /// Pushes the finger and senses the force.
+    pub fn push(&self, push: &Push) -> Pushed {
+        let mesh = self.other.as_ref().filter(|_| push.is_other).unwrap_or(&self.mesh);
+        match self.bent(mesh, push) {
+            Ok(bent) => Pushed::Bent(Box::new(bent)),
+            Err(error) => Pushed::NotCarried(error.to_string()),
+        }
+    }
+
+    fn bent(&self, mesh: &Mesh, push: &Push) -> Result<Bent, StaticsError> {
+        let &Push { s_mm, angle_deg, force_n, .. } = push;
+        let contact = Contact { position: ContactPosition::At(s_mm), angle_deg };
+        let load = mesh.frame_load(&contact.load(mesh.finger(), force_n))?;
+        let motion = Statics::ladder(mesh, Kinematics::Corotational).accurate_equilibrium(&[load])?.motion;
+        let shape = mesh.shape(&motion);
+        let exact = Observation::of_shape(mesh.finger(), &shape);
+        let seen = with_noise(exact.clone(), push);
+        let on_plate = |s_mm: f64| mesh.front_point(&motion, s_mm).map(xy);
+        let displacements = |seen: &Observation| seen.markers.iter().filter_map(|it| it.displacement).map(xy).collect();
+        Ok(Bent {
+            lines: drawing::lines(mesh, Some(&motion)),
+            at: on_plate(s_mm)?,
+            displacements: displacements(&exact),
+            seen: displacements(&seen),
+            sensed: match self.question(push).map(|question| self.sensed(&seen, question, push)) {
+                None => Sensed::Unasked,
+                Some(Ok((contact, force))) => {
+                    let s_mm = contact.position_mm(&self.scene.finger);
+                    let at = s_mm.and_then(|s_mm| on_plate(s_mm).ok());
+                    Sensed::Force(Box::new(SensedForce { s_mm, at, ..force }))
+                }
+                Some(Err(refusal)) => Sensed::Refused(refusal),
+            },
+        })
+    }
+
+    /// What the sensor is asked of the contact; `None` if it is not asked.
+    fn question(&self, push: &Push) -> Option<ContactQuestion> {
+        let at = |s_mm, angle_deg| ContactQuestion {
+            position: Some(ContactPosition::At(s_mm)),
+            direction: Direction::Angle(angle_deg),
+        };
+        match push.contact {
+            Knowledge::Unasked => None,
+            Knowledge::Sought => Some(ContactQuestion { position: None, direction: Direction::Auto }),
+            Knowledge::Known => Some(at(push.s_mm, push.angle_deg)),
+            Knowledge::Off { by_mm, by_deg } => {
+                let length_mm = self.scene.finger.plate_length_mm(Plate::Front);
+                Some(at((push.s_mm + by_mm).min(length_mm), push.angle_deg + by_deg))
+            }
+        }
+    }
+
+    /// The contact that is known, assumed or found, and its force; or why there is none.
+    fn sensed(
+        &self,
+        seen: &Observation,
+        question: ContactQuestion,
+        push: &Push,
+    ) -> Result<(Contact, SensedForce), String> {
+        let estimator = estimators().find(|estimator| estimator.name() == push.estimator).ok_or_else(|| {
+            let names: Vec<&str> = estimators().map(EstimatorId::name).collect();
+            format!("expected an estimator of {}, found {:?}", names.join(", "), push.estimator)
+        })?;
+        let options = SensorOptions { estimator, noise_mm: Some(push.noise_mm), ..SensorOptions::default() };
+        let contacts = SensorContacts::Asked(vec![question]);
+        let refusal = |refusal: Refusal| refusal.to_string();
+        let sensor = Sensor::new(&self.scene, contacts, options).map_err(refusal)?;
+        let sensed = sensor.sense(seen).map_err(refusal)?;
+        let contact = sensed.contacts[0];
+        let force = SensedForce {
+            force_n: sensed.forces_n[0],
+            sigma_n: sensed.sigmas_n[0],
+            interval_n: sensed.interval_n(0),
+            s_mm: None,
+            at: None,
+            angle_deg: contact.angle_deg,
+            warnings: warnings(&sensor, &sensed),
+        };
+        Ok((contact, force))
+    }
+}
+
+/// Estimators that need no files.
+pub fn estimators() -> impl Iterator<Item = EstimatorId> {
+    EstimatorId::ALL.iter().copied().filter(|estimator| *estimator != EstimatorId::Network)
+}
+
+fn warnings(sensor: &Sensor, sensed: &SensedForces) -> Vec<String> {
+    let doubts = sensor.doubts(sensed).unwrap_or_default();
+    let warnings = sensed.warnings.iter().map(ToString::to_string);
+    warnings.chain(doubts.iter().map(ToString::to_string)).collect()
+}
+
+fn drawn_mesh(scene: &Scene) -> Mesh {
+    Mesh::with_nodes(&scene.finger, MESH_NODES)
+        .unwrap_or_else(|_| Mesh::with_elements_per_member(&scene.finger, FEWEST_ELEMENTS))
+}
+
+/// The observation with the noise of an image.
+fn with_noise(mut seen: Observation, push: &Push) -> Observation {
+    let mut chance = ChaCha8Rng::seed_from_u64(push.image);
+    for marker in &mut seen.markers {
+        let noise = Vector::from_fn(|_, _| StandardNormal.sample(&mut chance)) * push.noise_mm;
+        marker.displacement = marker.displacement.map(|exact| exact + noise);
+    }
+    seen
+}
+
+fn xy(vector: Vector) -> [f64; 2] {
+    [vector.x, vector.y]
+}

@@ -1,0 +1,54 @@
+//! The finger that one can push, on the first page: its program, its scene and the map of trusted cells.
+
+use super::page::Pushable;
+use super::trust::{Situation, situations};
+use crate::prelude::*;
+use finray_studies::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use flate2::{Compression, write::GzEncoder};
+use serde_json::{Value, json};
+use std::io::Write;
+
+/// Largest force that can be chosen, relative to the largest of the maps.
+const MOST: f64 = 1.5;
+/// Names of the situations in the script, and in the files.
+const SITUATIONS: [(&str, &str); 3] =
+    [("known", "contact known"), ("off", "contact assumed"), ("other", "softer ends")];
+
+/// Program and data of the picture.
+///
+/// # Errors
+/// [`ReportError`] if the program cannot be compressed.
+pub(super) fn of(study: &Study) -> Result<Pushable, ReportError> {
+    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+    packed.write_all(finray_push::PROGRAM)?;
+    Ok(Pushable { program: data_encoding::BASE64.encode(&packed.finish()?), data: data(study) })
+}
+
+/// The data as JSON without `<`, so that it can be embedded in the page.
+fn data(study: &Study) -> String {
+    let all = situations(study);
+    let map =
+        |(name, of): (&str, &str)| Some((name.to_owned(), cells(all.iter().find(|situation| situation.name == of)?)));
+    let largest_n = study.forces.of_maps_n().into_iter().fold(0.0, f64::max);
+    let data = json!({
+        "scene": study.scene_text,
+        "other": study.is_paper.then_some(finray_fixtures::TWIN_SCENE),
+        "maps": SITUATIONS.into_iter().filter_map(map).collect::<serde_json::Map<String, Value>>(),
+        // Of the signs that the map of assumed contacts has, one whose two errors do not compensate each other.
+        "off": { "by_mm": -POSITION_OFF_MM, "by_deg": DIRECTION_OFF_DEG },
+        "noise_mm": study.noise_mm,
+        "most_n": MOST * largest_n,
+        "first_n": largest_n / 2.0,
+    });
+    data.to_string().replace('<', "\\u003c")
+}
+
+fn cells(of: &Situation) -> Value {
+    json!({
+        "s_mm": of.map.request.positions_mm,
+        "angle_deg": of.map.request.angles_deg,
+        "state": of.cells.iter().map(|cell| cell.state.name()).collect::<Vec<_>>(),
+        "worst_error": of.cells.iter().map(|cell| cell.worst_error).collect::<Vec<_>>(),
+        "is_trusted": of.cells.iter().map(|cell| cell.is_trusted).collect::<Vec<_>>(),
+    })
+}

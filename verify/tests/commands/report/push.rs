@@ -1,0 +1,108 @@
+//! The finger that one can push on the first page: driven in a browser, and held against the commands.
+
+use super::shared::*;
+use crate::kit::*;
+use finray_fixtures::PAPER_SCENE;
+use finray_push::{Knowledge, MESH_NODES, Push, Pushed, PushedFinger, Sensed};
+use finray_tests::{case_count, random_stream};
+use rand::RngExt;
+
+/// A window that nobody sees is drawn once: frames are taken from the clock.
+const FRAMES: &str = "window.requestAnimationFrame = (draw) => setTimeout(draw, 16);";
+
+/// Pointer, keys and choices change what is shown; nothing goes wrong, and no force is shown where there is none.
+#[test]
+fn the_finger_of_the_page_can_be_pushed() {
+    let Some(browser) = browser::browser() else { return };
+    let html = PAPERS.read("index.html");
+    let [before, after] = [include_str!("explore/before.js"), include_str!("push/after.js")];
+    let results = |html: &str, width: u32| -> Vec<String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let page = folder.path().join("pushed.html");
+        let asked = html.replacen("<head>", &format!("<head><script>{before}{FRAMES}</script>"), 1).replacen(
+            "</body>",
+            &format!("<script>{after}</script></body>"),
+            1,
+        );
+        std::fs::write(&page, asked).expect("a copy of the page");
+        let size = format!("--window-size={width},900");
+        let output = browser::run(&browser, &page, &["--dump-dom", "--virtual-time-budget=60000", &size]);
+        let dom = String::from_utf8_lossy(&output.stdout).into_owned();
+        let is_result = |line: &&str| ["PASS ", "FAIL ", "DONE "].iter().any(|head| line.starts_with(head));
+        dom.lines().filter(is_result).map(str::to_owned).collect()
+    };
+    for width in [1400, 520] {
+        let found = results(&html, width);
+        assert!(found.iter().any(|line| line.starts_with("DONE")) && found.len() > 10, "{width} px: {found:#?}");
+        assert!(!found.iter().any(|line| line.starts_with("FAIL")), "{width} px: {found:#?}");
+    }
+    // A force that is shown twice as large is seen.
+    let broken = html.replacen("`Sensed ${newton(force_n)}`", "`Sensed ${newton(2 * force_n)}`", 1);
+    assert!(results(&broken, 1400).iter().any(|line| line.starts_with("FAIL")), "a wrong force is not seen");
+    // Without its program the picture is not shown, and nothing goes wrong.
+    let without = results(&html.replacen("id=\"push-program\"", "id=\"push-nothing\"", 1), 1400);
+    assert!(without.contains(&"FAIL the picture is shown: hidden".to_owned()), "{without:?}");
+}
+
+/// Largest accepted difference of the page's finger from the commands, relative to the number.
+const SAME: f64 = 1e-9;
+
+/// What the page shows is what `solve` and `sense` say.
+#[test]
+fn a_pushed_finger_is_what_solve_and_sense_say() {
+    let pushed = PushedFinger::new(PAPER_SCENE, None).expect("a scene");
+    let free: Vec<usize> = pushed.scene().finger.free_nodes().map(|node| node.0).collect();
+    let folder = Folder::new();
+    let scene = folder.put("scene.toml", PAPER_SCENE);
+    let mut chance = random_stream(46, 1);
+    let mut answered = 0;
+    for image in 0..case_count(12, 200) as u64 {
+        let push = Push {
+            s_mm: chance.random_range(5.0..150.0),
+            angle_deg: chance.random_range(-60.0..60.0),
+            force_n: chance.random_range(0.2..3.0),
+            is_other: false,
+            contact: if image % 4 == 3 { Knowledge::Sought } else { Knowledge::Known },
+            estimator: ["nonlinear", "least-squares"][image as usize / 2 % 2].to_owned(),
+            noise_mm: 0.067,
+            image,
+        };
+        let Push { s_mm, angle_deg, force_n, .. } = push;
+        let load = format!("{s_mm}:{force_n},{angle_deg}");
+        let nodes = MESH_NODES.to_string();
+        let solved = finray(&["solve", &scene, "--load-at", &load, "--mesh-nodes", &nodes]);
+        let Pushed::Bent(bent) = pushed.push(&push) else {
+            assert_eq!(solved.code, Some(3), "{load}: {}", solved.err);
+            continue;
+        };
+        assert_eq!(solved.code, Some(0), "{}", solved.err);
+        let shape = Csv::of(&solved.out);
+        let [ux, uy] = ["ux_mm", "uy_mm"].map(|column| shape.numbers(column));
+        let said: Vec<f64> = free.iter().flat_map(|node| [ux[node - 1], uy[node - 1]]).collect();
+        let shown: Vec<f64> = bent.displacements.iter().flatten().copied().collect();
+        assert_close(&shown, &said, SAME * said.iter().fold(0.0, |largest: f64, it| largest.max(it.abs())));
+
+        let rows = free.iter().zip(&bent.seen).map(|(node, [x, y])| format!("{node},{x},{y}\n"));
+        let seen = folder.put("seen.csv", format!("node,ux_mm,uy_mm\n{}", rows.collect::<String>()));
+        let contact = match push.contact {
+            Knowledge::Sought => "auto@auto".to_owned(),
+            _ => format!("{s_mm}@{angle_deg}"),
+        };
+        let given = ["sense", &scene, "--displacements", &seen, "--contact-at", &contact, "--noise-mm", "0.067"];
+        let sensed = finray(&[&given[..], &["--estimator", &push.estimator]].concat());
+        match &bent.sensed {
+            Sensed::Force(force) => {
+                assert_eq!(sensed.code, Some(0), "{}", sensed.err);
+                assert_eq!(force.warnings.is_empty(), !sensed.err.contains("warning: "), "{}", sensed.err);
+                let row = Csv::of(&sensed.out);
+                let of = |column: &str| row.numbers(column)[0];
+                let [force_n, sigma_n] = [of("force_n"), of("sigma_n")];
+                assert_close(&[force.force_n, force.sigma_n], &[force_n, sigma_n], SAME * force_n.abs());
+                answered += 1;
+            }
+            Sensed::Refused(reason) => assert!(sensed.err.contains(reason.as_str()), "{reason}: {}", sensed.err),
+            Sensed::Unasked => panic!("the sensor was asked"),
+        }
+    }
+    assert!(answered > 5, "{answered}");
+}
