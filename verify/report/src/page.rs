@@ -15,8 +15,8 @@ pub const SCRIPT: &str = include_str!("explore/explore.js");
 /// Style sheet of the interactive section.
 pub const STYLE: &str = include_str!("explore/explore.css");
 
-/// Script and style sheet of the finger that one can push.
-const PUSH: [&str; 2] = [include_str!("push/push.js"), include_str!("push/push.css")];
+/// Script and style sheet of the finger that one can push, and script of the page that edits its scene.
+const PUSH: [&str; 3] = [include_str!("push/push.js"), include_str!("push/push.css"), include_str!("push/own.js")];
 
 /// Content of one page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -25,6 +25,8 @@ pub struct Page {
     pub title: String,
     /// First screen of the report; `None` on the pages behind it.
     pub first: Option<First>,
+    /// The finger that the reader can push; `None` leaves the picture out.
+    pub push: Option<Pushable>,
     /// Data of the interactive section; `None` leaves the section out.
     pub explore: Option<String>,
     /// The results, in the order of the page.
@@ -40,13 +42,11 @@ pub struct Page {
 pub struct First {
     /// Short verdict, beside the picture.
     pub verdict: Vec<Answer>,
-    /// The finger that the reader can push; `None` leaves the drawing of the map in its place.
-    pub push: Option<Pushable>,
     /// The reader's questions with their full answers.
     pub answers: Vec<Answer>,
     /// Assumptions behind the answers.
     pub caveat: String,
-    /// Drawings of the trusted cells. The first stands where the finger can be pushed, until its program runs.
+    /// Drawings of the trusted cells.
     pub lead: Vec<Figure>,
     /// Text below the drawings of `lead`.
     pub lead_caption: String,
@@ -59,6 +59,8 @@ pub struct Pushable {
     pub program: String,
     /// Scene and map as JSON.
     pub data: String,
+    /// Whether the reader can change the scene.
+    pub is_edited: bool,
 }
 
 /// A question with a short answer.
@@ -266,8 +268,8 @@ pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;
-    let scripts = context! { explore => SCRIPT, push => PUSH[0] };
-    let styles = context! { explore => STYLE, push => PUSH[1] };
+    let scripts = context! { explore => SCRIPT, push => PUSH[0], own => PUSH[2] };
+    let styles = context! { page => include_str!("page.css"), explore => STYLE, push => PUSH[1] };
     let page = context! { page => Serde(page), about => about(), scripts, styles };
     environment.get_template("page.html")?.render(page)
 }

@@ -21,10 +21,20 @@ const SITUATIONS: [(&str, &str); 3] =
 pub(super) fn of(study: &Study) -> Result<Pushable, ReportError> {
     let mut packed = GzEncoder::new(Vec::new(), Compression::best());
     packed.write_all(finray_push::PROGRAM)?;
-    Ok(Pushable { program: data_encoding::BASE64.encode(&packed.finish()?), data: data(study) })
+    Ok(Pushable { program: data_encoding::BASE64.encode(&packed.finish()?), data: data(study), is_edited: false })
 }
 
-/// The data as JSON without `<`, so that it can be embedded in the page.
+/// The same for the page that edits the scene: without the map, which is of the report's finger.
+pub(super) fn edited(pushed: &Pushable, study: &Study) -> Pushable {
+    let data = json!({ "scene": study.scene_text, "other": null, "maps": {}, "noise_mm": study.noise_mm });
+    Pushable { program: pushed.program.clone(), data: embedded(&data), is_edited: true }
+}
+
+/// JSON without `<`, so that it can be embedded in a page.
+fn embedded(data: &Value) -> String {
+    data.to_string().replace('<', "\\u003c")
+}
+
 fn data(study: &Study) -> String {
     let all = situations(study);
     let map =
@@ -40,7 +50,7 @@ fn data(study: &Study) -> String {
         "most_n": MOST * largest_n,
         "first_n": largest_n / 2.0,
     });
-    data.to_string().replace('<', "\\u003c")
+    embedded(&data)
 }
 
 fn cells(of: &Situation) -> Value {

@@ -25,10 +25,11 @@ enum On {
     Lattice,
     HardCases,
     Paper,
+    Own,
 }
 
 impl On {
-    const ALL: [On; 11] = [
+    const ALL: [On; 12] = [
         On::Index,
         On::Measured,
         On::Maps,
@@ -40,6 +41,7 @@ impl On {
         On::Lattice,
         On::HardCases,
         On::Paper,
+        On::Own,
     ];
 
     /// File of the page, and its heading.
@@ -56,6 +58,7 @@ impl On {
             On::Lattice => ["lattice.html", "Lattice and MuJoCo"],
             On::HardCases => ["hard-cases.html", "Hard cases"],
             On::Paper => ["paper.html", "The paper"],
+            On::Own => ["your-finger.html", "Your finger"],
         }
     }
 }
@@ -105,8 +108,8 @@ pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, Repor
         let of_page = SECTIONS.iter().filter(|Entry(of, ..)| *of == on);
         let sections = of_page.filter_map(|Entry(_, section, _)| section(results).transpose());
         let sections = sections.collect::<Result<Vec<_>, _>>()?;
-        // A page is left out if the scene has no study for it.
-        if on == On::Index || !sections.is_empty() {
+        // A page of results is left out if the scene has no study for it.
+        if matches!(on, On::Index | On::Own) || !sections.is_empty() {
             filled.push((on, sections));
         }
     }
@@ -116,6 +119,7 @@ pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, Repor
         PageLink { file, heading, is_this: false, sections }
     };
     let links: Vec<PageLink> = filled.iter().map(link).collect();
+    let pushed = push::of(study)?;
     let page = |(on, sections): (On, Vec<Section>)| {
         let [file, heading] = on.names();
         let is_first = on == On::Index;
@@ -127,6 +131,11 @@ pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, Repor
                 format!("{heading}: {}", study.scene)
             },
             first: is_first.then(|| first(results)).transpose()?,
+            push: match on {
+                On::Index => Some(pushed.clone()),
+                On::Own => Some(push::edited(&pushed, study)),
+                _ => None,
+            },
             explore: (on == On::Maps).then(|| explore::data(results)),
             sections,
             pages,
@@ -144,7 +153,6 @@ fn first(results: Results) -> Result<First, ReportError> {
     let study = results.study;
     Ok(First {
         verdict: answers::verdict(study),
-        push: Some(push::of(study)?),
         answers: answers::answers(study)?,
         caveat: answers::caveat(study)?,
         lead: trust::figures(results)?,

@@ -13,12 +13,12 @@ fn page() -> Page {
         title: "Truth <b>".into(),
         first: Some(First {
             verdict: vec![Answer { question: "In short?".into(), answer: "So & so.".into() }],
-            push: None,
             answers: vec![Answer { question: "Does it?".into(), answer: "It <em>works</em>.".into() }],
             caveat: "all of it simulated".into(),
             lead: vec![figure(Some("lead.csv"))],
             lead_caption: "what the colours say".into(),
         }),
+        push: None,
         explore: None,
         sections: vec![section()],
         pages: vec![link("index.html", "Here", true), link("maps.html", "Where & when", false)],

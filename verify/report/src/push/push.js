@@ -1,6 +1,6 @@
-// The finger that one can push. push.wasm, in #push-program, computes its equilibrium and the sensed force; #push-data has the scene and the
+// The finger that one can push, as the object `finray`. push.wasm, in #push-program, computes its equilibrium and the sensed force; #push-data has the scene and the
 // report's map of trusted cells. Without either, or where WebAssembly does not run, the picture stays hidden.
-(() => {
+const finray = (() => {
   'use strict';
 
   const SIDE_DEG = 80; // largest direction that can be chosen, to either side of the normal
@@ -123,15 +123,17 @@
     };
   }
 
-  function start(root, data, ask) {
-    const drawing = ask({ finger: { scene: data.scene, other: data.other } });
-    if (drawing.error) throw new Error(drawing.error);
+  /** Shows a finger that the program has taken. `before` is the state of the finger that was shown until now. Returns the state and the drawing. */
+  function start(root, data, ask, drawing, before = {}) {
     const decimals = Math.max(0, 2 - Math.floor(Math.log10(data.most_n)));
     const newton = (x) => (x === null ? 'infinite' : `${x.toFixed(decimals)}${NBSP}N`);
     const front = plate(drawing), scale = ARROW_MM / data.most_n;
     const state = { s_mm: 0.55 * drawing.front_mm, angle_deg: 0, force_n: data.first_n, knows: 'known', estimator: 'nonlinear',
-      noise_mm: data.noise_mm, image: 1 };
+      noise_mm: data.noise_mm, image: 1, ...before };
+    state.s_mm = Math.min(state.s_mm, drawing.front_mm);
+    state.force_n = Math.min(state.force_n, data.most_n);
     const [picture, says, controls] = ['drawing', 'says', 'controls'].map((part) => document.querySelector(`.push-${part}`));
+    controls.replaceChildren();
     const view = svg('svg', { viewBox: viewBox(drawing.lines).join(' '), role: 'img', 'aria-label': 'The finger. Press its upper plate and drag.' });
     const rest = svg('path', { d: drawing.lines.map(path).join(''), class: 'push-rest' });
     const bent = svg('path', { class: 'push-bent' }), moving = svg('g'), bands = svg('g');
@@ -156,7 +158,8 @@
       slider(controls, 'Place', [0.02 * drawing.front_mm, drawing.front_mm, 0.5], 'mm', (s_mm) => change({ s_mm })),
       slider(controls, 'Direction', [-SIDE_DEG, SIDE_DEG, 1], 'deg', (angle_deg) => change({ angle_deg })),
       slider(controls, 'Force', [0, data.most_n, data.most_n / STEPS], 'N', (force_n) => change({ force_n }))];
-    const known = [['known', 'Contact known'], ['off', `Contact ${Math.abs(data.off.by_mm)} mm and ${Math.abs(data.off.by_deg)} deg off`], ['sought', 'Place and direction sought']];
+    const known = [['known', 'Contact known'], ['sought', 'Place and direction sought']];
+    if (data.off) known.splice(1, 0, ['off', `Contact ${Math.abs(data.off.by_mm)} mm and ${Math.abs(data.off.by_deg)} deg off`]);
     if (data.other) known.push(['other', 'Ends softer than modelled']);
     choice(controls, 'The sensor', known, (knows) => change({ knows })).value = state.knows;
     choice(controls, 'Estimator', drawing.estimators, (estimator) => change({ estimator })).value = state.estimator;
@@ -184,7 +187,7 @@
       if (!unasked) slow = performance.now() - began > FRAME_MS;
       root.dataset.state = !it ? 'not-carried' : it.sensed === 'unasked' ? 'unasked' : Object.keys(it.sensed)[0];
       bands.replaceChildren(...band(mapped(), state.angle_deg, front, drawing.front_mm));
-      const cell = html('p', { class: `push-cell ${trusted === null ? '' : trusted ? 'is-trusted' : 'is-not-trusted'}` }, words);
+      const cell = Object.keys(data.maps).length === 0 ? '' : html('p', { class: `push-cell ${trusted === null ? '' : trusted ? 'is-trusted' : 'is-not-trusted'}` }, words);
       if (!it) {
         bent.setAttribute('d', rest.getAttribute('d'));
         moving.replaceChildren(...arrow(front.at(state.s_mm), truth, scale, 'push-true'));
@@ -238,6 +241,7 @@
     for (const end of ['pointerup', 'pointercancel']) view.addEventListener(end, () => { from = null; });
     draw();
     root.dataset.ready = '';
+    return state;
   }
 
   async function run() {
@@ -246,8 +250,11 @@
     const hide = (hidden) => [root, document.querySelector('.push-says')].forEach((each) => { each.hidden = hidden; });
     try {
       const ask = await program(text);
+      const data = JSON.parse(document.getElementById('push-data').textContent), drawing = ask({ finger: { scene: data.scene, other: data.other } });
+      if (drawing.error) throw new Error(drawing.error);
       hide(false);
-      start(root, JSON.parse(document.getElementById('push-data').textContent), ask);
+      if (document.querySelector('.push-scene')) edit(root, data, ask);
+      else start(root, data, ask, drawing);
     } catch (error) {
       root.dataset.failed = String(error);
       hide(true);
@@ -255,4 +262,5 @@
   }
 
   run();
+  return { start, plate, add, path, clamp, number, html, svg };
 })();

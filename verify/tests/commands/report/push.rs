@@ -6,35 +6,41 @@ use finray_fixtures::PAPER_SCENE;
 use finray_push::{Knowledge, MESH_NODES, Push, Pushed, PushedFinger, Sensed};
 use finray_tests::{case_count, random_stream};
 use rand::RngExt;
+use std::path::Path;
 
 /// A window that nobody sees is drawn once: frames are taken from the clock.
 const FRAMES: &str = "window.requestAnimationFrame = (draw) => setTimeout(draw, 16);";
+
+/// What a script that drives the page writes into it: lines that begin with PASS, FAIL or DONE.
+fn driven(browser: &Path, html: &str, script: &str, width: u32) -> Vec<String> {
+    let before = include_str!("explore/before.js");
+    let folder = tempfile::tempdir().expect("a folder");
+    let page = folder.path().join("driven.html");
+    let (text, end) = html.rsplit_once("</body>").expect("the end of the page");
+    let head = format!("<head><script>{before}{FRAMES}</script>");
+    let text = format!("{text}<script>{script}</script></body>{end}").replacen("<head>", &head, 1);
+    std::fs::write(&page, text).expect("a copy of the page");
+    let size = format!("--window-size={width},900");
+    let output = browser::run(browser, &page, &["--dump-dom", "--virtual-time-budget=600000", &size]);
+    let dom = String::from_utf8_lossy(&output.stdout).into_owned();
+    let is_result = |line: &&str| ["PASS ", "FAIL ", "DONE "].iter().any(|head| line.starts_with(head));
+    dom.lines().filter(is_result).map(str::to_owned).collect()
+}
+
+#[track_caller]
+fn assert_passes(found: &[String], least: usize) {
+    assert!(found.iter().any(|line| line.starts_with("DONE")) && found.len() >= least, "{found:#?}");
+    assert!(!found.iter().any(|line| line.starts_with("FAIL")), "{found:#?}");
+}
 
 /// Pointer, keys and choices change what is shown; nothing goes wrong, and no force is shown where there is none.
 #[test]
 fn the_finger_of_the_page_can_be_pushed() {
     let Some(browser) = browser::browser() else { return };
     let html = PAPERS.read("index.html");
-    let [before, after] = [include_str!("explore/before.js"), include_str!("push/after.js")];
-    let results = |html: &str, width: u32| -> Vec<String> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let page = folder.path().join("pushed.html");
-        let asked = html.replacen("<head>", &format!("<head><script>{before}{FRAMES}</script>"), 1).replacen(
-            "</body>",
-            &format!("<script>{after}</script></body>"),
-            1,
-        );
-        std::fs::write(&page, asked).expect("a copy of the page");
-        let size = format!("--window-size={width},900");
-        let output = browser::run(&browser, &page, &["--dump-dom", "--virtual-time-budget=60000", &size]);
-        let dom = String::from_utf8_lossy(&output.stdout).into_owned();
-        let is_result = |line: &&str| ["PASS ", "FAIL ", "DONE "].iter().any(|head| line.starts_with(head));
-        dom.lines().filter(is_result).map(str::to_owned).collect()
-    };
+    let results = |html: &str, width| driven(&browser, html, include_str!("push/after.js"), width);
     for width in [1400, 520] {
-        let found = results(&html, width);
-        assert!(found.iter().any(|line| line.starts_with("DONE")) && found.len() > 10, "{width} px: {found:#?}");
-        assert!(!found.iter().any(|line| line.starts_with("FAIL")), "{width} px: {found:#?}");
+        assert_passes(&results(&html, width), 18);
     }
     // A force that is shown twice as large is seen.
     let broken = html.replacen("`Sensed ${newton(force_n)}`", "`Sensed ${newton(2 * force_n)}`", 1);
@@ -42,6 +48,13 @@ fn the_finger_of_the_page_can_be_pushed() {
     // Without its program the picture is not shown, and nothing goes wrong.
     let without = results(&html.replacen("id=\"push-program\"", "id=\"push-nothing\"", 1), 1400);
     assert!(without.contains(&"FAIL the picture is shown: hidden".to_owned()), "{without:?}");
+}
+
+#[test]
+fn the_scene_of_the_page_can_be_changed() {
+    let Some(browser) = browser::browser() else { return };
+    let html = PAPERS.read("your-finger.html");
+    assert_passes(&driven(&browser, &html, include_str!("push/own.js"), 1400), 10);
 }
 
 /// Largest accepted difference of the page's finger from the commands, relative to the number.
