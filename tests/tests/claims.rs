@@ -149,3 +149,32 @@ fn map_and_table_one_show_what_is_known() {
         assert!(page.contains(&name), "no page names {name}");
     }
 }
+
+/// The page once drew the length of the true force beside the normal component that is sensed.
+#[test]
+fn a_force_across_the_normal_is_not_drawn_beside_the_sensed_one() {
+    let mut study = STUDY.clone();
+    let contacts =
+        study.contact_scenes.iter_mut().flat_map(|scene| &mut scene.steps).flat_map(|of| &mut of.step.contacts);
+    let mut normals = Vec::new();
+    for contact in contacts {
+        // As friction would add it.
+        let across = study.finger.direction(contact.contact.angle_deg + 90.0);
+        contact.force += across * contact.normal_n;
+        normals.push(contact.normal_n);
+    }
+    let drawn = finray_report::report(&study, &[]).expect("a report");
+    let page = &drawn.files.iter().find(|(name, _)| name.ends_with("maps.html")).expect("the page").1;
+    let data = page.split("id=\"explore-data\">").nth(1).and_then(|rest| rest.split("</script>").next());
+    let data: serde_json::Value = serde_json::from_str(data.expect("the data")).expect("JSON");
+    let list = |value: &serde_json::Value, key: &str| value[key].as_array().expect("a list").clone();
+    let contacts = list(&data, "scenes").into_iter().flat_map(|scene| list(&scene, "steps"));
+    let lengths = contacts.flat_map(|step| list(&step, "contacts")).map(|contact| {
+        let [x, y] = [0, 1].map(|i| contact["true"][i].as_f64().expect("a number"));
+        x.hypot(y)
+    });
+    let lengths: Vec<f64> = lengths.collect();
+    assert!(lengths.len() == normals.len() && normals.len() > 2);
+    // Four digits are drawn.
+    assert!(lengths.iter().zip(&normals).all(|(drawn, normal)| (drawn - normal.abs()).abs() < 1e-3 * normal.abs()));
+}

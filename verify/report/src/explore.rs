@@ -106,7 +106,7 @@ fn of_pair((nonlinear, linear): (&ScatterRow, &ScatterRow)) -> Value {
     Value::Object(pair)
 }
 
-/// Steps of a pressed object: true forces, and forces sensed along the measured normal from one noise sample.
+/// Steps of a pressed object: for each contact the true force along its normal, and the force sensed along the measured normal from one noise sample.
 fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
     let step = |studied: &StudiedStep| {
         let pressed = &studied.step.pressed;
@@ -117,7 +117,8 @@ fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
                 point(&(finger.direction(of.read.contact.angle_deg) * of.force.sensed_n))
             };
             json!({
-                "x": number(seen.point.x), "y": number(seen.point.y), "true": point(&seen.force),
+                "x": number(seen.point.x), "y": number(seen.point.y),
+                "true": point(&(finger.direction(seen.contact.angle_deg) * seen.normal_n)),
                 "sensed": sensed.as_ref().map(along), "sigma_n": sensed.as_ref().map(|of| number(of.force.sigma_n)),
             })
         });

@@ -493,7 +493,7 @@
       const row = (contact, i) => [`${i + 1}: ${number(contact.x)}, ${number(contact.y)}`, newton(sizeOf(contact.true)),
         contact.sensed ? newton(sizeOf(contact.sensed)) : 'not identifiable', newton(contact.sigma_n)];
       panel.text.replaceChildren(table(['Contact at x, y (mm)', 'True, N', 'Sensed, N', 'Sigma, N'], step.contacts.map(row)));
-      panel.note.textContent = step.xy ? 'Base left, tip right. Arrows are forces on the finger, in one scale for all steps.'
+      panel.note.textContent = step.xy ? 'Base left, tip right. Arrows and numbers are forces along the normal of each contact, in one scale for all steps.'
         : 'The shape of this step is not stored: the finger is drawn at rest.';
       picture(steps, step);
     }

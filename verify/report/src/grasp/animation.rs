@@ -37,7 +37,7 @@ pub fn grasp_animation_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) 
     };
     let mut fixed = support(scene, steps);
     let at = steps.first().map_or([0.0; 2], |step| [step.object[0], -step.object[1]]);
-    fixed.extend(key("true force on the object", Hue::Vermilion, Dash::Solid, at));
+    fixed.extend(key("true force along the normal", Hue::Vermilion, Dash::Solid, at));
     fixed.extend(key("sensed along the normal", Hue::Purple, Dash::Dashed, at));
     let title = format!("{name}: the whole grasp");
     let alt = format!("{title} in {} moving pictures: fingers, object, true and sensed forces.", shown.len());

@@ -99,7 +99,7 @@ fn moment(scene: &GraspScene, step: &GraspStep) -> Result<String, FigureError> {
     let largest_n = step.fingers.iter().flat_map(|of| &of.contacts).map(|seen| seen.force.norm()).fold(0.0, f64::max);
     series.extend(arrows(scene, step, largest_n));
     let at = drawn(Vector::new(step.object[0], step.object[1]));
-    series.extend(key("true force on the object", Hue::Vermilion, Dash::Solid, at));
+    series.extend(key("true force along the normal", Hue::Vermilion, Dash::Solid, at));
     series.extend(key("sensed along the normal", Hue::Purple, Dash::Dashed, at));
     let alt = format!("Two fingers and the object of the grasp at {title}.");
     Chart::to_scale(Frame::half(title, alt), ["across the gripper, mm", "up, mm"], series).svg()
@@ -147,7 +147,7 @@ pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
     lines.map(|line| Series { dash, ..line }).collect()
 }
 
-/// Arrows of the true and sensed force of every contact. Each arrow ends at its contact. A force of `largest_n`, N, has the longest arrow.
+/// Arrows of the true and sensed force of every contact, both along the contact's normal. Each arrow ends at its contact. A force of `largest_n`, N, has the longest arrow.
 pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Vec<Series> {
     let finger = scene.finger();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
@@ -161,8 +161,9 @@ pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Ve
                 let away = (of.placement.axes() * force).normalize() * length_mm;
                 [drawn(foot + away), drawn(foot)]
             };
-            if seen.force.norm() > 0.0 {
-                series.push(Series::arrow(arrow(seen.force), format!("{:.2} N", seen.force.norm()), Hue::Vermilion));
+            if seen.normal_n > 0.0 {
+                let along = finger.direction(seen.contact.angle_deg) * seen.normal_n;
+                series.push(Series::arrow(arrow(along), format!("{:.2} N", seen.normal_n), Hue::Vermilion));
             }
             if let Some(sensed) = sensed.filter(|sensed| sensed.force.sensed_n > 0.0) {
                 let along = finger.direction(sensed.read.contact.angle_deg) * sensed.force.sensed_n;
