@@ -49,9 +49,9 @@ pub(super) fn verdict(study: &Study) -> Vec<Answer> {
 fn places(study: &Study, situations: &[Situation]) -> Option<String> {
     let [known, others @ ..] = situations else { return None };
     let [least_n, .., most_n] = study.forces.of_maps_n();
-    let other = |of: &Situation| Some(format!("; {}: {}", of.in_words, percent(of.all().share()?)));
+    let other = |of: &Situation| Some(format!("; {} {}", of.in_short, percent(of.all().share()?)));
     Some(format!(
-        "The error stays within {} ({least_n} to {most_n} N) at {} of all places and directions{}.",
+        "Error within {} ({least_n} to {most_n} N): {} of places and directions{}.",
         percent(TRUSTED_ERROR),
         percent(known.all().share()?),
         list(others.iter().filter_map(other), "")
@@ -64,22 +64,21 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     let Failures { failed, by_noise } = failures(known);
     let (failed, by_model) = (failed.len(), failed.len() - by_noise);
     let known = match failed {
-        0 => "Contact known: nothing fails.".to_owned(),
-        _ if by_noise >= by_model => format!("Contact known: camera noise ({by_noise} of {failed} failures)."),
-        _ => format!("Contact known: error of the model ({by_model} of {failed} failures)."),
+        0 => "Contact known: nothing fails.",
+        _ if by_noise >= by_model => "Contact known: camera noise.",
+        _ => "Contact known: error of the model.",
     };
     let assumed = situations.iter().find(|of| of.contact == ContactKnowledge::Assumed);
-    let assumed = assumed.and_then(|of| causes::largest_by_region(study, of.map.truth, of.contact));
-    Some(assumed.map_or(known.clone(), |assumed| format!("{known} Contact assumed: {assumed}.")))
+    let assumed = assumed.and_then(|of| causes::in_short(study, of.map.truth, of.contact));
+    Some(assumed.map_or(known.to_owned(), |assumed| format!("{known} Contact off: {assumed}.")))
 }
 
 /// How often an unknown direction is found with the force.
 fn seeking(directions: &DirectionStudy) -> Option<String> {
     let [.., most_n] = directions.forces_n;
     let [identified, all] = directions.identified(most_n);
-    (all > 0).then(|| {
-        format!("Seek its direction: at {most_n} N found in {} of the cells.", percent(identified as f64 / all as f64))
-    })
+    (all > 0)
+        .then(|| format!("Seek it: found in {} of the cells at {most_n} N.", percent(identified as f64 / all as f64)))
 }
 
 /// Coverage of intervals without a warning.
@@ -88,7 +87,7 @@ fn sureness(study: &Study) -> Option<String> {
         let row = study.coverage.iter().find(|row| row.truth == truth && row.estimator == EstimatorId::Nonlinear)?;
         row.covered_without_warning
     };
-    let known = format!("Without a warning, 95 % intervals hold in {}", percent(of(TruthId::Corotational)?));
+    let known = format!("95 % intervals without a warning hold in {}", percent(of(TruthId::Corotational)?));
     Some(match of(TruthId::Twin) {
         Some(softer) => format!("{known}; with softer ends in {}.", percent(softer)),
         None => format!("{known}."),

@@ -53,7 +53,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         .page("refused", Format::Plain, |row| row.refused);
     let caption = "Error of a displacement's coordinate (rms, largest, as stated) and of the force (rms over the nodes, largest, and rms to first \
                    order from the errors of the displacements)";
-    blocks.push(Block::Table(columns.table(caption, CSV, &camera.rows)));
+    blocks.push(details("By condition", vec![Block::Table(columns.table(caption, CSV, &camera.rows))]));
     let needed = Columns::<&NeededNoise>::new().page("node", Format::Plain, |needed| needed.node.0).page(
         "noise, mm",
         Format::Fixed(4),

@@ -41,6 +41,18 @@ pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactK
     })
 }
 
+/// The largest cause in each region where the nonlinear estimator fails for forces along the normal, in a few words.
+pub(super) fn in_short(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
+    let map = find(study, truth, Practice::Nonlinear, contact)?;
+    let of_region = |region: Region| {
+        let shares = Shares::of(&study.finger, map, study.forces.drawn_n(), region)?;
+        let largest = shares.largest().filter(|_| shares.rms_error > TRUSTED_ERROR)?;
+        Some(format!("{} {}", largest.cause.name(), region.in_words()))
+    };
+    let parts: Vec<String> = Region::ENDS_AND_MIDDLE.into_iter().filter_map(of_region).collect();
+    (!parts.is_empty()).then(|| list(parts, ", "))
+}
+
 /// A cause as the end of a sentence.
 fn because(cause: Cause) -> &'static str {
     match cause {

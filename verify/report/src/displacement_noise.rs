@@ -35,11 +35,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             "displacement_noise.about",
             context! { noise_mm => noise.image_sd_mm, frames => FRAMES, cases },
         )?,
-        Block::Table(columns.table(
+        details("By contact", vec![Block::Table(columns.table(
             format!("Cramer-Rao bound of {} N along the normal, N; for 25 frames of two images; ordinary with the motor angle", noise.force_n),
             CSV,
             singles.into_iter().chain(pairs),
-        )),
+        ))]),
     ];
     let section = Section::new("displacement-noise", "Where undeformed positions come from", blocks);
     Ok(Some(section.saying(say("displacement_noise.says", in_words(noise))?)))

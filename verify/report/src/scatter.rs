@@ -52,10 +52,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         .page("of the sum", Format::Percent, |row| Some(row.sum?.mean_error))
         .page("at the bound", Format::Percent, |row| Some(row.sum?.bound?.mean_error_bound))
         .page("refused", Format::Plain, |row| row.refused);
-    blocks.push(Block::Table(single.table("One contact, by node", CSV, &noise.single)));
+    let mut tables = vec![Block::Table(single.table("One contact, by node", CSV, &noise.single))];
     if !noise.checked.is_empty() {
-        blocks.push(Block::Table(pairs.table("Two contacts", CSV, &noise.checked)));
+        tables.push(Block::Table(pairs.table("Two contacts", CSV, &noise.checked)));
     }
+    blocks.push(details("By contact", tables));
     Ok(Some(Section::new("noise", "Nonlinear sensing", blocks).saying(say("noise.says", in_words(noise))?)))
 }
 

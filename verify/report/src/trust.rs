@@ -26,6 +26,8 @@ pub(super) struct Situation<'s> {
     pub about: String,
     /// Text of `about` as part of a sentence.
     pub in_words: String,
+    /// Text of `about` in a few words.
+    pub in_short: String,
     /// Whether the contact is known exactly, or assumed with an error of position and direction.
     pub contact: ContactKnowledge,
     /// Name of the CSV file with the cells.
@@ -71,6 +73,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
             name: "contact known",
             about: "contact and finger known".to_owned(),
             in_words: "contact and finger known".to_owned(),
+            in_short: "all known".to_owned(),
             contact: ContactKnowledge::Known,
             csv: CSV,
             map,
@@ -83,6 +86,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
         name: "contact assumed",
         about: format!("position and direction of the contact assumed, {off}"),
         in_words: format!("with the contact {off}"),
+        in_short: format!("contact {off}"),
         contact: ContactKnowledge::Assumed,
         csv: ASSUMED_CSV,
         ..known
@@ -92,6 +96,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
         about: "contact known, but base and tip of the finger softer than its model has them, as fitted to the paper's Table I"
             .to_owned(),
         in_words: "with base and tip softer than modelled".to_owned(),
+        in_short: "softer ends".to_owned(),
         ..known
     });
     [known, assumed, softer].into_iter().flatten().collect()
