@@ -6,6 +6,7 @@ use super::page::Answer;
 use super::trust::{Situation, situations};
 use super::{causes, checks, measured, shapes};
 use crate::prelude::*;
+use finray_studies::check::Against;
 use finray_studies::experiments::causes::ContactKnowledge;
 use finray_studies::experiments::direction::DirectionStudy;
 use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
@@ -36,8 +37,9 @@ pub(super) fn verdict(study: &Study) -> Vec<Answer> {
     let lines = [
         ("Where", places(study, &situations)),
         ("Why not elsewhere", reasons(study, &situations)),
-        ("Contact uncertain?", study.directions.as_ref().and_then(seeking)),
+        ("Direction unknown", study.directions.as_ref().and_then(seeking)),
         ("How sure", sureness(study)),
+        ("Checked", checked(study)),
         ("Real or simulated", Some(reality(study))),
     ];
     let line =
@@ -49,9 +51,9 @@ pub(super) fn verdict(study: &Study) -> Vec<Answer> {
 fn places(study: &Study, situations: &[Situation]) -> Option<String> {
     let [known, others @ ..] = situations else { return None };
     let [least_n, .., most_n] = study.forces.of_maps_n();
-    let other = |of: &Situation| Some(format!("; {} {}", of.in_short, percent(of.all().share()?)));
+    let other = |of: &Situation| Some(format!("; {}: {}", of.in_short, percent(of.all().share()?)));
     Some(format!(
-        "Error within {} ({least_n} to {most_n} N): {} of places and directions{}.",
+        "Error within {} ({least_n} to {most_n} N) at {} of places and directions{}.",
         percent(TRUSTED_ERROR),
         percent(known.all().share()?),
         list(others.iter().filter_map(other), "")
@@ -70,15 +72,17 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     };
     let assumed = situations.iter().find(|of| of.contact == ContactKnowledge::Assumed);
     let assumed = assumed.and_then(|of| causes::in_short(study, of.map.truth, of.contact));
-    Some(assumed.map_or(known.to_owned(), |assumed| format!("{known} Contact off: {assumed}.")))
+    Some(assumed.map_or(known.to_owned(), |assumed| format!("{known} Contact assumed: {assumed}.")))
 }
 
 /// How often an unknown direction is found with the force.
 fn seeking(directions: &DirectionStudy) -> Option<String> {
-    let [.., most_n] = directions.forces_n;
-    let [identified, all] = directions.identified(most_n);
-    (all > 0)
-        .then(|| format!("Seek it: found in {} of the cells at {most_n} N.", percent(identified as f64 / all as f64)))
+    let share = |force_n: f64| {
+        let [identified, all] = directions.identified(force_n);
+        (all > 0).then(|| format!("{} ({force_n} N)", percent(identified as f64 / all as f64)))
+    };
+    let shares: Vec<String> = directions.forces_n.into_iter().rev().filter_map(share).collect();
+    (!shares.is_empty()).then(|| format!("Found with the force at {} of places and directions.", list(shares, ", ")))
 }
 
 /// Coverage of intervals without a warning.
@@ -87,11 +91,18 @@ fn sureness(study: &Study) -> Option<String> {
         let row = study.coverage.iter().find(|row| row.truth == truth && row.estimator == EstimatorId::Nonlinear)?;
         row.covered_without_warning
     };
-    let known = format!("95 % intervals without a warning hold in {}", percent(of(TruthId::Corotational)?));
+    let known =
+        format!("Without a warning, {} of the 95 % intervals contain the force", percent(of(TruthId::Corotational)?));
     Some(match of(TruthId::Twin) {
-        Some(softer) => format!("{known}; with softer ends in {}.", percent(softer)),
+        Some(softer) => format!("{known}; with softer base and tip {}.", percent(softer)),
         None => format!("{known}."),
     })
+}
+
+/// Checks against other programs.
+fn checked(study: &Study) -> Option<String> {
+    let counts = checks::counted(study).into_iter().find(|tally| tally.against == Against::OtherPrograms)?;
+    Some(format!("{} of {} checks against other programs pass.", counts.passed, counts.all))
 }
 
 /// What was measured on a real finger.

@@ -57,7 +57,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         tables.push(Block::Table(pairs.table("Two contacts", CSV, &noise.checked)));
     }
     blocks.push(details("By contact", tables));
-    Ok(Some(Section::new("noise", "Nonlinear sensing", blocks).saying(say("noise.says", in_words(noise))?)))
+    Ok(Some(Section::new("noise", "Force error from camera noise", blocks).saying(say("noise.says", in_words(noise))?)))
 }
 
 /// Numbers for the sentence on the range of the mean errors over the nodes.

@@ -55,7 +55,7 @@ impl On {
             On::Speed => ["speed.html", "Meshes and speed"],
             On::Networks => ["networks.html", "Networks"],
             On::Checks => ["checks.html", "Checks"],
-            On::Lattice => ["lattice.html", "Lattice and MuJoCo"],
+            On::Lattice => ["lattice.html", "Spring lattice"],
             On::HardCases => ["hard-cases.html", "Hard cases"],
             On::Paper => ["paper.html", "The paper"],
             On::Own => ["your-finger.html", "Your finger"],
@@ -79,7 +79,7 @@ const SECTIONS: &[Entry] = &[
     Entry(On::Camera, camera::section, camera::datasets),
     Entry(On::Camera, displacement_noise::section, displacement_noise::datasets),
     Entry(On::Speed, speed_error::section, speed_error::datasets),
-    Entry(On::Speed, scatter::section, scatter::datasets),
+    Entry(On::Camera, scatter::section, scatter::datasets),
     Entry(On::Speed, convergence::section, convergence::datasets),
     Entry(On::Speed, times::section, times::datasets),
     Entry(On::Networks, networks::section, networks::datasets),
@@ -126,7 +126,11 @@ pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, Repor
         let pages = links.iter().map(|link| PageLink { is_this: link.file == file, ..link.clone() }).collect();
         let page = Page {
             title: if is_first {
-                format!("Where the finger \"{}\" senses forces", study.scene)
+                format!(
+                    "Where the finger \"{}\" senses forces{}",
+                    study.scene,
+                    if study.measured.is_none() { " (simulation)" } else { "" }
+                )
             } else {
                 format!("{heading}: {}", study.scene)
             },

@@ -86,7 +86,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
         name: "contact assumed",
         about: format!("position and direction of the contact assumed, {off}"),
         in_words: format!("with the contact {off}"),
-        in_short: format!("contact {off}"),
+        in_short: format!("contact assumed {off}"),
         contact: ContactKnowledge::Assumed,
         csv: ASSUMED_CSV,
         ..known
@@ -96,7 +96,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
         about: "contact known, but base and tip of the finger softer than its model has them, as fitted to the paper's Table I"
             .to_owned(),
         in_words: "with base and tip softer than modelled".to_owned(),
-        in_short: "softer ends".to_owned(),
+        in_short: "softer base and tip".to_owned(),
         ..known
     });
     [known, assumed, softer].into_iter().flatten().collect()

@@ -97,9 +97,9 @@ const finray = (() => {
     if (!map) return ['No map for these choices.', null];
     const place = nearestIndex(map.s_mm, s_mm), direction = nearestIndex(map.angle_deg, angle_deg);
     const n = place * map.angle_deg.length + direction, error = map.worst_error[n];
-    const where = `${number(map.s_mm[place])}${NBSP}mm, ${number(map.angle_deg[direction])}${NBSP}deg`;
-    if (error === null) return [`Map (${where}): ${map.state[n]}.`, false];
-    return [`Map (${where}): ${map.is_trusted[n] ? 'trusted' : 'not trusted'}, error up to ${number(100 * error, 2)}${NBSP}%.`, map.is_trusted[n]];
+    const where = `nearest cell of the map: ${number(map.s_mm[place])}${NBSP}mm, ${number(map.angle_deg[direction])}${NBSP}deg`;
+    if (error === null) return [`Not trusted here (${where}): ${map.state[n]}.`, false];
+    return [`${map.is_trusted[n] ? 'Trusted' : 'Not trusted'} here (${where}): error up to ${number(100 * error, 2)}${NBSP}%.`, map.is_trusted[n]];
   }
 
   // ---- the page ----
@@ -137,7 +137,8 @@ const finray = (() => {
     const view = svg('svg', { viewBox: viewBox(drawing.lines).join(' '), role: 'img', 'aria-label': 'The finger. Press its upper plate and drag.' });
     const rest = svg('path', { d: drawing.lines.map(path).join(''), class: 'push-rest' });
     const bent = svg('path', { class: 'push-bent' }), moving = svg('g'), bands = svg('g');
-    view.append(bands, rest, bent, moving);
+    const label = (s_mm, words) => svg('text', { x: front.at(s_mm)[0], y: -front.at(s_mm)[1] - 5, 'text-anchor': 'middle' }, words);
+    view.append(bands, rest, bent, moving, label(0, 'base'), label(drawing.front_mm, 'tip'));
     picture.replaceChildren(view);
 
     // Each change is drawn once in the next frame. If the sensor takes longer than a frame, it is asked when the changes pause.
@@ -158,10 +159,10 @@ const finray = (() => {
       slider(controls, 'Place', [0.02 * drawing.front_mm, drawing.front_mm, 0.5], 'mm', (s_mm) => change({ s_mm })),
       slider(controls, 'Direction', [-SIDE_DEG, SIDE_DEG, 1], 'deg', (angle_deg) => change({ angle_deg })),
       slider(controls, 'Force', [0, data.most_n, data.most_n / STEPS], 'N', (force_n) => change({ force_n }))];
-    const known = [['known', 'Contact known'], ['sought', 'Place and direction sought']];
-    if (data.off) known.splice(1, 0, ['off', `Contact ${Math.abs(data.off.by_mm)} mm and ${Math.abs(data.off.by_deg)} deg off`]);
-    if (data.other) known.push(['other', 'Ends softer than modelled']);
-    choice(controls, 'The sensor', known, (knows) => change({ knows })).value = state.knows;
+    const known = [['known', 'exactly'], ['sought', 'not at all: place and direction sought']];
+    if (data.off) known.splice(1, 0, ['off', `assumed ${Math.abs(data.off.by_mm)} mm and ${Math.abs(data.off.by_deg)} deg off`]);
+    if (data.other) known.push(['other', 'exactly, but base and tip softer than modelled']);
+    choice(controls, 'Contact known', known, (knows) => change({ knows })).value = state.knows;
     choice(controls, 'Estimator', drawing.estimators, (estimator) => change({ estimator })).value = state.estimator;
     const noises = [...new Set([...NOISES_MM, data.noise_mm])].filter((it) => it > 0).sort((a, b) => a - b);
     choice(controls, 'Camera noise', noises.map((it) => [it, `${it} mm`]), (noise) => change({ noise_mm: Number(noise) })).value = state.noise_mm;
@@ -214,8 +215,8 @@ const finray = (() => {
     /** The sensed force with its interval, and the true force, on one scale. */
     function gauge(sensed, low, high) {
       const x = (force_n) => 2 + 96 * clamp(force_n / (1.2 * data.most_n), 0, 1), hold = low !== null && low <= state.force_n && state.force_n <= high;
-      return svg('svg', { viewBox: '0 0 100 9', class: 'push-gauge', 'aria-hidden': 'true' },
-        svg('path', { d: 'M2,5H98', class: 'push-scale' }),
+      return svg('svg', { viewBox: '0 0 100 10', class: 'push-gauge', 'aria-hidden': 'true' },
+        svg('path', { d: 'M2,5H98', class: 'push-scale' }), svg('text', { x: 2, y: 9 }, '0'), svg('text', { x: 98, y: 9, 'text-anchor': 'end' }, `${number(1.2 * data.most_n)} N`),
         svg('rect', { x: x(low ?? 0), y: 3.2, width: Math.max(0.4, x(high ?? Infinity) - x(low ?? 0)), height: 3.6, class: hold ? 'push-holds' : 'push-misses' }),
         svg('path', { d: `M${x(sensed)},2.2V8`, class: 'push-sensed' }), svg('path', { d: `M${x(state.force_n)},4.2l1,-1.8h-2Z`, class: 'push-true push-head' }));
     }

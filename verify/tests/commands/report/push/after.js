@@ -21,7 +21,7 @@
     };
     const sensible = () => { const [found, low, high, truth] = numbers(); return low <= found && found <= high && Math.abs(found - truth) < 0.2 * truth + 0.1; };
     check('a force is sensed at first', sensible(), words());
-    check('the cell of the map is named', /Map \(.*: (trusted|not trusted)/.test(words()), words());
+    check('the cell of the map is named', /(Trusted|Not trusted) here \(nearest cell of the map: /.test(words()), words());
 
     let before = shape();
     slide(force, 2.5); await settle();
@@ -48,11 +48,11 @@
     slide(direction, 0); slide(place, 80); slide(force, 2); await settle();
     const known = words();
     choose(knows, 'off'); await settle();
-    check('a wrong contact gives another force, with its own map', words() !== known && /Map/.test(words()), words());
+    check('a wrong contact gives another force, with its own map', words() !== known && /nearest cell of the map/.test(words()), words());
     choose(knows, 'sought'); await settle(1500);
     check('a sought contact is found and named', sensible() && /at [\d.]+ mm, -?[\d.]+ deg/.test(words()), words());
     choose(knows, 'other'); await settle();
-    check('softer ends are warned of or wrong', /Warning|not trusted/.test(words()) || !sensible(), words());
+    check('softer ends are warned of or wrong', /Warning|Not trusted/.test(words()) || !sensible(), words());
     choose(knows, 'known'); choose(estimator, 'least-squares'); await settle();
     check('another estimator answers', /Sensed|Refused/.test(words()) && /No map/.test(words()), words());
     choose(estimator, 'nonlinear'); choose(noise, '0.2'); await settle();
