@@ -22,16 +22,13 @@ const FITTED: TruthId = TruthId::Twin;
 
 /// Text that names the regions in which the nonlinear estimator fails for forces along the normal, with the largest cause in each.
 pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
-    let map = find(study, truth, Practice::Nonlinear, contact)?;
     let force_n = study.forces.drawn_n();
     let mut by_cause: Vec<(Cause, Vec<&str>)> = Vec::new();
-    for region in Region::ENDS_AND_MIDDLE {
-        let Some(shares) = Shares::of(&study.finger, map, force_n, region) else { continue };
-        let Some(largest) = shares.largest().filter(|_| shares.rms_error > TRUSTED_ERROR) else { continue };
+    for (region, cause) in failing(study, truth, contact)? {
         let place = region.in_words();
-        match by_cause.iter_mut().find(|(cause, _)| *cause == largest.cause) {
+        match by_cause.iter_mut().find(|(of, _)| *of == cause) {
             Some((_, places)) => places.push(place),
-            None => by_cause.push((largest.cause, vec![place])),
+            None => by_cause.push((cause, vec![place])),
         }
     }
     let part = |(cause, places): &(Cause, Vec<&str>)| format!("{}, mostly {}", list(places, " and "), because(*cause));
@@ -43,14 +40,20 @@ pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactK
 
 /// The largest cause in each region where the nonlinear estimator fails for forces along the normal, in a few words.
 pub(super) fn in_short(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
+    let regions = failing(study, truth, contact)?;
+    let parts = regions.iter().map(|(region, cause)| format!("{} {}", cause.name(), region.in_words()));
+    (!regions.is_empty()).then(|| list(parts, ", "))
+}
+
+/// Regions in which the nonlinear estimator fails for forces along the normal, each with its largest cause; `None` without a map of causes.
+fn failing(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<Vec<(Region, Cause)>> {
     let map = find(study, truth, Practice::Nonlinear, contact)?;
     let of_region = |region: Region| {
         let shares = Shares::of(&study.finger, map, study.forces.drawn_n(), region)?;
         let largest = shares.largest().filter(|_| shares.rms_error > TRUSTED_ERROR)?;
-        Some(format!("{} {}", largest.cause.name(), region.in_words()))
+        Some((region, largest.cause))
     };
-    let parts: Vec<String> = Region::ENDS_AND_MIDDLE.into_iter().filter_map(of_region).collect();
-    (!parts.is_empty()).then(|| list(parts, ", "))
+    Some(Region::ENDS_AND_MIDDLE.into_iter().filter_map(of_region).collect())
 }
 
 /// A cause as the end of a sentence.

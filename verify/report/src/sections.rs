@@ -64,7 +64,7 @@ impl On {
 }
 
 /// File of the first page.
-pub(super) const INDEX: &str = "index.html";
+const INDEX: &str = "index.html";
 
 /// Every section, in the order of the page. A new section needs its experiment, its file in this folder, and a row here.
 const SECTIONS: &[Entry] = &[

@@ -81,7 +81,7 @@ const finray = (() => {
     return away.indexOf(Math.min(...away));
   }
 
-  /** The front plate at rest, coloured by the map for the nearest direction: the middle of each cell, and its class. */
+  /** The front plate at rest, coloured by the map for the nearest direction: one line for each cell. */
   function band(map, angle_deg, front, front_mm) {
     if (!map) return [];
     const direction = nearestIndex(map.angle_deg, angle_deg);
@@ -123,7 +123,7 @@ const finray = (() => {
     };
   }
 
-  /** Shows a finger that the program has taken. `before` is the state of the finger that was shown until now. Returns the state and the drawing. */
+  /** Shows a finger that the program has taken. `before` is the state of the finger that was shown until now. Returns the state. */
   function start(root, data, ask, drawing, before = {}) {
     const decimals = Math.max(0, 2 - Math.floor(Math.log10(data.most_n)));
     const newton = (x) => (x === null ? 'infinite' : `${x.toFixed(decimals)}${NBSP}N`);

@@ -177,8 +177,8 @@ fn intervals_of_forces_and_bases_hold_on_images_of_an_exact_finger() {
 /// their blur. The inner edge of the ring is free of them.
 #[test]
 fn strips_that_meet_at_a_ring_do_not_pull_its_centre() {
-    // Markers and base leave 0.025 mm; the outer edge alone 0.060 mm.
-    const LARGEST_MM: f64 = 0.04;
+    // 0.008 mm; 0.023 mm if contradicting edges keep their weights, 0.060 mm by the outer edge alone.
+    const LARGEST_MM: f64 = 0.015;
     let folder = Folder::new();
     let scene = BRACKETED_SCENE
         .replace(
