@@ -1,6 +1,6 @@
 //! From camera to force: effect of each camera condition on the marker positions, mm, and on the sensed force.
 
-use super::format::percent_two_digits;
+use super::format::{list, percent_two_digits};
 use crate::prelude::*;
 use finray_studies::experiments::camera::{AS_IT_IS, ASKED_ERROR, CameraRow, CameraStudy, FrameTimes, NeededNoise};
 use finray_studies::settings::CAMERA_NOISE_MM;
@@ -19,15 +19,8 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(camera) = &study.camera else { return Ok(None) };
-    let [width, height] = camera.size_px;
-    let numbers = context! {
-        force_n => camera.force_n, width, height, scale => camera.px_a_mm, is_assumed => study.is_paper,
-        nodes => camera.nodes.iter().map(|node| node.0).collect::<Vec<_>>(),
-    };
-    let mut blocks = vec![paragraph("camera.about", numbers)?];
-    if let Some(FrameTimes { search_s, track_s }) = camera.times {
-        blocks.push(paragraph("camera.times", context! { search_ms => 1e3 * search_s, track_ms => 1e3 * track_s })?);
-    }
+    let mut blocks = vec![text(about(camera, study.is_paper))];
+    blocks.extend(camera.times.map(times).map(text));
     let drawings: [(_, _, CameraQuantity); 2] = [
         ("Errors of displacements", "rms error of a coordinate, mm", |row| row.displacement_rms_mm),
         ("Errors of forces", "rms error of the force, %", |row| row.force_rms_error.map(|error| 100.0 * error)),
@@ -62,7 +55,36 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let caption =
         format!("Noise of a coordinate at which {} N errs by {}", camera.force_n, percent_two_digits(ASKED_ERROR));
     blocks.push(Block::Table(needed.table(caption, NEEDED_CSV, &camera.needed)));
-    Ok(Some(Section::new("camera", "From camera to force", blocks).saying(say("camera.says", in_words(camera))?)))
+    Ok(Some(Section::new("camera", "From camera to force", blocks).saying(says(camera))))
+}
+
+/// How the errors are computed; `is_paper`: the camera is the paper's.
+fn about(camera: &CameraStudy, is_paper: bool) -> String {
+    let CameraStudy { force_n, nodes, size_px: [width, height], px_a_mm, .. } = camera;
+    let nodes = list(nodes, " and ");
+    let scale = px_a_mm.map_or_else(String::new, |scale| format!(" ({scale:.1} px per mm)"));
+    let assumed = match is_paper {
+        true => {
+            " Focal length, colours and light of the camera are assumed; the paper gives the size of the image and the distance."
+        }
+        false => "",
+    };
+    format!(
+        "In simulation: a force of {force_n} N along the normal acts at {nodes} in turn. The finger is rendered as an image of {width} x {height} px{scale} \
+         and located in it. The nonlinear estimator senses the force with the same beams that bent the finger.{assumed} Errors of the assumed lens, pose and \
+         height are computed by projection, without an image. \"mesh\" is the error of the mesh with key nodes only, for exact displacements from a finer \
+         mesh."
+    )
+}
+
+/// Times from an image to node positions.
+fn times(FrameTimes { search_s, track_s }: FrameTimes) -> String {
+    let [search_ms, track_ms] = [1e3 * search_s, 1e3 * track_s];
+    format!(
+        "From an image in memory to node positions: {search_ms:.1} ms where the whole image is searched. It takes {track_ms:.1} ms if markers are searched \
+         near their positions in the previous image (medians, one core of this computer, finger at rest). The paper's vision system takes about 40 ms on \
+         another computer, with images of a real finger."
+    )
 }
 
 fn setting(row: &CameraRow) -> String {
@@ -122,27 +144,26 @@ fn drawing(
     Chart::new(frame, [Axis::log(axis), Axis::categories("", lines)], series).svg().map(Some)
 }
 
-/// Numbers for the sentence on the camera's accuracy, the required accuracy, and the condition with the largest error.
-fn in_words(camera: &CameraStudy) -> Option<Value> {
+/// Sentence on the camera's accuracy, the required accuracy, and the condition with the largest error.
+fn says(camera: &CameraStudy) -> Option<String> {
     let row = camera.as_it_is()?;
     let worst = camera.worst()?;
-    let costs = camera.rows.iter().filter(|row| row.force_rms_error.is_some());
-    let most =
-        costs.max_by(|a, b| a.force_rms_error.partial_cmp(&b.force_rms_error).unwrap_or(std::cmp::Ordering::Equal))?;
+    let costs = camera.rows.iter().filter_map(|row| Some((row, row.force_rms_error?)));
+    let (most, largest) = costs.max_by(|(_, a), (_, b)| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal))?;
     let coarse =
         camera.rows.iter().filter(|row| row.item == "resolution" && row.found == row.markers && row.refused == 0);
     let enough =
         coarse.filter(|row| row.force_largest_error <= Some(ASKED_ERROR)).find(|row| row.force_largest_error.is_some());
-    Some(context! {
-        rms_mm => row.displacement_rms_mm?,
-        largest_mm => row.displacement_largest_mm?,
-        error => row.force_rms_error?,
-        asked => ASKED_ERROR,
-        node => worst.node.0,
-        needed_mm => worst.noise_mm,
-        paper_mm => CAMERA_NOISE_MM,
-        papers => ASKED_ERROR * CAMERA_NOISE_MM / worst.noise_mm,
-        most => context! { item => most.item, setting => setting(most), error => most.force_rms_error? },
-        enough => enough.map(|row| row.setting),
-    })
+    let papers = ASKED_ERROR * CAMERA_NOISE_MM / worst.noise_mm;
+    let [error, asked, papers, largest] = [row.force_rms_error?, ASKED_ERROR, papers, largest].map(percent_two_digits);
+    let enough = enough.map_or_else(String::new, |row| {
+        format!(" At a resolution of {} no sensed force errs by more than {asked}.", row.setting)
+    });
+    let (rms_mm, largest_mm) = (row.displacement_rms_mm?, row.displacement_largest_mm?);
+    let (node, needed_mm, item, setting) = (worst.node, worst.noise_mm, most.item, setting(most));
+    Some(format!(
+        "In rendered images node displacements err by {rms_mm:.4} mm rms ({largest_mm:.4} mm at most), and forces sensed from them by {error} rms. A force \
+         error of {asked} at the worst node ({node}) requires a noise of {needed_mm:.4} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a \
+         standard deviation) reaches {papers} at best. Among the tested conditions, {item} ({setting}) causes the largest error: {largest}.{enough}"
+    ))
 }

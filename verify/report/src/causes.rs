@@ -84,16 +84,27 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         blocks.extend(drawings::remedies(study)?.map(Block::Figure));
         blocks.push(details("By node", vec![Block::Table(table)]));
     }
-    let numbers = context! {
-        off_mm => POSITION_OFF_MM, off_deg => DIRECTION_OFF_DEG,
-        is_fitted => study.causes.iter().any(|map| map.truth == FITTED),
-    };
-    blocks.push(paragraph("causes.about", numbers)?);
+    blocks.push(text(about(study)));
     blocks.push(Block::Table(by_region(study)));
     let figures: Vec<Figure> =
         drawn(study).take(DRAWN).map(|map| map_figure(map, study.forces.drawn_n())).collect::<Result<_, _>>()?;
     blocks.push(Block::Figures { figures });
     Ok(Some(Section::new("causes", "What clears an error, and what causes it", blocks)))
+}
+
+/// Errors of the assumed contact, and how shares are computed.
+fn about(study: &Study) -> String {
+    let fitted = match study.causes.iter().any(|map| map.truth == FITTED) {
+        true => {
+            " The finger with softer ends was built with them, and the estimators do not know them; that they appear as causes is therefore no finding."
+        }
+        false => "",
+    };
+    format!(
+        "An assumed contact is off by {POSITION_OFF_MM} mm (the radius of the paper's rods) and {DIRECTION_OFF_DEG} deg (the largest rotation of the paper's \
+         deformed normal), in both directions. The share of a cause is the error that disappears if only this cause is removed. Errors of opposite sign \
+         partly cancel, so the shares do not add up to the total.{fitted}"
+    )
 }
 
 fn find(study: &Study, truth: TruthId, practice: Practice, contact: ContactKnowledge) -> Option<&CauseMap> {

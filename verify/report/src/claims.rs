@@ -4,6 +4,11 @@ use crate::prelude::*;
 use finray_studies::claims::{Claim, ClaimVerdict};
 
 const CSV: &str = "claims.csv";
+/// Meaning of the verdicts.
+const ABOUT: &str = "Sentences of Xu et al. (IEEE T-RO 2021), compared with computations on models of the finger. Refuted: a statement about mechanics that \
+                     the model contradicts. Not reproduced: a measured value that the model does not yield. Depends on assumption: the verdict changes with \
+                     something that the paper does not state. In simulation, less error in simulation: true for a simulated finger whose model is known, \
+                     which does not contradict the measurement. claims.csv says how each verdict is computed.";
 
 pub(super) fn datasets<'s>(Results { claims, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     vec![Dataset::records(CSV, claims)]
@@ -19,10 +24,8 @@ pub(super) fn section(Results { claims, .. }: Results) -> Result<Option<Section>
         .page("ours", Format::Words, |claim| claim.ours.clone())
         .page("criterion", Format::Words, |claim| claim.criterion.clone())
         .cells(Column::words("verdict"), |claim| verdict(claim.verdict));
-    let blocks = vec![
-        paragraph("claims.about", context! {})?,
-        details("All of them", vec![Block::Table(columns.table("The paper's claims", CSV, claims))]),
-    ];
+    let blocks =
+        vec![text(ABOUT), details("All of them", vec![Block::Table(columns.table("The paper's claims", CSV, claims))])];
     Ok(Some(Section::new("claims", "The paper's claims", blocks).saying([counted(claims)])))
 }
 

@@ -66,7 +66,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if study.contact_scenes.is_empty() {
         return Ok(None);
     }
-    let mut blocks = vec![paragraph("contact_scenes.about", context! {})?];
+    let mut blocks = vec![text(words::ABOUT)];
     for scene in &study.contact_scenes {
         blocks.push(Block::Figures { figures: figures(&study.finger, scene)? });
     }
@@ -76,7 +76,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     }));
     blocks.push(Block::Table(words::by_scene(&study.contact_scenes)));
     let section = Section::new("contact-scenes", "Pressing objects", blocks);
-    Ok(Some(section.saying(words::verdict(&study.contact_scenes)?)))
+    Ok(Some(section.saying(words::verdict(&study.contact_scenes))))
 }
 
 /// Data for the drawing of a pressed object.

@@ -5,6 +5,10 @@ use crate::prelude::*;
 use finray_studies::experiments::convergence::{Convergence, MeshSize};
 
 const CSV: &str = "convergence.csv";
+/// The load and the error of a mesh.
+const ABOUT: &str = "A force along the normal acts at one node after the other, without the tip. The error is the largest difference between a key node's \
+                     displacement and Richardson's extrapolation, divided by the largest displacement, at the worst loaded node. Linear theory is exact at \
+                     the nodes.";
 /// Reference errors that the figure shows as horizontal lines, with their labels.
 const REFERENCES: [(f64, &str); 2] = [(0.01, "1 %"), (1e-4, "0.01 %")];
 
@@ -14,7 +18,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let convergence = &study.convergence;
-    let mut blocks = vec![paragraph("convergence.about", context! {})?];
+    let mut blocks = vec![text(ABOUT)];
     let series = error_by_nodes(convergence);
     if !series.is_empty() {
         blocks.push(Block::Figure(Figure::wide(

@@ -1,7 +1,7 @@
 //! Forces of unknown direction: positions and directions at which they are identifiable.
 
 use super::drawings::{ALONG_THE_PLATE, percent_classes, percent_line, plate_map};
-use super::format::percent;
+use super::format::{list, percent};
 use crate::prelude::*;
 use finray_studies::experiments::direction::{
     Assumption, DirectionCell, DirectionStudy, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG, IDENTIFIED_FORCE,
@@ -44,12 +44,8 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(directions) = &study.directions else { return Ok(None) };
     let finger = &study.finger;
-    let numbers = context! {
-        noise_mm => directions.noise_mm, samples => directions.samples, deg => IDENTIFIED_DEG, force => IDENTIFIED_FORCE,
-        answered => IDENTIFIED_ANSWERED,
-    };
-    let mut blocks = vec![paragraph("directions.about", numbers)?];
-    blocks.extend(say("directions.identifiable", where_identifiable(directions))?.map(text));
+    let mut blocks = vec![text(about(directions))];
+    blocks.extend(where_identifiable(directions).map(text));
     let identified = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
     let all = |map: &DirectionMap| -> Result<Block, FigureError> {
         let figures = directions.forces_n.map(|force_n| map.figure(finger, directions, force_n));
@@ -60,9 +56,19 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         missing: "not identifiable",
         value: &identified,
     })?);
-    blocks.extend(say("directions.without_friction", without_friction(directions))?.map(text));
+    blocks.extend(without_friction(directions).map(text));
     blocks.push(Block::Figure(frictionless_chart(directions, directions.forces_n[0])?));
     Ok(Some(Section::new("directions", "Unknown directions", blocks)))
+}
+
+/// What is known, and when a cell counts as identifiable.
+fn about(DirectionStudy { noise_mm, samples, .. }: &DirectionStudy) -> String {
+    let [force, answered] = [IDENTIFIED_FORCE, IDENTIFIED_ANSWERED].map(percent);
+    format!(
+        "The nonlinear estimator knows only the position of the contact. The noise is {noise_mm} mm, with {samples} samples per cell (position and \
+         direction). A cell is identifiable if the direction errs by at most {IDENTIFIED_DEG} deg and the force by at most {force} (root mean squares). At \
+         least {answered} of the samples must be answered."
+    )
 }
 
 /// Reads one quantity of a cell.
@@ -105,12 +111,12 @@ fn degree_classes() -> Vec<Class> {
 }
 
 /// Shares of the cells in which force and direction are identifiable, and positions where all or no directions are.
-fn where_identifiable(directions: &DirectionStudy) -> Option<Value> {
+fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
     let share = |force_n: &f64| match directions.identified(*force_n) {
         [_, 0] => None,
-        [identified, all] => Some(context! { share => identified as f64 / all as f64, force_n => *force_n }),
+        [identified, all] => Some(format!("{} at {force_n} N", percent(identified as f64 / all as f64))),
     };
-    let shares: Vec<Value> = directions.forces_n.iter().filter_map(share).collect();
+    let shares: Vec<String> = directions.forces_n.iter().filter_map(share).collect();
     // Under the largest force: positions at which every direction is identifiable, and positions at which none is.
     let largest_n = directions.forces_n[directions.forces_n.len() - 1];
     let carried = directions.cells.iter().filter(|cell| cell.force_n == largest_n && cell.answers.samples > 0);
@@ -127,15 +133,30 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<Value> {
             }
         }
     };
+    let everywhere = match of(true) {
+        None => "at no position are all directions identifiable".to_owned(),
+        Some(everywhere) => format!("all directions are identifiable at {everywhere}"),
+    };
+    let nowhere = match of(false) {
+        None => "and at every position some are".to_owned(),
+        Some(nowhere) => format!("and none is at {nowhere}"),
+    };
     let [identified, all] = directions.identified(largest_n);
-    let is_known = !shares.is_empty();
-    let numbers =
-        context! { shares, largest_n, everywhere => of(true), nowhere => of(false), most => 2 * identified > all };
-    is_known.then_some(numbers)
+    let fails = match 2 * identified > all {
+        true => "small forces and near the ends, not for the whole finger",
+        false => "most forces",
+    };
+    (!shares.is_empty()).then(|| {
+        let shares = list(shares, ", ");
+        format!(
+            "Both are identifiable in {shares} of the cells. Under {largest_n} N {everywhere}, {nowhere}. The paper's \"will not work\" (Fig. 13) therefore \
+             holds for {fails}."
+        )
+    })
 }
 
 /// Errors if the deformed normal is assumed, compared with an unknown direction.
-fn without_friction(directions: &DirectionStudy) -> Option<Value> {
+fn without_friction(directions: &DirectionStudy) -> Option<String> {
     let [small_n, _, large_n] = directions.forces_n;
     let error = |assumed: Assumption, force_n: f64| {
         let rows =
@@ -148,12 +169,15 @@ fn without_friction(directions: &DirectionStudy) -> Option<Value> {
         directions.without_friction.iter().filter(|row| row.assumed == Assumption::Unknown).map(count).sum()
     };
     let (samples, answered) = (of_all(|row| row.answers.samples), of_all(|row| row.answers.answered));
-    Some(context! {
-        small_n, large_n, samples, refused => samples - answered,
-        normal => errors(Assumption::Normal)?,
-        unknown => errors(Assumption::Unknown)?,
-        undeformed => errors(Assumption::Undeformed)?,
-    })
+    let [small_normal, large_normal] = errors(Assumption::Normal)?;
+    let unknown = errors(Assumption::Unknown)?.join(" and ");
+    let undeformed = errors(Assumption::Undeformed)?.join(" and ");
+    let refused = samples - answered;
+    Some(format!(
+        "Without friction a contact pushes along the deformed normal. If this direction is assumed, the force errs by {small_normal} at {small_n} N and by \
+         {large_normal} at {large_n} N, on average over the nodes. If the direction is unknown, it errs by {unknown} ({refused} of {samples} samples \
+         refused); with the undeformed normal by {undeformed}."
+    ))
 }
 
 /// Chart of the error of the force by position, one line per assumed direction.

@@ -16,7 +16,6 @@ type OfSet<'s> = &'s [DisplacementNoiseRow];
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(noise) = study.displacement_noise.as_ref().filter(|noise| !noise.rows.is_empty()) else { return Ok(None) };
-    let cases = noise.rows.first().map_or(0, |row| row.cases);
     let (pairs, singles): (Vec<OfSet>, Vec<OfSet>) =
         noise.rows.chunk_by(|a, b| a.nodes == b.nodes).partition(|of_set| of_set[0].nodes.contains(' '));
     let of = |of_set: &OfSet, model: &str| of_set.iter().find(|row| row.noise == model).cloned();
@@ -31,10 +30,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         })
         .page("refused", Format::Plain, |of_set| of_set.iter().map(|row| row.refused).sum::<usize>());
     let blocks = vec![
-        paragraph(
-            "displacement_noise.about",
-            context! { noise_mm => noise.image_sd_mm, frames => FRAMES, cases },
-        )?,
+        text(about(noise)),
         details("By contact", vec![Block::Table(columns.table(
             format!("Cramer-Rao bound of {} N along the normal, N; for 25 frames of two images; ordinary with the motor angle", noise.force_n),
             CSV,
@@ -42,14 +38,28 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         ))]),
     ];
     let section = Section::new("displacement-noise", "Where undeformed positions come from", blocks);
-    Ok(Some(section.saying(say("displacement_noise.says", in_words(noise))?)))
+    Ok(Some(section.saying(says(noise))))
 }
 
-/// Numbers for the sentence on the increase of the bounds.
-fn in_words(study: &DisplacementNoiseStudy) -> Option<Value> {
+/// Errors of the displacements under each noise model.
+fn about(DisplacementNoiseStudy { image_sd_mm, rows, .. }: &DisplacementNoiseStudy) -> String {
+    let cases = rows.first().map_or(0, |row| row.cases);
+    format!(
+        "On the other pages each displacement coordinate has an independent error of {image_sd_mm} mm, as if undeformed positions were exact. If \
+         displacements come from two images, averaging over {FRAMES} frames does not remove the error of the image at rest. If undeformed positions come \
+         from the motor angle, all nodes share an error of the finger base. Ordinary least squares assumes independent errors ({cases} samples)."
+    )
+}
+
+/// Sentence on the increase of the bounds.
+fn says(study: &DisplacementNoiseStudy) -> Option<String> {
     let of = |name: &'static str| study.rows.iter().filter(move |row| row.noise == name);
     let worse = of("motor angle").zip(of("independent")).map(|(motor, alone)| motor.bound_n / alone.bound_n);
     let ordinary = of("motor angle").map(|row| row.ordinary_rms_n / row.bound_n);
-    let (worse, ordinary) = (Span::of(worse)?.ends(), Span::of(ordinary)?.greatest);
-    Some(context! { translation_mm => TRANSLATION_SD_MM, rotation_deg => ROTATION_SD_DEG, worse, ordinary })
+    let ([least, greatest], ordinary) = (Span::of(worse)?.ends(), Span::of(ordinary)?.greatest);
+    Some(format!(
+        "If the same camera measures the undeformed finger, the Cramer-Rao bounds shown elsewhere become sqrt(2) times as large. With undeformed positions \
+         from the motor angle (assumed errors {TRANSLATION_SD_MM} mm, {ROTATION_SD_DEG} deg) they become {least:.1} to {greatest:.1} times as large, and \
+         ordinary least squares errs by up to {ordinary:.1} times this bound."
+    ))
 }

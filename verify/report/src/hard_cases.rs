@@ -31,11 +31,19 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     }
     let broken = study.hard_cases.iter().filter(|case| !case.passes()).map(|case| unbroken(&outcome(case)));
     let mut blocks = vec![
-        paragraph("hard_cases.about", context! { limit_s => TIME_LIMIT_S })?,
+        text(about()),
         details("The cases", vec![Block::Table(columns().table("What is checked", CSV, &study.hard_cases))]),
     ];
     blocks.extend(broken.map(text));
     Ok(Some(Section::new("hard-cases", "Hard cases", blocks).saying([in_words(&study.hard_cases)])))
+}
+
+/// What hard cases are, and how they are checked.
+fn about() -> String {
+    format!(
+        "Variants of the finger at the limits of what can be computed. Each is compared with a scaling law, another method, a known limit or the true force, \
+         and must finish within {TIME_LIMIT_S} s. checks.csv has every number."
+    )
 }
 
 /// Sentence that counts the cases, or names those that fail a check.

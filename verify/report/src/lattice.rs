@@ -70,7 +70,7 @@ pub fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(lattice) = &study.lattice else { return Ok(None) };
-    let mut blocks = vec![paragraph("lattice.about", context! {})?];
+    let mut blocks = vec![text(words::ABOUT)];
     if lattice.settling.is_empty() {
         blocks.push(text("This quick report compares equilibria alone, under fewer loads."));
     }
@@ -79,18 +79,18 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         "Worst difference of the lattice's equilibrium from converged beams, by force.",
         CSV,
     )));
-    blocks.push(Block::List { items: words::findings(lattice)? });
+    blocks.push(Block::List { items: words::findings(lattice) });
     blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
-    let mut folded = vec![paragraph("lattice.springs", context! {})?, Block::Table(axial(lattice))];
+    let mut folded = vec![text(words::SPRINGS), Block::Table(axial(lattice))];
     if !lattice.settling.is_empty() {
         folded.push(Block::Table(settled(lattice.settling.iter()).table(
             "The settled lattice against its equilibrium; single: positions and rotations rounded (the engine's own such build was not run)",
         )));
     }
-    folded.extend(words::precision(lattice)?.map(text));
+    folded.push(text(words::precision(lattice)));
     blocks.push(details("Choice of springs, and settings of settling", folded));
     let section = Section::new("lattice", "Another discretisation: the spring lattice", blocks);
-    Ok(Some(section.saying(words::verdict(lattice)?)))
+    Ok(Some(section.saying(words::verdict(lattice))))
 }
 
 /// Table of the difference from beams for several choices of axial springs.

@@ -36,7 +36,6 @@ mod times;
 pub mod trainings;
 mod trust;
 pub mod twin;
-mod words;
 
 pub use contact_scenes::{DrawnPress, press_svg};
 pub use drawings::{map_figure_svg, standalone};
@@ -60,9 +59,6 @@ pub enum ReportError {
     /// The page could not be rendered.
     #[error("cannot render the page: {0}")]
     Page(#[from] minijinja::Error),
-    /// The sentences in `words.toml` are not valid templates.
-    #[error("cannot read the sentences of the page: {0}")]
-    Words(String),
     /// A table could not be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
@@ -93,7 +89,7 @@ pub struct Report {
 /// Makes the report of a study.
 ///
 /// # Errors
-/// [`ReportError`] if a figure has nothing to draw, or a template or table fails.
+/// [`ReportError`] if a figure has nothing to draw, or a page or table cannot be written.
 pub fn report(study: &Study, claims: &[Claim]) -> Result<Report, ReportError> {
     let results = Results { study, claims };
     let pages = sections::pages(results)?;

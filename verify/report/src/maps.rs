@@ -37,16 +37,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.push(details("Least squares and the nonlinear estimator in full", in_full(study)?));
     blocks.push(details("What limits any estimator", vec![Block::Figures { figures: drawings::explanations(study)? }]));
     blocks.push(details("Key figures and cells of every map", vec![Block::Table(tables::figures(study))]));
-    Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study)?)))
+    Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study))))
 }
 
 fn overview(study: &Study, shown: MapFilter) -> Result<Figure, ReportError> {
-    let exported = study.map_by(TruthId::Mujoco, EstimatorId::LeastSquares, study.noise_mm > 0.0);
-    let numbers = context! {
-        forces_n => study.forces.of_maps_n(), noise_mm => study.noise_mm, exported_n => exported.map(|map| map.request.forces_n.clone()),
-    };
-    let caption = say("maps.overview", Some(numbers))?.unwrap_or_default();
-    Ok(Figure::wide(drawings::overview(study, shown)?, caption, OVERVIEW_CSV))
+    Ok(Figure::wide(drawings::overview(study, shown)?, words::overview(study), OVERVIEW_CSV))
 }
 
 /// Maps of the co-rotational finger on the finest grid, with their bias and scatter.
@@ -59,7 +54,7 @@ fn in_full(study: &Study) -> Result<Vec<Block>, ReportError> {
             if noisy { format!(", {} noise samples per cell", map.request.noise_samples) } else { String::new() };
         Ok(Figure::narrow(
             map_figure_svg(&study.finger, map, None)?,
-            format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map)?),
+            format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map)),
             map_csv_name(map),
         ))
     };

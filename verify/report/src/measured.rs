@@ -2,12 +2,12 @@
 
 pub mod picture;
 
+use super::format::percent_two_digits;
 use crate::prelude::*;
 use finray_figures::Spread;
 use finray_studies::experiments::measured::picture::Picture;
 use finray_studies::experiments::measured::{MarkerResidual, MeasuredForce, MeasuredStudy};
 use finray_studies::statistics::{mean, rms};
-use minijinja::value::Serde;
 
 const CSV: &str = "measured_forces.csv";
 const COVERAGE_CSV: &str = "measured_coverage.csv";
@@ -27,7 +27,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(measured) = study.measured.as_ref().filter(|measured| measured.images > 0) else { return Ok(None) };
-    let mut blocks = vec![paragraph("measured.about", context! { images => measured.images })?];
+    let mut blocks = vec![text(about(measured.images))];
     let drawn = [forces(measured)?, residuals(&measured.residuals)?];
     let captions = [
         ("Sensed against measured force, with 95 % intervals.", CSV),
@@ -66,8 +66,23 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let table =
         image_columns().table("Each image, by what is known; z is the error in standard deviations", CSV, of_scene);
     blocks.push(details("By image", vec![Block::Table(table)]));
-    let says = say("measured.says", outcome(measured).map(|it| Value::from(Serde(it))))?;
-    Ok(Some(Section::new("measured", "Measured images", blocks).saying(says)))
+    Ok(Some(Section::new("measured", "Measured images", blocks).saying(outcome(measured).map(says))))
+}
+
+/// How the images are sensed.
+fn about(images: usize) -> String {
+    format!(
+        "{images} images with measured contact force, each sensed independently with the nonlinear estimator. The position of the contact is unknown. \
+         Intervals are 95 %. Nothing is calibrated here; the report cannot know whether the scene was calibrated on these images. Refused images are counted."
+    )
+}
+
+/// Sentence on the errors and intervals of the sensed forces.
+fn says(Outcome { images, known, error, within, forces, .. }: Outcome) -> String {
+    let error = percent_two_digits(error);
+    format!(
+        "In {images} images of the finger itself ({known}), forces err by {error} on average; 95 % intervals contain {within} of {forces}."
+    )
 }
 
 /// Images of one object, or of all objects, sensed with the same knowledge of the contact (for instance its direction or friction).
@@ -135,7 +150,6 @@ fn image_columns<'s>() -> Columns<'s, &'s MeasuredForce> {
 }
 
 /// What measured images show, sensed with one knowledge of the contact.
-#[derive(serde::Serialize)]
 pub(super) struct Outcome {
     /// Number of images.
     pub images: usize,

@@ -1,6 +1,6 @@
 //! The shipped networks, their training, and the network size that is needed.
 
-use super::format::{NOTHING, error_as, list, percent_with, share_refused, verdict};
+use super::format::{NOTHING, error_as, list, nodes_in_words, percent_with, share_refused, verdict};
 use super::trainings;
 use crate::prelude::*;
 use finray_studies::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
@@ -43,17 +43,25 @@ fn coverage(row: &ScatterRow) -> Option<f64> {
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let mut blocks = Vec::new();
     if let Some(networks) = &study.networks {
-        let numbers = context! { forces_n => FORCES_N, noise_mm => networks.noise_mm };
-        blocks.push(paragraph("networks.about", numbers)?);
+        blocks.push(text(about(networks.noise_mm)));
         blocks.push(details("By contact", vec![Block::Table(table(networks))]));
     }
-    blocks.extend(trainings::blocks(&study.records)?);
-    let says = say("networks.says", study.networks.as_ref().and_then(in_words))?;
+    blocks.extend(trainings::blocks(&study.records));
+    let says = study.networks.as_ref().and_then(says);
     Ok((!blocks.is_empty()).then(|| Section::new("networks", "The sensing network", blocks).saying(says)))
 }
 
-/// Numbers for the sentence on the networks' errors relative to the bound, and on the tolerances that hold.
-fn in_words(networks: &NetworkStudy) -> Option<Value> {
+/// What the networks were trained on, and what they sense.
+fn about(noise_mm: f64) -> String {
+    let forces_n = list(FORCES_N, " to ");
+    format!(
+        "Networks for eleven single nodes and four pairs of the paper's finger. They sense {forces_n} N along the normal with {noise_mm} mm noise. They were \
+         trained on the uniform finger, which they also sense here."
+    )
+}
+
+/// Sentence on the networks' errors relative to the bound, and on the tolerances that hold.
+fn says(networks: &NetworkStudy) -> Option<String> {
     // Two decimals distinguish an error from its bound.
     let percent = |share| percent_with(share, 2);
     let errors = |forces: usize| {
@@ -64,18 +72,21 @@ fn in_words(networks: &NetworkStudy) -> Option<Value> {
     let over = networks.rows.iter().filter_map(|row| Some((row.mean_error()? / row.mean_error_bound()?, row)));
     let (most, worst) = over.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let sums = networks.rows.iter().filter_map(|row| Some((sum(row)?.mean_error / bound(sum(row)?)?, row)));
-    let sum = sums.max_by(|a, b| a.0.total_cmp(&b.0));
+    let sum = sums.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(String::new, |(most, row)| {
+        format!(", a sum by up to {most:.2} times (nodes {})", nodes_in_words(&row.nodes))
+    });
     let checks = networks.checks();
-    Some(context! {
-        one => errors(1)?,
-        two => errors(2)?,
-        counts => Counts::of(&networks.rows).to_string(),
-        most,
-        nodes => worst.nodes.clone(),
-        sum => sum.map(|(most, row)| context! { most, nodes => row.nodes.clone() }),
-        kept => checks.iter().filter(|check| check.passes()).count(),
-        tolerances => checks.len(),
-    })
+    let kept = checks.iter().filter(|check| check.passes()).count();
+    let tolerances = match checks.len() {
+        0 => String::new(),
+        tolerances => format!(" {kept} of {tolerances} tolerances hold."),
+    };
+    let (one, two, counts) = (errors(1)?, errors(2)?, Counts::of(&networks.rows));
+    let (plural, nodes) = (if worst.nodes.len() > 1 { "s" } else { "" }, nodes_in_words(&worst.nodes));
+    Some(format!(
+        "The shipped networks err by {one} for one force and by {two} for each of two ({counts}). Each force errs by at most {most:.2} times its Cramer-Rao \
+         bound (node{plural} {nodes}){sum}.{tolerances}"
+    ))
 }
 
 fn table(networks: &NetworkStudy) -> Table {

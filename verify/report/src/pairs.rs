@@ -40,16 +40,8 @@ fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(noise) = study.noise.as_ref().filter(|noise| !noise.pairs.is_empty()) else { return Ok(None) };
-    let cases = |of: fn(usize, usize) -> usize| noise.pairs.iter().map(ScatterRow::drawn).reduce(of).unwrap_or(0);
-    let cases = match [usize::min, usize::max].map(cases) {
-        [least, most] if least == most => least.to_string(),
-        [least, most] => format!("{least} to {most}"),
-    };
-    let numbers =
-        context! { forces_n => study.checked_forces().scaled(TWO_FORCES_N), cases, noise_mm => noise.noise_mm };
-    let mut blocks = vec![paragraph("pairs.about", numbers)?];
-    blocks.extend(say("pairs.trusted", trusted(noise))?.map(text));
-    blocks.extend(say("pairs.neighbours", neighbours(noise))?.map(text));
+    let mut blocks = vec![text(about(noise, study.checked_forces().scaled(TWO_FORCES_N)))];
+    blocks.extend([trusted(noise), neighbours(noise)].into_iter().flatten().map(text));
     let each = |row: &ScatterRow| row.mean_error().map(|error| 100.0 * error);
     let sum = |row: &ScatterRow| row.sum.map(|sum| 100.0 * sum.mean_error);
     let figures = [(EACH, matrix(noise, EACH, each)?), (SUM, matrix(noise, SUM, sum)?)];
@@ -62,6 +54,19 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     });
     blocks.push(Block::Figures { figures: figures.into() });
     Ok(Some(Section::new("pairs", "Two contacts at once", blocks)))
+}
+
+/// Forces, cases and noise of the pairs.
+fn about(NoiseStudy { pairs, noise_mm, .. }: &NoiseStudy, forces_n: [f64; 2]) -> String {
+    let cases = |of: fn(usize, usize) -> usize| pairs.iter().map(ScatterRow::drawn).reduce(of).unwrap_or(0);
+    let cases = match [usize::min, usize::max].map(cases) {
+        [least, most] if least == most => least.to_string(),
+        [least, most] => format!("{least} to {most}"),
+    };
+    let forces_n = list(forces_n, " to ");
+    format!(
+        "Forces of {forces_n} N along the normal at both of two contact nodes, {cases} cases per pair, uniform finger, {noise_mm} mm noise."
+    )
 }
 
 /// Matrix of one quantity of every pair: the nonlinear estimator above the diagonal, least squares below it.
@@ -103,23 +108,28 @@ fn two_digits(value: f64) -> String {
     }
 }
 
-/// Numbers for the sentence on pairs that can be trusted.
-fn trusted(noise: &NoiseStudy) -> Option<Value> {
+/// Sentence on pairs that can be trusted.
+fn trusted(NoiseStudy { pairs, linear_pairs, .. }: &NoiseStudy) -> Option<String> {
     let sums = |rows: &[ScatterRow]| Some(range_of(Span::of(rows.iter().filter_map(|row| Some(row.sum?.mean_error)))?));
-    let bad = noise.pairs.iter().filter(|row| !row.is_within(TRUSTED_ERROR)).map(|row| nodes_in_words(&row.nodes));
-    Some(context! {
-        bad => bad.collect::<Vec<_>>(),
-        sums => sums(&noise.pairs)?,
-        counts => Counts::of(&noise.pairs).to_string(),
-        pairs => noise.pairs.len(),
-        linear_within => noise.linear_pairs.iter().filter(|row| row.is_within(TRUSTED_ERROR)).count(),
-        linear_sums => sums(&noise.linear_pairs)?,
-        linear_counts => Counts::of(&noise.linear_pairs).to_string(),
-    })
+    let bad = pairs.iter().filter(|row| !row.is_within(TRUSTED_ERROR)).map(|row| nodes_in_words(&row.nodes));
+    let which = match &bad.collect::<Vec<_>>()[..] {
+        [] => "every pair".to_owned(),
+        bad => format!("all pairs but {}", bad.join(", ")),
+    };
+    let within = linear_pairs.iter().filter(|row| row.is_within(TRUSTED_ERROR)).count();
+    Some(format!(
+        "With the nonlinear estimator, both forces of {which} can be trusted to 10 % (sums err by {}; {}). Least squares stays within 10 % at {within} of {} \
+         pairs (sums: {}; {}). A refused case counts as an error of 100 %.",
+        sums(pairs)?,
+        Counts::of(pairs),
+        pairs.len(),
+        sums(linear_pairs)?,
+        Counts::of(linear_pairs)
+    ))
 }
 
-/// Numbers for the sentence on the errors of neighbouring nodes.
-fn neighbours(noise: &NoiseStudy) -> Option<Value> {
+/// Sentence on the errors of neighbouring nodes.
+fn neighbours(noise: &NoiseStudy) -> Option<String> {
     let pairs = || noise.pairs.iter().zip(&noise.condition_numbers);
     // Errors and condition numbers of the pairs whose distance in nodes is `wanted`.
     let apart = |wanted: fn(usize) -> bool| {
@@ -127,14 +137,16 @@ fn neighbours(noise: &NoiseStudy) -> Option<Value> {
         let errors = range_of(Span::of(of.clone().filter_map(|(row, _)| row.mean_error()))?);
         Some((errors, Span::of(of.map(|(_, condition)| *condition))?.ends()))
     };
-    let (near_errors, near) = apart(|steps| steps == 1)?;
-    let (far_errors, far) = apart(|steps| steps > 2)?;
+    let (near_errors, [near_least, near_most]) = apart(|steps| steps == 1)?;
+    let (far_errors, [far_least, far_most]) = apart(|steps| steps > 2)?;
     let over = |rows: &[ScatterRow]| Some(Span::of(rows.iter().filter_map(worse_over_bound))?.ends());
     let cases = noise.pairs.iter().map(ScatterRow::drawn).min()?;
-    Some(context! {
-        near, near_errors, far, far_errors,
-        nonlinear => over(&noise.pairs)?,
-        linear => over(&noise.linear_pairs)?,
-        chance => 100.0 / (2.0 * cases as f64).sqrt(),
-    })
+    let chance = 100.0 / (2.0 * cases as f64).sqrt();
+    let ([least, most], [linear_least, linear_most]) = (over(&noise.pairs)?, over(&noise.linear_pairs)?);
+    Some(format!(
+        "Forces at neighbouring nodes bend the finger almost equally. The difference of the two shapes is {near_least:.1} to {near_most:.1} times smaller \
+         than their common part (three or more nodes apart: {far_least:.1} to {far_most:.1}), so each force errs by {near_errors} instead of {far_errors}. \
+         The nonlinear estimator errs by {least:.2} to {most:.2} times the Cramer-Rao bound (root mean square; random sampling alone varies this by \
+         {chance:.0} %), least squares by {linear_least:.1} to {linear_most:.0} times."
+    ))
 }

@@ -1,9 +1,8 @@
-//! Common imports of the sections: tables and files, blocks of the page, sentences, drawings, and types of the studies.
+//! Common imports of the sections: tables and files, blocks of the page, drawings, and types of the studies.
 
 pub(crate) use crate::dataset::{Columns, Dataset, Format};
 pub(crate) use crate::format::Span;
 pub(crate) use crate::page::{Block, Cell, Column, Figure, Section, Shade, Table, details, text};
-pub(crate) use crate::words::{paragraph, say};
 pub(crate) use crate::{ReportError, Results};
 pub(crate) use finray_figures::{Axis, Cells, Chart, Class, Dash, FigureError, Frame, Hue, Map, Point, Series};
 pub(crate) use finray_model::estimators::EstimatorId;
@@ -17,4 +16,3 @@ pub(crate) use finray_studies::sampling::worst::TrustCounts;
 pub(crate) use finray_studies::settings::{TRUSTED_ERROR, TWO_SIDED_95};
 pub(crate) use finray_studies::study::Study;
 pub(crate) use finray_studies::truths::TruthId;
-pub(crate) use minijinja::{Value, context};

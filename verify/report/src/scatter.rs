@@ -32,10 +32,8 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(noise) = &study.noise else { return Ok(None) };
-    let cases = noise.single.iter().map(ScatterRow::drawn).max().unwrap_or(1);
-    let [one_n, two_n] = [ONE_FORCE_N, TWO_FORCES_N].map(|range_n| study.checked_forces().scaled(range_n));
-    let numbers = context! { one_n, two_n, cases };
-    let mut blocks = vec![paragraph("noise.about", numbers)?];
+    let forces_n = [ONE_FORCE_N, TWO_FORCES_N].map(|range_n| study.checked_forces().scaled(range_n));
+    let mut blocks = vec![text(about(&noise.single, forces_n))];
     // A row has no force if the finger has no equilibrium under any force of the range at this node.
     let first = |row: &ScatterRow| row.forces.first().copied();
     let single = Columns::<&ScatterRow>::new()
@@ -57,14 +55,28 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         tables.push(Block::Table(pairs.table("Two contacts", CSV, &noise.checked)));
     }
     blocks.push(details("By contact", tables));
-    Ok(Some(Section::new("noise", "Force error from camera noise", blocks).saying(say("noise.says", in_words(noise))?)))
+    Ok(Some(Section::new("noise", "Force error from camera noise", blocks).saying(says(noise))))
 }
 
-/// Numbers for the sentence on the range of the mean errors over the nodes.
-fn in_words(noise: &NoiseStudy) -> Option<Value> {
-    let range = |rows: &[ScatterRow]| {
+/// Forces, cases and bound; the ranges of the forces are those of one force and of each of two.
+fn about(single: &[ScatterRow], forces_n: [[f64; 2]; 2]) -> String {
+    let cases = single.iter().map(ScatterRow::drawn).max().unwrap_or(1);
+    let [one_n, two_n] = forces_n.map(|range_n| list(range_n, " to "));
+    format!(
+        "Random forces ({one_n} N on one node, {two_n} N on each of two) on the uniform finger, {cases} cases per node. The bound is the Cramer-Rao bound; \
+         95 % of the forces should lie within 1.96 sigma. Means are over answered cases."
+    )
+}
+
+/// Sentence on the range of the mean errors over the nodes.
+fn says(NoiseStudy { noise_mm, single, pairs, .. }: &NoiseStudy) -> Option<String> {
+    let errors = |rows: &[ScatterRow]| {
         let errors = range_of(Span::of(rows.iter().filter_map(ScatterRow::mean_error))?);
-        Some(context! { errors, counts => Counts::of(rows).to_string() })
+        Some(format!("{errors} ({})", Counts::of(rows)))
     };
-    Some(context! { noise_mm => noise.noise_mm, one => range(&noise.single)?, two => range(&noise.pairs) })
+    let one = errors(single)?;
+    let two = errors(pairs).map_or_else(String::new, |two| format!(", each of two with {two}"));
+    Some(format!(
+        "With {noise_mm} mm noise the nonlinear estimator senses a force along the normal with a mean error of {one}{two}, by position."
+    ))
 }

@@ -157,9 +157,9 @@ fn first(results: Results) -> Result<First, ReportError> {
     let study = results.study;
     Ok(First {
         verdict: answers::verdict(study),
-        answers: answers::answers(study)?,
-        caveat: answers::caveat(study)?,
+        answers: answers::answers(study),
+        caveat: answers::caveat(study),
         lead: trust::figures(results)?,
-        lead_caption: trust::caption(study)?,
+        lead_caption: trust::caption(study),
     })
 }

@@ -46,7 +46,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             format!("At rest and under {force_n} N along the normal: linear (dotted) and co-rotational (solid)."),
             CSV,
         )));
-        blocks.extend(say("shapes.validity", validity(study))?.map(text));
+        blocks.extend(validity(study).map(text));
         let table = validity_columns(study.strain_limits).table(
             "Of each co-rotational shape",
             VALIDITY_CSV,
@@ -84,15 +84,16 @@ fn most_sheared(study: &Study) -> Option<&Validity> {
     corotational(study).map(|bent| &bent.validity).max_by(|a, b| a.shear_share.total_cmp(&b.shear_share))
 }
 
-/// Numbers for the sentence that compares the strains of the drawn co-rotational shapes with the limits of the beam model.
-fn validity(study: &Study) -> Option<Value> {
+/// Sentence that compares the strains of the drawn co-rotational shapes with the limits of the beam model.
+fn validity(study: &Study) -> Option<String> {
     let (strain, sheared) = (most_strained(study)?, most_sheared(study)?);
-    Some(context! {
-        strain => strain.to_string(),
-        shear => sheared.shear_share,
-        member => sheared.shear_at.map(|member| member.to_string()),
-        limits => [study.strain_limits.of(strain.member.part), LARGEST_SHEAR_SHARE],
-    })
+    let member = sheared.shear_at.map_or_else(String::new, |member| format!(", mostly in {member}"));
+    let shear = percent(sheared.shear_share);
+    let [strain_limit, shear_limit] = [study.strain_limits.of(strain.member.part), LARGEST_SHEAR_SHARE].map(percent);
+    Some(format!(
+        "Largest fibre strain: {strain}. Shear, which the beams neglect, would add up to {shear} to the displacement of the loads{member}. Limits: \
+         {strain_limit} of strain, {shear_limit} of shear."
+    ))
 }
 
 /// Texts about the limits of the beam model that the drawn shapes exceed; empty if they exceed none.

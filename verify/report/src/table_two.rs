@@ -5,11 +5,11 @@ mod rows;
 pub mod words;
 
 use super::drawings::error_bars;
-use super::format::{NOTHING, error, error_as, list, nodes_in_words, share_of_counts, share_refused, span_in_words};
+use super::format::{NOTHING, error, error_as, share_of_counts, share_refused, span_in_words};
 use crate::prelude::*;
 use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded};
 use finray_studies::experiments::networks::records::RecipeRow;
-use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
+use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, TableTwo};
 
 const CSV: &str = "table_two.csv";
 /// Relative errors below this are rounding and shown as 0.
@@ -22,19 +22,16 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(two) = &study.table_two else { return Ok(None) };
     let records = &study.records.recipes;
-    let of_group = |group: ContactGroup| (group.name, list(group.sets.iter().map(|set| nodes_in_words(set)), "; "));
-    let groups = CONTACT_GROUPS.map(of_group).map(|(name, sets)| format!("{name} ({sets})"));
-    let numbers = context! { groups, cases => two.cases, fits => two.cases.min(MOST_FITS), forces_n => FORCES_N };
-    let mut blocks = vec![paragraph("table_two.about", numbers)?];
+    let mut blocks = vec![text(words::about(two.cases))];
     blocks.push(Block::Figure(Figure::wide(
         drawing(two, records, study.noise_mm)?,
         format!("Measured in the paper, and in simulation with {} mm noise.", study.noise_mm),
         CSV,
     )));
-    blocks.extend(words::linearisation(two, study.noise_mm)?.map(text));
+    blocks.extend(words::linearisation(two, study.noise_mm).map(text));
     blocks.push(details("By estimator", vec![Block::Table(table(two, records, study.noise_mm))]));
     blocks.extend(study.modules.as_ref().map(gripper::blocks).transpose()?.into_iter().flatten());
-    let says = [words::papers(records, study.noise_mm)?, words::ours(two, study.noise_mm)?].into_iter().flatten();
+    let says = [words::papers(records, study.noise_mm), words::ours(two, study.noise_mm)].into_iter().flatten();
     Ok(Some(Section::new("table-two", "The paper's Table II", blocks).saying(says)))
 }
 

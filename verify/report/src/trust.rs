@@ -1,7 +1,7 @@
 //! First screen: drawings, counts and files that show where a force can be trusted, by the worst force of each cell.
 
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, at_rest, error_classes, point, rank_of};
-use super::format::{capitalised, percent};
+use super::format::{capitalised, list, percent};
 use crate::prelude::*;
 use finray_figures::Patch;
 use finray_studies::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
@@ -130,8 +130,28 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
 }
 
 /// Caption of the drawings.
-pub(super) fn caption(study: &Study) -> Result<String, ReportError> {
-    Ok(say("trust.caption", Some(context! { forces_n => study.forces.of_maps_n() }))?.unwrap_or_default())
+pub(super) fn caption(study: &Study) -> String {
+    let forces_n = list(study.forces.of_maps_n(), ", ");
+    format!(
+        "Colour: the worst of the mean errors under {forces_n} N, with the nonlinear estimator. Front plate: forces along its normal. Fans: all directions, \
+         drawn on the side from which the force comes. Green is trusted; refused cells (position and direction) are not. Shares are of the cells with an \
+         equilibrium. Numbers are those of the rods along the plate."
+    )
+}
+
+/// Text below the drawing of a situation: its counts.
+fn counted(situation: &Situation) -> String {
+    let (about, counts) = (capitalised(&situation.about), situation.all());
+    let TrustCounts { cells, without_equilibrium, refused, .. } = counts;
+    let samples = match situation.refused_samples() {
+        [0, _] => String::new(),
+        [refused, all] => format!("; in the others {refused} of {all} noise samples refused"),
+    };
+    let common = situation.common.share().filter(|_| situation.common.cells < cells);
+    let common = common.map_or_else(String::new, |share| {
+        format!(" On the {} cells of the other drawings: {}.", situation.common.cells, percent(share))
+    });
+    format!("{about}. {cells} cells: {without_equilibrium} without equilibrium, {refused} refused{samples}.{common}")
 }
 
 /// One drawing of the finger per situation.
@@ -157,19 +177,7 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
         series,
     );
     let chart = Chart { patches: patches(finger, situation), x: node_ticks(finger), ..drawn };
-    let [refused, samples] = situation.refused_samples();
-    let common = situation.common.share().filter(|_| situation.common.cells < counts.cells);
-    let numbers = context! {
-        about => capitalised(&situation.about),
-        cells => counts.cells,
-        without_equilibrium => counts.without_equilibrium,
-        refused => counts.refused,
-        refused_samples => refused,
-        samples,
-        common => common.map(|share| context! { share, cells => situation.common.cells }),
-    };
-    let caption = say("trust.cells", Some(numbers))?.unwrap_or_default();
-    Ok(Figure { wide: is_first, ..Figure::wide(chart.svg()?, caption, situation.csv) })
+    Ok(Figure { wide: is_first, ..Figure::wide(chart.svg()?, counted(situation), situation.csv) })
 }
 
 /// Horizontal axis with the numbers of the contact nodes.

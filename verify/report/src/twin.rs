@@ -90,8 +90,12 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         .page("factors", Format::Words, |fit| list(fit.factors.iter().map(|factor| figure(*factor)), ", "))
         .page("misfit", Format::Fixed(2), |fit| fit.misfit);
     let first = factors(twin).filter(|(repetition, ..)| *repetition == 1);
+    let mut folded =
+        vec![Block::Table(sets.table("Sets of zones fitted to Table I; a misfit below 1 fits", SETS_CSV, &twin.fits))];
+    folded.extend(words::calibration(twin).map(text));
+    folded.push(Block::Table(calibrated().table("One of the calibrations", CALIBRATION_CSV, first)));
     let blocks = vec![
-        paragraph("twin.about", context! {})?,
+        text(words::ABOUT),
         Block::Figure(Figure::wide(
             drawing(twin)?,
             format!(
@@ -100,21 +104,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             ),
             CSV,
         )),
-        details(
-            "The fits, and how zones are calibrated",
-            vec![
-                Block::Table(sets.table(
-                    "Sets of zones fitted to Table I; a misfit below 1 fits",
-                    SETS_CSV,
-                    &twin.fits,
-                )),
-                text(words::calibration(twin)?.unwrap_or_default()),
-                Block::Table(calibrated().table("One of the calibrations", CALIBRATION_CSV, first)),
-            ],
-        ),
+        details("The fits, and how zones are calibrated", folded),
     ];
     let section = Section::new("twin", "One fit of Table I: the finger with softer ends", blocks);
-    Ok(Some(section.saying(words::verdict(twin)?)))
+    Ok(Some(section.saying(words::verdict(twin))))
 }
 
 fn drawing(study: &TwinStudy) -> Result<String, FigureError> {

@@ -17,5 +17,5 @@ pub mod sampling;
 pub mod settings;
 pub mod statistics;
 pub mod study;
-pub mod templates;
+mod templates;
 pub mod truths;

@@ -1,4 +1,4 @@
-//! A sentence on the sensing of pressed objects, and a table with one row per scene.
+//! Sentences on the sensing of pressed objects, and a table with one row per scene.
 
 use super::{CSV, name_of};
 use crate::format::percent;
@@ -6,15 +6,27 @@ use crate::prelude::*;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 
+/// How the scenes are computed and sensed.
+pub(super) const ABOUT: &str = "In simulation, an object is pressed onto the finger, which is a lattice of rigid bodies and springs in quasi-static \
+                                equilibrium. The lattice's contact forces are the true ones. Rapier, started in each equilibrium, must stay there (Checks). \
+                                The nonlinear estimator, on beams, receives the displacements of the key nodes and points on both outlines, with the \
+                                camera's noise. It knows which parts touch, and the coefficient of friction as a bound on the angle of the force.";
+
 /// Sentence on the errors of the scenes without and with friction, and on the contact with the largest relative error.
-pub(super) fn verdict(scenes: &[SceneStudy]) -> Result<Option<String>, ReportError> {
-    let of = |friction: bool| worst_total(scenes.iter().filter(|scene| (scene.friction > 0.0) == friction));
-    let numbers = of(false).map(|smooth| context! { smooth, rough => of(true), least => least_known(scenes) });
-    say("contact_scenes.verdict", numbers)
+pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
+    let of =
+        |friction: bool| worst_total(scenes.iter().filter(|scene| (scene.friction > 0.0) == friction)).map(percent);
+    let smooth = of(false)?;
+    let rough = of(true).map(|rough| format!(", with friction (only its coefficient is known) by up to {rough}"));
+    Some(format!(
+        "In simulation, without noise, the sensed total of objects pressed onto the lattice errs by up to {smooth}{}.{}",
+        rough.unwrap_or_default(),
+        least_known(scenes).unwrap_or_default()
+    ))
 }
 
-/// Numbers on the contact with the largest relative error under noise in the last step of a scene, and on that step's other contacts.
-fn least_known(scenes: &[SceneStudy]) -> Option<Value> {
+/// Sentence on the contact with the largest relative error under noise in the last step of a scene, and on that step's other contacts.
+fn least_known(scenes: &[SceneStudy]) -> Option<String> {
     let ends = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?)));
     let contacts = ends.flat_map(|(scene, last)| {
         let felt = last.step.contacts.iter().filter(|seen| !seen.clamped).enumerate();
@@ -26,13 +38,12 @@ fn least_known(scenes: &[SceneStudy]) -> Option<Value> {
     let (_, which, scene, seen, samples) = contacts.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let contacts = samples.sensed.len() - 1;
     let [low_n, high_n] = Span::of((0..contacts).map(|which| samples.rms_error_n(which)))?.ends();
-    Some(context! {
-        scene => scene.name.as_str(), contacts, low_n, high_n,
-        name => name_of(seen),
-        true_n => seen.normal_n,
-        error_n => samples.rms_error_n(which),
-        total_n => samples.rms_error_n(contacts),
-    })
+    let [error_n, total_n] = [which, contacts].map(|which| samples.rms_error_n(which));
+    let (scene, name, true_n) = (&scene.name, name_of(seen), seen.normal_n);
+    Some(format!(
+        " Several contacts are sensed less accurately than their sum. At the end of the scene \"{scene}\", with noise, {contacts} contacts err by {low_n:.2} \
+         to {high_n:.2} N each ({name}, which carries {true_n:.2} N, by {error_n:.2} N), their total by {total_n:.2} N."
+    ))
 }
 
 /// Table with one row per scene: error of the total, balance of forces, and coverage of the intervals under noise.

@@ -1,5 +1,6 @@
 //! A closed loop that holds a sensed force, at several frame rates of the camera: a chart, a table and a file.
 
+use crate::format::percent;
 use crate::prelude::*;
 use finray_studies::experiments::grasp::rates::{DELAYS, LoopRun, LoopSetting, LoopStudy, Spread};
 
@@ -37,22 +38,28 @@ pub(super) fn dataset(study: &Study) -> Dataset<'static> {
 }
 
 pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError> {
-    let LoopStudy { target_n, motor_deg_per_s, runs } = closed_loop;
-    let steady = runs.iter().filter_map(|run| run.over(|of| of.steady_error.abs())).map(|errors| errors.most);
-    let numbers = minijinja::context! {
-        target_n, motor_deg_per_s,
-        noise_mm => runs.last().map(|run| run.setting.noise_mm),
-        realisations => runs.last().map(|run| run.figures.len()),
-        steady => steady.fold(0.0, f64::max),
-    };
     let caption = "Largest true force above the target, mean of both fingers: mean, least and largest value over the realisations of the noise. The overshoot also depends on when the frames are taken, up to the dotted lines.";
     let figure = Figure::wide(chart(closed_loop)?, caption, CSV);
-    let table = columns().table("Every loop", CSV, runs.clone());
-    Ok(vec![
-        paragraph("grasp.loop", numbers)?,
-        Block::Figure(figure),
-        details("Overshoot, error once held and rise of every loop", vec![Block::Table(table)]),
-    ])
+    let table = columns().table("Every loop", CSV, closed_loop.runs.clone());
+    let folded = details("Overshoot, error once held and rise of every loop", vec![Block::Table(table)]);
+    Ok(about(closed_loop).map(text).into_iter().chain([Block::Figure(figure), folded]).collect())
+}
+
+/// How the loops run, and their error in the hold; `None` without loops.
+fn about(LoopStudy { target_n, motor_deg_per_s, runs }: &LoopStudy) -> Option<String> {
+    let last = runs.last()?;
+    let (noise_mm, realisations) = (last.setting.noise_mm, last.figures.len());
+    let steady = runs.iter().filter_map(|run| run.over(|of| of.steady_error.abs())).map(|errors| errors.most);
+    let steady = percent(steady.fold(0.0, f64::max));
+    Some(format!(
+        "A simulated closed loop: two of the paper's fingers close on a disc until the mean of both sensed forces is {target_n} N, and then hold this force \
+         for 30 frames. The motor turns at {motor_deg_per_s} degrees per second. In each frame the controller corrects half of the missing force, or less if \
+         sensing is delayed. The lattice has one segment per member. Up to nine tenths of the force, all loops share the same steps of 22.5 degrees; from \
+         there each continues separately, with {realisations} realisations of the noise if it has {noise_mm} mm of noise. The motor continues between two \
+         frames, so the force overshoots: by up to the force that the motor adds in one frame and in each frame of delay (dotted: by the mean rise; the \
+         force grows slightly faster at its end). In the hold, the largest mean error of the force is {steady}. The motor's speed, not the frame rate, sets \
+         the rise time."
+    ))
 }
 
 /// Chart of the overshoot over the frame rate, one line per noise level and delay.

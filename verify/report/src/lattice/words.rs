@@ -1,5 +1,6 @@
 //! Sentences on the lattice: its agreement with beams, and its differences.
 
+use crate::format::percent_two_digits;
 use crate::prelude::*;
 use finray_studies::experiments::lattice::LatticeStudy;
 use finray_studies::lattice::accuracy::FinenessRow;
@@ -7,51 +8,78 @@ use finray_studies::lattice::accuracy::FinenessRow;
 /// The difference from beams counts as converging to zero if its order of convergence in the segment length is above this.
 const COARSENESS_ORDER: f64 = 2.0;
 
+/// How the lattice is built, and what it verifies.
+pub(super) const ABOUT: &str = "The finger as rigid bodies connected by springs of EA / l, 12 EI / l^3 and EI / l. It uses no element or solver of the \
+                                beams, and no parameter is fitted. This verifies solver and kinematics, not beam theory. rapier2d lets the bodies come to \
+                                rest; Newton's method minimises the energy and separates the lattice's errors from those of settling.";
+/// Reason for the choice of the axial springs.
+pub(super) const SPRINGS: &str = "The ends of a segment come closer when it bends. Points at a sixth of its length from the ends keep their distance, so the \
+                                  axial springs are fixed there; fixed at the ends, they would also resist bending. Members must be extensible, because a V \
+                                  carries a force like a truss, by axial forces.";
+
 /// Sentence on the lattice's difference from beams, and on sensing on the lattice compared with the uniform finger.
-pub fn verdict(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
-    let numbers = || {
-        let finest = lattice.rows.last()?;
-        let worst = worst(finest.errors.iter().copied());
-        let difference = lattice.sensing.difference.largest;
-        Some(context! { worst, force_n => *finest.forces_n.last()?, difference })
-    };
-    say("lattice.verdict", numbers())
+pub fn verdict(lattice: &LatticeStudy) -> Option<String> {
+    let finest = lattice.rows.last()?;
+    let force_n = finest.forces_n.last()?;
+    let [worst, difference] = [largest(finest), lattice.sensing.difference.largest].map(percent_two_digits);
+    Some(format!(
+        "A lattice of rigid bodies and springs of the same EA and EI bends as the beams do within {worst} of the largest displacement up to {force_n} N; \
+         least squares errs on the lattice as on the uniform finger, within {difference} of the force."
+    ))
 }
 
 /// Sentences on the order and size of the difference from beams, and on its effect on sensing.
-pub fn findings(lattice: &LatticeStudy) -> Result<Vec<String>, ReportError> {
-    let said = [
-        say("lattice.agreement", agreement(&lattice.rows))?,
-        say("lattice.linear", linear(lattice))?,
-        say("lattice.sensing", Some(sensing(lattice)))?,
-    ];
-    Ok(said.into_iter().flatten().collect())
+pub fn findings(lattice: &LatticeStudy) -> Vec<String> {
+    [agreement(&lattice.rows), linear(lattice), Some(sensing(lattice))].into_iter().flatten().collect()
 }
 
-/// Errors of the coarsest and the finest lattice, and the order of convergence.
-fn agreement(rows: &[FinenessRow]) -> Option<Value> {
+/// Largest difference from beams over all forces, relative to the largest displacement.
+fn largest(row: &FinenessRow) -> f64 {
+    worst(row.errors.iter().copied())
+}
+
+/// Sentence on the errors of the coarsest and the finest lattice, and the order of convergence.
+fn agreement(rows: &[FinenessRow]) -> Option<String> {
     let (coarsest, finest) = (rows.first()?, rows.last().filter(|_| rows.len() > 1)?);
-    let refined = (finest.fineness as f64 / coarsest.fineness as f64).ln();
+    let [coarse, fine] = [coarsest, finest].map(|row| row.fineness);
+    let refined = (fine as f64 / coarse as f64).ln();
     let orders = coarsest.errors.iter().zip(&finest.errors).map(|(coarse, fine)| (coarse / fine).ln() / refined);
-    let Span { least: low, greatest: high, .. } = Span::of(orders)?;
-    let of = |row: &FinenessRow| context! { fineness => row.fineness, worst => worst(row.errors.iter().copied()) };
-    Some(context! { coarsest => of(coarsest), finest => of(finest), low, high, order => COARSENESS_ORDER })
+    let [low, high] = Span::of(orders)?.ends();
+    let [from, to] = [coarsest, finest].map(|row| percent_two_digits(largest(row)));
+    let converges = match low >= COARSENESS_ORDER {
+        true => "at least with their square, as expected of a discretisation error.",
+        false => "more slowly than a discretisation error alone would fall: something else remains.",
+    };
+    Some(format!(
+        "From {coarse} to {fine} segments a plate member the difference from beams falls from {from} to {to}: on the whole with the power {low:.1} to \
+         {high:.1} of their length, {converges}"
+    ))
 }
 
-/// Errors of linear theory under the smallest and the largest force.
-fn linear(lattice: &LatticeStudy) -> Option<Value> {
+/// Sentence on the errors of linear theory under the smallest and the largest force.
+fn linear(lattice: &LatticeStudy) -> Option<String> {
     let (&(small_n, small), &(large_n, large)) = (lattice.linear.first()?, lattice.linear.last()?);
-    Some(context! { small_n, small, large_n, large })
+    let [small, large] = [small, large].map(percent_two_digits);
+    Some(format!(
+        "Linear theory, which neglects rotations, differs from the lattice by {small} at {small_n} N and by {large} at {large_n} N."
+    ))
 }
 
-/// Results for the sentence on sensing: whether its checks pass, and the nonlinear estimator's error.
-fn sensing(lattice: &LatticeStudy) -> Value {
+/// Sentence on sensing: whether its checks pass, and the nonlinear estimator's error.
+fn sensing(lattice: &LatticeStudy) -> String {
     let sensing = &lattice.sensing;
-    let agrees = sensing.checks().iter().all(Check::passes);
-    context! { agrees, cells => sensing.difference.cells, nonlinear => sensing.nonlinear_error() }
+    let agrees = if sensing.checks().iter().all(Check::passes) { "agrees" } else { "DOES NOT AGREE" };
+    let (cells, nonlinear) = (sensing.difference.cells, percent_two_digits(sensing.nonlinear_error()));
+    format!(
+        "Sensing {agrees} over {cells} forces of the maps. The nonlinear estimator, whose model is the uniform finger, senses the lattice within \
+         {nonlinear}: the errors of least squares are those of linear theory."
+    )
 }
 
 /// Sentence on the effect of single precision.
-pub fn precision(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
-    say("lattice.precision", Some(context! { out_of_balance => lattice.out_of_balance }))
+pub fn precision(lattice: &LatticeStudy) -> String {
+    format!(
+        "If the equilibrium is rounded to single precision, the forces on a body are out of balance by up to {} of the load.",
+        percent_two_digits(lattice.out_of_balance)
+    )
 }

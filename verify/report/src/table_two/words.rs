@@ -1,58 +1,74 @@
 //! Sentences on Table II: least squares, the nonlinear estimator, and the paper's network.
 
-use super::scaling as recipe_scaling;
+use super::scaling;
+use crate::format::{list, nodes_in_words, percent};
 use crate::prelude::*;
 use finray_studies::experiments::networks::paper::{Figure, PAPER_RECIPES, SAME_FACTOR, figures};
 use finray_studies::experiments::networks::records::RecipeRow;
-use finray_studies::experiments::table_two::{CONTACT_GROUPS, TableTwo};
+use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
 
 /// Noise counts as a minor cause if errors on the linear finger, under the same noise, are below this share of the error.
 const MINOR: f64 = 0.5;
 
-/// Sentence on the errors of least squares and of the nonlinear estimator on the co-rotational finger.
-pub(super) fn ours(two: &TableTwo, noise_mm: f64) -> Result<Option<String>, ReportError> {
-    let numbers = || {
-        let of = |group, estimator| two.group(group, TruthId::Corotational, noise_mm, estimator);
-        let [_, neighbours, apart] = &CONTACT_GROUPS;
-        let (near, far) = (of(neighbours, EstimatorId::LeastSquares)?, of(apart, EstimatorId::LeastSquares)?);
-        let nonlinear = of(neighbours, EstimatorId::Nonlinear)?;
-        Some(context! {
-            near => near.force, far => far.force, sum => near.sum?.max(far.sum?), nonlinear => nonlinear.force,
-            refused => nonlinear.refused, cases => nonlinear.refused + nonlinear.answered,
-        })
+/// Contacts, cases and forces of the table.
+pub(super) fn about(cases: usize) -> String {
+    let of_group = |ContactGroup { name, sets, .. }| {
+        format!("{name} ({})", list(sets.iter().map(|set| nodes_in_words(set)), "; "))
     };
-    say("table_two.ours", numbers())
+    let (groups, fits) = (list(CONTACT_GROUPS.map(of_group), ", "), cases.min(MOST_FITS));
+    let forces_n = list(FORCES_N, " to ");
+    format!(
+        "The paper's network senses its gripper; here a simulated finger is sensed at the same nodes, {groups}. Each has {cases} cases ({fits} for the \
+         nonlinear estimator) of {forces_n} N along the normal, nodes and directions known. \"Network of the paper\" is trained as in sec. IV-A on \
+         noise-free cases of the linear finger. The paper publishes no scaling of displacements, so two scalings were recorded."
+    )
+}
+
+/// Sentence on the errors of least squares and of the nonlinear estimator on the co-rotational finger.
+pub(super) fn ours(two: &TableTwo, noise_mm: f64) -> Option<String> {
+    let of = |group, estimator| two.group(group, TruthId::Corotational, noise_mm, estimator);
+    let [_, neighbours, apart] = &CONTACT_GROUPS;
+    let (near, far) = (of(neighbours, EstimatorId::LeastSquares)?, of(apart, EstimatorId::LeastSquares)?);
+    let nonlinear = of(neighbours, EstimatorId::Nonlinear)?;
+    let (refused, cases) = (nonlinear.refused, nonlinear.refused + nonlinear.answered);
+    let [near, far, sum, nonlinear] = [near.force, far.force, near.sum?.max(far.sum?), nonlinear.force].map(percent);
+    Some(format!(
+        "Least squares on the uniform finger errs by {near} for each of two neighbours, by {far} for each of two nodes apart and by at most {sum} in a sum; \
+         the nonlinear estimator by {nonlinear} for neighbours ({refused} of {cases} cases refused)."
+    ))
 }
 
 /// Sentence on the cause of the error of least squares, if noise is the minor part; otherwise `None`.
-pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Result<Option<String>, ReportError> {
-    let numbers = || {
-        let [_, neighbours, apart] = &CONTACT_GROUPS;
-        let of = |truth| two.group(neighbours, truth, noise_mm, EstimatorId::LeastSquares);
-        let (near, alone) = (of(TruthId::Corotational)?.force, of(TruthId::Linear)?.force);
-        let (near_range, far_range) = (two.condition_range(neighbours)?, two.condition_range(apart)?);
-        (alone < MINOR * near).then(|| context! { alone, near => near_range, far => far_range })
-    };
-    say("table_two.linearisation", numbers())
+pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Option<String> {
+    let [_, neighbours, apart] = &CONTACT_GROUPS;
+    let of = |truth| two.group(neighbours, truth, noise_mm, EstimatorId::LeastSquares);
+    let (near, alone) = (of(TruthId::Corotational)?.force, of(TruthId::Linear)?.force);
+    let ([near_least, near_most], [far_least, far_most]) =
+        (two.condition_range(neighbours)?, two.condition_range(apart)?);
+    (alone < MINOR * near).then(|| {
+        format!(
+            "Noise is the smaller part: on the linear finger neighbours err by {}. The rest is the error of linearisation, amplified by up to the condition \
+             number of the contacts ({near_least:.1} to {near_most:.1}; apart {far_least:.1} to {far_most:.1}), because forces at neighbours bend the finger \
+             almost equally.",
+            percent(alone)
+        )
+    })
 }
 
 /// Sentence on how many of the paper's five figures its network reproduces on the simulated finger, by scaling of displacements.
-pub fn papers(records: &[RecipeRow], noise_mm: f64) -> Result<Option<String>, ReportError> {
-    let numbers = || {
-        let found = PAPER_RECIPES.iter().map(|recipe| Some((*recipe, figures(records, recipe, noise_mm)?)));
-        let found: Vec<(&str, Vec<Figure>)> = found.collect::<Option<_>>()?;
-        let figures = || found.iter().flat_map(|(_, figures)| figures);
-        let of_recipe = |(recipe, all): &(&str, Vec<Figure>)| {
-            let hit = all.iter().filter(|figure| figure.reproduced()).count();
-            context! { scaling => recipe_scaling(recipe), hit, of => all.len() }
-        };
-        Some(context! {
-            noise_mm,
-            all => figures().all(Figure::reproduced),
-            factor => SAME_FACTOR,
-            seeds => figures().map(|figure| figure.recorded.seeds).min()?,
-            found => found.iter().map(of_recipe).collect::<Vec<_>>(),
-        })
+pub fn papers(records: &[RecipeRow], noise_mm: f64) -> Option<String> {
+    let found = PAPER_RECIPES.iter().map(|recipe| Some((*recipe, figures(records, recipe, noise_mm)?)));
+    let found: Vec<(&str, Vec<Figure>)> = found.collect::<Option<_>>()?;
+    let figures = || found.iter().flat_map(|(_, figures)| figures);
+    let met = |(recipe, all): &(&str, Vec<Figure>)| {
+        let hit = all.iter().filter(|figure| figure.reproduced()).count();
+        format!("{hit} of {} figures scaled by the {}", all.len(), scaling(recipe))
     };
-    say("table_two.papers", numbers())
+    let met = list(found.iter().map(met), ", ");
+    let reproduces = if figures().all(Figure::reproduced) { "reproduces" } else { "does not reproduce" };
+    let seeds = figures().map(|figure| figure.recorded.seeds).min()?;
+    Some(format!(
+        "In simulation, on the uniform finger with {noise_mm} mm noise, the network of the paper, as recorded, {reproduces} Table II: within a factor of \
+         {SAME_FACTOR} it meets {met} (mean of {seeds} seeds)."
+    ))
 }

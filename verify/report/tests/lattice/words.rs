@@ -7,7 +7,7 @@ use finray_report::lattice::words::{findings, precision, verdict};
 fn findings_are_made_from_the_numbers() {
     let mut study = sample();
     study.sensing.difference.largest = 1e-5;
-    let said = findings(&study).expect("words").join("\n");
+    let said = findings(&study).join("\n");
     for words in [
         "From 2 to 4 segments a plate member the difference from beams falls from 0.16 % to 0.010 %: on the whole with the power \
          3.0 to 4.0 of their length, at least with their square",
@@ -17,15 +17,15 @@ fn findings_are_made_from_the_numbers() {
     ] {
         assert!(said.contains(words), "{words} is not in {said}");
     }
-    let head = verdict(&study).expect("words").expect("a sentence");
+    let head = verdict(&study).expect("a sentence");
     assert!(
         head.contains("within 0.010 % of the largest displacement up to 5 N")
             && head.contains("within 0.0010 % of the force"),
         "{head}"
     );
-    assert!(precision(&study).expect("words").expect("a sentence").contains("up to 0.060 % of the load"));
+    assert!(precision(&study).contains("up to 0.060 % of the load"));
     study.rows[1].errors = vec![4e-4, 1e-4];
     study.sensing.difference.largest = 0.1;
-    let said = findings(&study).expect("words").join("\n");
+    let said = findings(&study).join("\n");
     assert!(said.contains("something else remains") && said.contains("Sensing DOES NOT AGREE"), "{said}");
 }

@@ -6,11 +6,7 @@ use finray_studies::experiments::twin::fit::TwinFit;
 use finray_studies::experiments::twin::{OTHERS, TWIN, ZoneSet, moduli_mpa};
 
 fn freedom(fits: &[TwinFit]) -> String {
-    freedom_in_words(fits).expect("words").expect("a fit")
-}
-
-fn moduli(moduli_mpa: &[f64]) -> String {
-    moduli_in_words(moduli_mpa).expect("words").expect("a sentence")
+    freedom_in_words(fits).expect("a fit")
 }
 
 fn fit_of(set: ZoneSet, misfit: f64) -> TwinFit {
@@ -37,8 +33,8 @@ fn the_twin_is_one_of_several_fits() {
 #[test]
 fn moduli_are_held_against_the_material() {
     let twin = Scene::from_toml(finray_fixtures::TWIN_SCENE).expect("the twin's scene").finger;
-    let words = moduli(&moduli_mpa(&twin));
+    let words = moduli_in_words(&moduli_mpa(&twin));
     assert!(words.contains("Zones of 7.6 and 3.2 MPa lie outside the 10 to 1000 MPa"), "{words}");
-    assert!(moduli(&[12.0, 40.0]).contains("within"));
-    assert!(moduli(&[12.0, 1200.0]).contains("Zones of 1200.0 MPa lie outside"));
+    assert!(moduli_in_words(&[12.0, 40.0]).contains("within"));
+    assert!(moduli_in_words(&[12.0, 1200.0]).contains("Zones of 1200.0 MPa lie outside"));
 }

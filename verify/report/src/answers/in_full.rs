@@ -1,0 +1,207 @@
+//! The reader's five questions with their full answers.
+
+use super::{Failures, coverage, failures, given};
+use crate::format::{capitalised, list, percent, time};
+use crate::maps::small;
+use crate::page::Answer;
+use crate::prelude::*;
+use crate::trust::{Situation, situations};
+use crate::{causes, checks, shapes};
+use finray_studies::check::Tally;
+use finray_studies::experiments::coverage::CoverageRow;
+use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
+use finray_studies::settings::{CAMERA_FRAME_S, TWO_FORCES_N};
+
+/// A region of the finger is named as weak if its share of trusted cells (positions and directions) is below this.
+const MOSTLY: f64 = 0.9;
+
+/// The five answers; an answer is left out if the scene has no numbers for it.
+pub(crate) fn answers(study: &Study) -> Vec<Answer> {
+    let situations = situations(study);
+    given([
+        ("Where can a force be trusted?", trusted(study, &situations)),
+        ("Why not elsewhere?", why_not(study, &situations)),
+        ("What should sense it?", use_what(study)),
+        ("How sure is an answer?", how_sure(study)),
+        ("Is the physics right?", Some(physics(study))),
+    ])
+}
+
+/// Where forces are trusted in each situation, and the weakest regions in the first situation.
+fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
+    let [known, others @ ..] = situations else { return None };
+    let share = |of: TrustCounts| of.share().map_or_else(String::new, |share| format!(" ({})", percent(share)));
+    let other = |situation: &Situation| {
+        let counts = situation.all();
+        format!("; {}, in {} of {}{}", situation.in_words, counts.trusted, counts.carried(), share(counts))
+    };
+    let counts = known.all();
+    let (which, missing) = match counts.without_equilibrium {
+        0 => ("", String::new()),
+        cells => (
+            " in which the finger carries these forces",
+            format!("; in {cells} others it has no equilibrium under at least one of them"),
+        ),
+    };
+    let weakest = match &weak_regions(study, known)[..] {
+        [] => "No region of the known finger is clearly weaker than the others.".to_owned(),
+        weak => format!("Weakest regions of the known finger: {}.", weak.join(", ")),
+    };
+    Some(format!(
+        "The mean error stays within {} under {} N in {} of the {} positions and directions{which}{}, contact and finger known{missing}{}. {weakest}",
+        percent(TRUSTED_ERROR),
+        list(&known.map.request.forces_n, ", "),
+        counts.trusted,
+        counts.carried(),
+        share(counts),
+        list(others.iter().map(other), "")
+    ))
+}
+
+/// A region of the finger: its name, and whether it contains a position (share of the plate length) and direction (degrees).
+type Region = (&'static str, fn(f64, f64) -> bool);
+
+/// The two regions with the smallest trusted shares, smallest first, each with its share.
+fn weak_regions(study: &Study, situation: &Situation) -> Vec<String> {
+    const REGIONS: [Region; 5] = [
+        ("the tenth of the plate next to the base", |s, _| s < 0.1),
+        ("the tenth next to the tip", |s, _| s > 0.9),
+        ("forces turned more than 45 deg to the base", |_, angle| angle < -45.0),
+        ("forces turned more than 45 deg to the tip", |_, angle| angle > 45.0),
+        ("the rest", |s, angle| (0.1..=0.9).contains(&s) && angle.abs() <= 45.0),
+    ];
+    let share = |(name, holds): &Region| Some((situation.counts(&study.finger, holds).share()?, *name));
+    let mut weak: Vec<(f64, &str)> = REGIONS.iter().filter_map(share).filter(|(share, _)| *share < MOSTLY).collect();
+    weak.sort_by(|a, b| a.0.total_cmp(&b.0));
+    weak.into_iter().take(2).map(|(share, name)| format!("{name} (trusted in {})", percent(share))).collect()
+}
+
+/// The main cause of the failing cells in each situation.
+fn why_not(study: &Study, situations: &[Situation]) -> Option<String> {
+    let [known, others @ ..] = situations else { return None };
+    let others = others.iter().filter_map(|situation| failing(study, situation));
+    Some(format!("{}{}", failing_if_known(known), list(others, "")))
+}
+
+/// Whether noise or the model outweighs in the failing cells, contact and finger known.
+fn failing_if_known(known: &Situation) -> String {
+    let Failures { failed, by_noise } = failures(known);
+    if failed.is_empty() {
+        return "With contact and finger known, no case fails.".to_owned();
+    }
+    let least_n = known.map.request.forces_n.first().copied().unwrap_or_default();
+    let small = failed.iter().filter(|cell| cell.force_n == least_n).count();
+    let (failed, by_model) = (failed.len(), failed.len() - by_noise);
+    let (cause, most) = match by_noise >= by_model {
+        true => ("camera noise outweighs the model's error", by_noise),
+        false => ("the model's error outweighs camera noise", by_model),
+    };
+    format!("All known: {cause} in {most} of the {failed} cases that fail ({small} of them at {least_n} N).")
+}
+
+/// Shares of failing cells with forces off the normal and along it, and the main causes of the latter; `None` if a share has no cell with an equilibrium.
+fn failing(study: &Study, situation: &Situation) -> Option<String> {
+    let failed = |is_turned: bool| {
+        let counts = situation.counts(&study.finger, |_, angle_deg| (angle_deg != 0.0) == is_turned);
+        counts.share().map(|trusted| percent(1.0 - trusted))
+    };
+    let (name, turned, along) = (capitalised(situation.name), failed(true)?, failed(false)?);
+    let why = causes::largest_by_region(study, situation.map.truth, situation.contact);
+    let why = why.map_or_else(String::new, |why| format!("; {why}"));
+    Some(format!(
+        " {name}: {turned} of the cells (position and direction) with a force off the normal fail, {along} of those along it{why}."
+    ))
+}
+
+/// The recommended estimator, with its mean error and its time.
+fn use_what(study: &Study) -> Option<String> {
+    let Some(way) = recommended(&study.speed_error) else {
+        let forces_n = list(study.checked_forces().scaled(TWO_FORCES_N), " to ");
+        return (!ways(&study.speed_error).is_empty()).then(|| {
+            format!(
+                "No timed setting senses {forces_n} N along the normal with a model error within {LARGEST_BIAS_SIGMAS} standard deviations of the noise. \
+                 Finer meshes are needed."
+            )
+        });
+    };
+    let estimator = way.one.estimator.map_or(way.one.model.as_str(), |estimator| estimator.label());
+    let (mesh, error, seconds) = (way.one.mesh(), percent(way.one.error), time(way.one.seconds));
+    let [warm, cold] = match way.cold {
+        Some(_) => [" if the search starts from the previous answer", "without a previous answer, "],
+        None => [""; 2],
+    };
+    // The time of a first answer, without a previous answer to start from, counts if it was measured separately.
+    let slowest = way.cold.unwrap_or(way.one);
+    let within = slowest.seconds_95.map(|seconds| format!("; {cold}95 % take less than {}", time(seconds)));
+    let within = within.unwrap_or_default();
+    let fast = match slowest.seconds_95.unwrap_or(slowest.seconds) < CAMERA_FRAME_S {
+        true => "so time does not limit the choice",
+        false => "which is too short",
+    };
+    let linear = linear(study).map_or_else(String::new, |linear| {
+        let [trusted, linear] = [TRUSTED_ERROR, linear].map(percent);
+        format!(" Least squares: within {trusted} in {linear} of the cells with an equilibrium.")
+    });
+    Some(format!(
+        "The {estimator} estimator, its model on {mesh}: mean error {error} along the normal. The median time per image is {seconds}{warm}{within}. At 25 Hz \
+         an image lasts {:.0} ms, {fast}.{linear}",
+        1e3 * CAMERA_FRAME_S
+    ))
+}
+
+/// Share of the cells in which least squares is trusted.
+fn linear(study: &Study) -> Option<f64> {
+    let map = small(study, TruthId::Corotational, EstimatorId::LeastSquares, study.noise_mm > 0.0)?;
+    TrustCounts::of(&map.worst()).share()
+}
+
+/// Coverage of the stated 95 % intervals, on the uniform finger and on the finger with softer ends.
+fn how_sure(study: &Study) -> Option<String> {
+    let known = coverage(study, TruthId::Corotational)?;
+    let CoverageRow { refused, samples, covered_without_warning, covered_with_warning, .. } = known;
+    let without = covered_without_warning.map_or_else(|| "none".to_owned(), percent);
+    let with = covered_with_warning.map(|covered| format!(" and in {} of those with a warning", percent(covered)));
+    let softer = coverage(study, TruthId::Twin).and_then(how_sure_if_softer);
+    Some(format!(
+        "Contact and finger known: the 95 % intervals of the nonlinear estimator contain the force in {without} of the answers without a warning{} \
+         ({refused} of {samples} samples refused).{}",
+        with.unwrap_or_default(),
+        softer.unwrap_or_default()
+    ))
+}
+
+/// Coverage of the intervals on the finger with softer ends.
+fn how_sure_if_softer(softer: &CoverageRow) -> Option<String> {
+    let (share, samples) = (percent(softer.share_without_warning()), softer.samples);
+    let covered = percent(softer.covered_without_warning?);
+    let warned = percent(softer.warned as f64 / samples.max(1) as f64);
+    let with = softer.covered_with_warning;
+    let with = with.map_or_else(String::new, |with| format!(", with a warning ({warned}) in {}", percent(with)));
+    Some(format!(
+        " If the ends are softer than modelled: without a warning ({share} of {samples} samples) they hold in {covered}{with}. A wrong model is therefore \
+         not detected reliably."
+    ))
+}
+
+/// Numbers of passed checks, and the limits of the beam model that the drawn shapes exceed.
+fn physics(study: &Study) -> String {
+    let passed = checks::counted(study).into_iter();
+    let passed = passed.map(|Tally { against, passed, all }| format!("{passed} of {all} {}", against.in_words()));
+    let limits = shapes::beyond_limits(study);
+    let beyond = match limits.is_empty() {
+        true => String::new(),
+        false => format!(
+            " At {} N along the normal the beam model is beyond its limits: {}. The errors on this page do not include these effects.",
+            study.forces.drawn_n(),
+            limits.join("; ")
+        ),
+    };
+    let tested = match study.measured {
+        Some(_) => "tested only by the section on measured images",
+        None => "not tested here",
+    };
+    format!(
+        "Solvers and estimators pass {} checks.{beyond} Whether a real finger bends as beams do is {tested}.",
+        list(passed, ", ")
+    )
+}
