@@ -4,12 +4,12 @@ mod drawings;
 mod rows;
 mod shares;
 
-use self::drawings::{clearing, map_figure};
+use self::drawings::{clearing, map_figure, remedies};
 use self::shares::{Region, Shares};
-use super::format::{error, error_as, list, percent};
+use super::format::{error_as, list, percent};
 use crate::prelude::*;
 use finray_studies::experiments::causes::{
-    Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES,
+    Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice,
 };
 
 const CSV: &str = "causes.csv";
@@ -38,13 +38,6 @@ pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactK
     })
 }
 
-/// The largest cause in each region where the nonlinear estimator fails for forces along the normal, in a few words.
-pub(super) fn in_short(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
-    let regions = failing(study, truth, contact)?;
-    let parts = regions.iter().map(|(region, cause)| format!("{} {}", cause.name(), region.in_words()));
-    (!regions.is_empty()).then(|| list(parts, ", "))
-}
-
 /// Regions in which the nonlinear estimator fails for forces along the normal, each with its largest cause; `None` without a map of causes.
 fn failing(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<Vec<(Region, Cause)>> {
     let map = find(study, truth, Practice::Nonlinear, contact)?;
@@ -61,7 +54,6 @@ fn because(cause: Cause) -> &'static str {
     match cause {
         Cause::Noise => "because of noise",
         Cause::Linearisation => "because of linearisation",
-        Cause::Discretisation => "because of discretisation",
         Cause::Modulus => "because the modulus is wrong",
         Cause::Direction => "because the direction is wrong",
         Cause::Position => "because the position is wrong",
@@ -80,24 +72,19 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         return Ok(None);
     }
     let mut blocks: Vec<Block> = clearing(study)?.map(Block::Figure).into_iter().collect();
-    if let Some(table) = remedies(study).filter(|table| !table.rows.is_empty()) {
-        blocks.extend(drawings::remedies(study)?.map(Block::Figure));
-        blocks.push(details("By node", vec![Block::Table(table)]));
-    }
+    blocks.extend(remedies(study)?.map(Block::Figure));
     blocks.push(text(about(study)));
     blocks.push(Block::Table(by_region(study)));
     let figures: Vec<Figure> =
         drawn(study).take(DRAWN).map(|map| map_figure(map, study.forces.drawn_n())).collect::<Result<_, _>>()?;
     blocks.push(Block::Figures { figures });
-    Ok(Some(Section::new("causes", "What clears an error, and what causes it", blocks)))
+    Ok(Some(Section::new("causes", "Causes of errors, and remedies", blocks)))
 }
 
 /// Errors of the assumed contact, and how shares are computed.
 fn about(study: &Study) -> String {
     let fitted = match study.causes.iter().any(|map| map.truth == FITTED) {
-        true => {
-            " The finger with softer ends was built with them, and the estimators do not know them; that they appear as causes is therefore no finding."
-        }
+        true => " The softer ends were built in; that they appear as causes is no finding.",
         false => "",
     };
     format!(
@@ -127,7 +114,7 @@ fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
 pub(super) fn estimator_in_words(map: &CauseMap) -> &'static str {
     match map.practice {
         Practice::LeastSquares => "least squares",
-        Practice::Nonlinear => "nonlinear, one element per member",
+        Practice::Nonlinear => "nonlinear",
         Practice::Network => "network",
     }
 }
@@ -162,38 +149,19 @@ fn by_region(study: &Study) -> Table {
         .table(
             format!(
                 "Root mean square error at {force_n} N along the normal, its largest cause, and the error without it. Near an end: within a \
-                 sixth of the plate"
+                 sixth of the plate. Amber: above 10 %, red: above 25 %"
             ),
             CSV,
             own_first(study),
         )
 }
 
-/// Contact nodes, each with its cells for forces along the normal.
+/// Contact nodes from base to tip, each with its cells for forces along the normal.
 fn at_nodes<'s>(study: &'s Study, map: &'s CauseMap) -> impl Iterator<Item = (NodeId, &'s CauseCell)> {
     let finger = &study.finger;
-    let nodes = finger.contact_nodes().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
+    let nodes = finger.contact_nodes().rev().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
     nodes.flat_map(|(node, s_mm)| {
         let at = map.cells.iter().filter(move |cell| cell.angle_deg == 0.0 && (cell.s_mm - s_mm).abs() < 1e-9 * s_mm);
         at.filter(|cell| cell.force_n == study.forces.drawn_n()).map(move |cell| (node, cell))
     })
-}
-
-/// Table of the errors at the nodes as remedies are added one after the other.
-fn remedies(study: &Study) -> Option<Table> {
-    let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed)?;
-    let (rows, force_n) = (at_nodes(study, map), study.forces.drawn_n());
-    let shaded = |share: Option<f64>| share.map_or_else(|| Cell::plain("refused"), error);
-    let columns = Columns::<(NodeId, &CauseCell)>::new()
-        .page("node", Format::Plain, |(node, _)| node.to_string())
-        .cells(Column::numbers("as it is"), move |(_, cell)| shaded(cell.rms_error))
-        .each(REMEDIES.iter().enumerate(), |columns, (taken, (name, _))| {
-            let remedied = move |(_, cell): &(NodeId, &CauseCell)| shaded(cell.remedied.get(taken).copied().flatten());
-            columns.cells(Column::numbers(format!("+ {name}")), remedied)
-        });
-    let caption = format!(
-        "Root mean square error of {force_n} N along the normal, uniform finger: by least squares with an assumed contact, then with remedies \
-         taken one after the other. Causes may have cancelled before, so that a remedy can make an error larger"
-    );
-    Some(columns.table(caption, CSV, rows))
 }

@@ -1,13 +1,11 @@
 //! Warnings where the assumptions of the beam model do not hold: large strains, shear, bending out of the plane.
 
 use super::print_message;
-use finray_model::finger::Plate;
 use finray_model::frame::{FrameLoad, FrameMotion};
-use finray_model::sensing::ContactPosition;
 use finray_model::sensor::{SensedForces, Sensor};
 use finray_model::statics::StaticsError;
 use finray_model::validity::{Doubt, StrainLimits, Validity};
-use finray_model::{Kinematics, Load, Mesh, Scene};
+use finray_model::{Kinematics, Mesh, Scene};
 use finray_studies::experiments::contact_scene::SceneStep;
 
 /// Warns if an equilibrium violates the assumptions of the beam model. The result is still written, so the exit code is 0.
@@ -43,16 +41,7 @@ impl Pressing {
     /// Computes the strains of the next step, and keeps the step if they are the largest.
     pub fn examine(&mut self, scene: &Scene, step: &SceneStep) {
         self.steps += 1;
-        let finger = &scene.finger;
-        let length_mm = finger.plate_length_mm(Plate::Front);
-        // A contact on a clamped part does not bend the finger.
-        let felt = step.contacts.iter().filter(|contact| !contact.clamped);
-        let loads = felt.filter_map(|seen| match seen.contact.position {
-            ContactPosition::Node(node) => Some(Load::at_node(node, seen.force)),
-            ContactPosition::At(s_mm) if s_mm > 0.0 => Some(Load::at_position(s_mm.min(length_mm), seen.force)),
-            ContactPosition::At(_) => None,
-        });
-        match Validity::under(finger, loads) {
+        match step.validity(&scene.finger) {
             Ok(validity) => {
                 let strain = validity.largest_strain(&scene.strain_limits);
                 let share = strain.map_or(0.0, |at| at.strain / scene.strain_limits.of(at.member.part));

@@ -140,13 +140,9 @@ impl Effort {
         self.choose((12, 40.0, 4), (24, 10.0, 12))
     }
 
-    /// Number of positions along the front plate and step of the directions (degrees), for maps whose contact is only assumed.
-    pub(crate) fn assumed_contacts(self) -> (usize, f64) {
-        self.choose((6, 40.0), (24, 20.0))
-    }
-
-    /// The coarsest [`resolution`](Effort::resolution), for shapes that the nonlinear estimator's model cannot represent.
-    pub(crate) fn coarsest_resolution(self) -> (usize, f64, usize) {
-        self.choose((6, 40.0, 1), (24, 20.0, 4))
+    /// The [`coarse_resolution`](Effort::coarse_resolution) with fewer noise samples, for shapes that the nonlinear estimator's model cannot represent.
+    pub(crate) fn few_samples(self) -> (usize, f64, usize) {
+        let (positions, step_deg, _) = self.coarse_resolution();
+        (positions, step_deg, self.choose(1, 4))
     }
 }

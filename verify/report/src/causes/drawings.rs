@@ -16,15 +16,14 @@ fn class(n: usize, label: &str, sign: &str, colour: [u8; 3]) -> Class {
 }
 
 fn class_of(n: usize, cause: Cause) -> Class {
-    // Colours of the palette of Okabe and Ito, and two greys.
+    // Colours of the palette of Okabe and Ito, and a grey.
     let (sign, colour) = match cause {
         Cause::Noise => ("N", [0x56, 0xb4, 0xe9]),
         Cause::Linearisation => ("L", [0xe6, 0x9f, 0x00]),
-        Cause::Discretisation => ("E", [0x8a, 0x8f, 0x98]),
         Cause::Modulus => ("M", [0xcc, 0x79, 0xa7]),
-        Cause::Direction => ("D", [0x00, 0x9e, 0x73]),
+        Cause::Direction => ("D", [0x00, 0x72, 0xb2]),
         Cause::Position => ("P", [0xf0, 0xe4, 0x42]),
-        Cause::BaseCompliance => ("B", [0x00, 0x72, 0xb2]),
+        Cause::BaseCompliance => ("B", [0x00, 0x9e, 0x73]),
         Cause::TipCompliance => ("T", [0xd5, 0x5e, 0x00]),
         Cause::NetworkFit => ("F", [0x5c, 0x60, 0x66]),
     };
@@ -68,12 +67,13 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     let title = format!("Error of {force_n} N as remedies are added, from left to right");
     let alt =
         format!("{title}: small maps by position and direction, a row for each finger, a column for each remedy.");
-    let columns = std::iter::once("as it is").chain(REMEDIES.map(|(name, _)| name)).map(str::to_owned).collect();
+    let added = REMEDIES.map(|(name, _)| format!("+ {name}"));
+    let columns = std::iter::once("no remedy".to_owned()).chain(added).collect();
     let map = small_maps(&study.finger, Frame::full(title, alt), columns, rows);
     Ok(Some(Figure::wide(
         map.svg()?,
         format!(
-            "Root mean square error of {force_n} N: by least squares with an assumed contact; with zones and modulus known; with the contact \
+            "Root mean square error of {force_n} N: by least squares with an assumed contact; with modulus and zones (softer base and tip) known; with the contact \
              known too; by the nonlinear estimator."
         ),
         CSV,
@@ -85,6 +85,9 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     let force_n = study.forces.drawn_n();
     let Some(map) = study.causes.iter().find(|map| map.truth == OWN && is_drawn(map, force_n)) else { return Ok(None) };
     let cells: Vec<(NodeId, &CauseCell)> = at_nodes(study, map).collect();
+    if cells.is_empty() {
+        return Ok(None);
+    }
     let bars = |nth: usize, label: String, error: &dyn Fn(&CauseCell) -> Option<f64>| {
         let hue = if nth == 0 { Hue::Neutral } else { Hue::nth(nth - 1) };
         error_bars(label, hue, cells.iter().map(|(_, cell)| error(cell)))
@@ -92,8 +95,8 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     let taken = REMEDIES.iter().enumerate().map(|(taken, (name, _))| {
         bars(taken + 1, format!("+ {name}"), &move |cell| cell.remedied.get(taken).copied().flatten())
     });
-    let all = std::iter::once(bars(0, "as it is".to_owned(), &|cell| cell.rms_error)).chain(taken).collect();
-    let nodes = Axis::categories("contact node", cells.iter().map(|(node, _)| node.to_string()).collect());
+    let all = std::iter::once(bars(0, "no remedy".to_owned(), &|cell| cell.rms_error)).chain(taken).collect();
+    let nodes = Axis::categories("contact node, base to tip", cells.iter().map(|(node, _)| node.to_string()).collect());
     let title = format!("Remaining error of {force_n} N along the normal, {}", OWN.label());
     let alt = "Root mean square error by contact node: with all causes, and as remedies are added one after the other.";
     let axes = [nodes, Axis::linear("root mean square error, %")];
@@ -127,7 +130,8 @@ fn clearing_row(study: &Study, map: &CauseMap) -> (String, Vec<Option<Cells>>) {
         let errors: Vec<Option<f64>> = cells.iter().map(|cell| error(cell)).collect();
         let trusted = errors.iter().filter(|error| error.is_some_and(|error| error <= TRUSTED_ERROR)).count();
         let ranks: Vec<usize> = states.iter().zip(&errors).map(|(state, error)| rank_of(*state, *error)).collect();
-        let note = format!("{:.0} % within {}", 100.0 * trusted as f64 / bent.max(1) as f64, percent(TRUSTED_ERROR));
+        let note =
+            format!("{:.0} % of {bent} within {}", 100.0 * trusted as f64 / bent.max(1) as f64, percent(TRUSTED_ERROR));
         Cells { note, ..ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks) }
     };
     let remedied = (0..REMEDIES.len()).map(|taken| small(&|cell| cell.remedied.get(taken).copied().flatten()));

@@ -8,10 +8,9 @@ use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap};
 /// Errors at each position and direction for each estimator: root mean squares of sensed / true - 1, and shares of the causes.
 pub(super) fn by_cell(study: &Study) -> Dataset<'_> {
     type Row<'s> = (&'s CauseMap, &'s CauseCell);
-    const SHARES: [(&str, Cause); 9] = [
+    const SHARES: [(&str, Cause); 8] = [
         ("noise", Cause::Noise),
         ("linearisation", Cause::Linearisation),
-        ("discretisation", Cause::Discretisation),
         ("modulus", Cause::Modulus),
         ("direction", Cause::Direction),
         ("place", Cause::Position),

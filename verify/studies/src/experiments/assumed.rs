@@ -17,7 +17,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> 
     if noise_mm == 0.0 {
         return Ok(None);
     }
-    let (positions, step_deg) = effort.assumed_contacts();
+    let (positions, step_deg, _) = effort.coarse_resolution();
     let (positions_mm, angles_deg) = MapRequest::grid(finger, positions, step_deg);
     let request = MapRequest {
         positions_mm,

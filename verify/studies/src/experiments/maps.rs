@@ -52,7 +52,7 @@ fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<
     let (positions, step_deg, noise_samples) = match estimator {
         EstimatorId::LeastSquares if truth.id().kinematics().is_some() => effort.resolution(),
         _ if estimator.at_nodes() => effort.resolution(),
-        _ if unexplained => effort.coarsest_resolution(),
+        _ if unexplained => effort.few_samples(),
         _ => effort.coarse_resolution(),
     };
     let mut noise_levels_mm = context.noise_levels_mm();

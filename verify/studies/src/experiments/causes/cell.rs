@@ -1,6 +1,6 @@
 //! Causes of sensing errors at one position and direction.
 
-use super::models::{Bending, Known, Models};
+use super::models::{Known, Models};
 use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES};
 use crate::prelude::*;
 use crate::truths::Truth;
@@ -126,11 +126,12 @@ impl Sensor<'_> {
         off: &[Cause],
     ) -> Vec<Option<Squared>> {
         let on = |cause: Cause| !off.contains(&cause) && !self.contact.leaves_out().contains(&cause);
+        let is_linear = self.practice == Practice::LeastSquares && on(Cause::Linearisation);
         let known = Known {
             base: self.zones_known || !on(Cause::BaseCompliance),
             tip: self.zones_known || !on(Cause::TipCompliance),
             modulus: !on(Cause::Modulus),
-            bending: self.bending(off),
+            kinematics: if is_linear { Kinematics::Linear } else { Kinematics::Corotational },
         };
         let off = [on(Cause::Position), on(Cause::Direction)];
         let assumed = beside(self.models.finger(), s_mm, angle_deg, off);
@@ -147,22 +148,12 @@ impl Sensor<'_> {
         sums
     }
 
-    fn bending(&self, off: &[Cause]) -> Bending {
-        if self.practice == Practice::LeastSquares && !off.contains(&Cause::Linearisation) {
-            Bending::Linear
-        } else if off.contains(&Cause::Discretisation) {
-            Bending::Refined
-        } else {
-            Bending::Coarse
-        }
-    }
-
     /// Squared errors of sensing with one model, by shape.
     fn sense(&self, known: Known, contact: &Contact, seen: &[Measurement], forces_n: &[f64]) -> Vec<Option<Squared>> {
         let mesh = self.models.mesh(known);
         let Some(markers) = seen.first() else { return Vec::new() };
         let pairs = seen.iter().zip(forces_n);
-        if known.bending == Bending::Linear {
+        if known.kinematics == Kinematics::Linear {
             let Ok(estimator) = LinearEstimator::new(mesh.finger(), &[*contact], markers) else { return Vec::new() };
             let sense = |(seen, &force_n): (&Measurement, &f64)| {
                 let sensed = estimator.estimate(seen, Some(self.noise_mm), Prior::None);

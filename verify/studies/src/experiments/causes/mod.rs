@@ -29,10 +29,8 @@ pub const POSITION_OFF_MM: f64 = 1.5;
 pub enum Cause {
     /// Noise of the camera. Eliminated: no noise.
     Noise,
-    /// Assumption of small rotations. Eliminated: the nonlinear estimator.
+    /// Assumption of small rotations. Eliminated: the nonlinear estimator. (The linear finger is exact at its key nodes on any mesh.)
     Linearisation,
-    /// One element per member. Eliminated: four elements. The linear finger is exact at its key nodes on any mesh.
-    Discretisation,
     /// Young's modulus calibrated by the model from shapes under weights (paper, eq. (11)). Eliminated: the true modulus.
     Modulus,
     /// Assumed direction, wrong by [`DIRECTION_OFF_DEG`] to either side. Eliminated: the true direction.
@@ -54,7 +52,6 @@ impl Cause {
         match self {
             Cause::Noise => "noise",
             Cause::Linearisation => "linearisation",
-            Cause::Discretisation => "discretisation",
             Cause::Modulus => "wrong modulus",
             Cause::Direction => "wrong direction",
             Cause::Position => "wrong position",
@@ -71,7 +68,7 @@ impl Cause {
 pub enum Practice {
     /// Linear least squares.
     LeastSquares,
-    /// The nonlinear estimator with one element per member.
+    /// The nonlinear estimator on its own mesh.
     Nonlinear,
     /// A network trained on the co-rotational finger, at a contact node and along the normal.
     Network,
@@ -97,17 +94,13 @@ impl Practice {
         }
     }
 
-    fn causes(self) -> [Cause; 7] {
-        use Cause::{
-            BaseCompliance, Direction, Discretisation, Linearisation, Modulus, NetworkFit, Noise, Position,
-            TipCompliance,
-        };
-        let of_the_model = match self {
-            Practice::LeastSquares => Linearisation,
-            Practice::Nonlinear => Discretisation,
-            Practice::Network => NetworkFit,
-        };
-        [Noise, of_the_model, Modulus, Direction, Position, BaseCompliance, TipCompliance]
+    /// The cause that this practice adds to those of every practice.
+    fn own_cause(self) -> Option<Cause> {
+        match self {
+            Practice::LeastSquares => Some(Cause::Linearisation),
+            Practice::Nonlinear => None,
+            Practice::Network => Some(Cause::NetworkFit),
+        }
     }
 }
 
@@ -174,11 +167,11 @@ impl CauseCell {
 }
 
 /// Remedies by which a user reduces errors, in the order of application, with the causes that each remedy eliminates: knowledge of zones and
-/// modulus, knowledge of the contact, and co-rotational sensing on four elements per member.
+/// modulus, knowledge of the contact, and the nonlinear estimator.
 pub const REMEDIES: [(&str, &[Cause]); 3] = [
     ("zones known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
     ("contact known", &[Cause::Direction, Cause::Position]),
-    ("nonlinear", &[Cause::Linearisation, Cause::Discretisation]),
+    ("nonlinear", &[Cause::Linearisation]),
 ];
 
 /// Causes of sensing errors for one true finger and practice, on a grid of positions, directions and forces.
@@ -251,5 +244,6 @@ fn present(practice: Practice, contact: ContactKnowledge, finger: &Finger, reque
         Cause::TipCompliance => !request.zones_known && models::has_zones(finger, End::Tip),
         cause => !contact.leaves_out().contains(cause),
     };
-    practice.causes().into_iter().filter(exists).collect()
+    let common = [Cause::Modulus, Cause::Direction, Cause::Position, Cause::BaseCompliance, Cause::TipCompliance];
+    std::iter::once(Cause::Noise).chain(practice.own_cause()).chain(common).filter(exists).collect()
 }

@@ -13,18 +13,8 @@ pub(super) enum End {
     Tip,
 }
 
-/// Bending theory and mesh of the model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Bending {
-    /// Linear; exact at key nodes.
-    Linear,
-    /// Co-rotational, one element per member.
-    Coarse,
-    /// Co-rotational, [`ELEMENTS`] elements per member.
-    Refined,
-}
-
-const BENDINGS: [Bending; 3] = [Bending::Linear, Bending::Coarse, Bending::Refined];
+/// Kinematics of the models. Every model has [`ELEMENTS`] elements per member, as the nonlinear estimator has; the linear one is exact at the key nodes.
+const KINEMATICS: [Kinematics; 2] = [Kinematics::Linear, Kinematics::Corotational];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Known {
@@ -34,8 +24,8 @@ pub(super) struct Known {
     pub tip: bool,
     /// Whether Young's modulus is known; otherwise it is calibrated.
     pub modulus: bool,
-    /// Bending theory of calibration and sensing.
-    pub bending: Bending,
+    /// Kinematics of calibration and sensing.
+    pub kinematics: Kinematics,
 }
 
 /// Models of the finger, one for each combination of known properties.
@@ -52,8 +42,8 @@ impl Models {
         let mesh = |number: usize| {
             let known = Known::numbered(number);
             let zoned = with_zones(finger, known.base, known.tip)?;
-            let model = if known.modulus { zoned } else { calibrated(&zoned, &cases, known.bending)? };
-            Ok(Mesh::with_elements_per_member(&model, known.bending.elements()))
+            let model = if known.modulus { zoned } else { calibrated(&zoned, &cases, known.kinematics)? };
+            Ok(Mesh::with_elements_per_member(&model, ELEMENTS))
         };
         let meshes = (0..Known::COUNT).into_par_iter().map(mesh).collect::<Result<_, ExperimentError>>()?;
         Ok(Models { finger: finger.clone(), meshes })
@@ -69,26 +59,18 @@ impl Models {
 }
 
 impl Known {
-    const COUNT: usize = 8 * BENDINGS.len();
+    const COUNT: usize = 16;
 
     fn numbered(number: usize) -> Known {
-        let bit = |position: usize| (number / BENDINGS.len()) >> position & 1 == 1;
-        Known { base: bit(0), tip: bit(1), modulus: bit(2), bending: BENDINGS[number % BENDINGS.len()] }
+        let bit = |position: usize| number >> position & 1;
+        let is = |position: usize| bit(position) == 1;
+        Known { base: is(0), tip: is(1), modulus: is(2), kinematics: KINEMATICS[bit(3)] }
     }
 
     fn number(self) -> usize {
-        let bits = usize::from(self.base) + 2 * usize::from(self.tip) + 4 * usize::from(self.modulus);
-        BENDINGS.len() * bits + self.bending as usize
-    }
-}
-
-impl Bending {
-    fn elements(self) -> usize {
-        if self == Bending::Refined { ELEMENTS } else { 1 }
-    }
-
-    fn kinematics(self) -> Kinematics {
-        if self == Bending::Linear { Kinematics::Linear } else { Kinematics::Corotational }
+        let is_corotational = self.kinematics == Kinematics::Corotational;
+        let bits = [self.base, self.tip, self.modulus, is_corotational];
+        bits.into_iter().enumerate().map(|(position, bit)| usize::from(bit) << position).sum()
     }
 }
 
@@ -125,14 +107,14 @@ pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> 
 pub(super) fn calibrated(
     finger: &Finger,
     cases: &[CalibrationCase],
-    bending: Bending,
+    kinematics: Kinematics,
 ) -> Result<Finger, ExperimentError> {
-    let mesh = Mesh::with_elements_per_member(finger, bending.elements());
-    let is_carried = |case: &&CalibrationCase| statics::solve(&mesh, &[case.load], bending.kinematics()).is_ok();
+    let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
+    let is_carried = |case: &&CalibrationCase| statics::solve(&mesh, &[case.load], kinematics).is_ok();
     let cases: Vec<CalibrationCase> = cases.iter().filter(is_carried).cloned().collect();
     if cases.is_empty() {
         return Ok(finger.clone());
     }
-    let model = FactorModel { kinematics: bending.kinematics(), elements: bending.elements(), noise_mm: None };
+    let model = FactorModel { kinematics, elements: ELEMENTS, noise_mm: None };
     Ok(factors(finger, &cases, &[Unknown::Modulus], &model)?.finger)
 }

@@ -4,7 +4,7 @@
 //! contact deviates by the same amounts instead, and the true finger is made uniform. The measurements are noisy.
 
 use super::cell::{Squared, beside};
-use super::models::{Bending, calibrated, weighed, with_zones};
+use super::models::{calibrated, weighed, with_zones};
 use super::{Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, Practice, present};
 use crate::experiments::ExperimentError;
 use crate::experiments::table_one::{WEIGHTS_G, weight_n};
@@ -92,7 +92,7 @@ impl World {
             modulus(&finger)
         } else {
             let cases = weighed(&finger, &MeshTruth::new(truth, &mesh, Kinematics::Corotational)?, weights_n);
-            modulus(&calibrated(believed, &cases, Bending::Refined)?)
+            modulus(&calibrated(believed, &cases, Kinematics::Corotational)?)
         };
         let modulus_factor = taken_for / modulus(believed);
         let model = Mesh::with_elements_per_member(&believed.with_modulus_factor(modulus_factor)?, ELEMENTS);

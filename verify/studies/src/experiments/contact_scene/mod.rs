@@ -31,6 +31,7 @@ use finray_model::measurement::MarkerErrors;
 use finray_model::scene::ContactDescription;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::Refusal;
+use finray_model::validity::Validity;
 
 /// Number of plate segments between two rods, in the verification by rapier and in the shipped disc scene. The paper's finger under 5 N is then
 /// within 0.1 % of converged beams.
@@ -82,6 +83,22 @@ impl SceneStep {
         let felt = self.contacts.iter().filter(|seen| !seen.clamped);
         // An empty sum of floats is -0.
         0.0 + felt.map(|seen| seen.force.dot(&self.along)).sum::<f64>()
+    }
+
+    /// Validity of the beam model under the true contact forces.
+    ///
+    /// # Errors
+    /// [`StaticsError`] if the beams have no equilibrium under these forces.
+    pub fn validity(&self, finger: &Finger) -> Result<Validity, StaticsError> {
+        let length_mm = finger.plate_length_mm(Plate::Front);
+        // A contact on a clamped part does not bend the finger.
+        let bending = self.contacts.iter().filter(|seen| !seen.clamped);
+        let loads = bending.filter_map(|seen| match seen.contact.position {
+            ContactPosition::Node(node) => Some(Load::at_node(node, seen.force)),
+            ContactPosition::At(s_mm) if s_mm > 0.0 => Some(Load::at_position(s_mm.min(length_mm), seen.force)),
+            ContactPosition::At(_) => None,
+        });
+        Validity::under(finger, loads)
     }
 }
 

@@ -52,8 +52,19 @@ pub struct SceneStudy {
     /// Largest difference of a displacement from converged beams under the same contact forces, relative to the largest displacement, by step.
     /// `None` if friction turns the rods, or if there is no contact.
     pub beams_differences: Vec<Option<f64>>,
+    /// Largest fibre strain of beams under the contact forces, relative to its limit; `None` if the beams have no equilibrium in any step.
+    pub largest_strain: Option<StrainOfScene>,
     /// Verification of the steps by rapier. With automatic refinement, the same steps are verified on a lattice with [`FINENESS`].
     pub verified: Vec<VerifiedStep>,
+}
+
+/// A fibre strain in a scene, and the limit of the beam model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StrainOfScene {
+    /// Fibre strain, dimensionless.
+    pub strain: f64,
+    /// Largest strain at which the material is linear, dimensionless.
+    pub limit: f64,
 }
 
 /// Why a contact scene could not be studied.
@@ -185,6 +196,13 @@ impl SceneStudy {
             }
             None => scene.verify(&scene.press(FINENESS).0, FINENESS)?,
         };
+        let limits = &scene.scene.strain_limits;
+        let strains = steps.iter().filter_map(|studied| {
+            let validity = studied.step.validity(scene.finger()).ok()?;
+            let strain = validity.largest_strain(limits)?;
+            Some(StrainOfScene { strain: strain.strain, limit: limits.of(strain.member.part) })
+        });
+        let largest_strain = strains.max_by(|a, b| (a.strain / a.limit).total_cmp(&(b.strain / b.limit)));
         if noise_mm > 0.0 {
             for (number, studied) in steps.iter_mut().enumerate() {
                 let first_seed = SEEDS_A_STEP * (number as u64 + 1);
@@ -202,6 +220,7 @@ impl SceneStudy {
             rows,
             stopped,
             beams_differences,
+            largest_strain,
             verified,
         })
     }
