@@ -79,7 +79,8 @@ impl Axis {
         self.ticks.as_ref().map_or(0, Vec::len)
     }
 
-    /// Computes the limits, and the ticks that fit into `pixels`. Without given limits, the limits are round numbers just beyond the data.
+    /// Computes the limits, and the ticks that fit into `pixels`. Without given limits, the limits are round numbers beyond the data, or lie a little
+    /// further out if the data reach them.
     pub(super) fn ruler(&self, data: &[f64], pixels: f64, upright: bool) -> Result<Ruler, FigureError> {
         require_finite(&self.label, data.iter())?;
         require(self.limits.is_some() || !data.is_empty(), FigureError::Empty, &self.label)?;
@@ -89,7 +90,10 @@ impl Axis {
         if let Some(limits) = self.limits {
             require_limits(&self.label, limits)?;
         }
-        let span = if self.limits.is_some() { [low, high] } else { round_out(self.scale, [low, high]) };
+        let span = match self.limits {
+            Some(_) => [low, high],
+            None => clear(self.scale, [low, high], round_out(self.scale, [low, high])),
+        };
         let spacing = if upright { 44.0 } else { 55.0 };
         let most = (pixels / spacing).clamp(2.0, 12.0).floor();
         let ticks = self.ticks.clone().unwrap_or_else(|| round_ticks(self.scale, span, most));
@@ -200,4 +204,22 @@ fn round_out(scale: Scale, [low, high]: [f64; 2]) -> [f64; 2] {
             [low, high] => [low / 2.0, high * 2.0],
         },
     }
+}
+
+/// Moves limits outwards that the outermost data reach, so that no symbol lies on the frame. A linear axis may still end at 0, where bars start.
+fn clear(scale: Scale, data: [f64; 2], span: [f64; 2]) -> [f64; 2] {
+    const ROOM: f64 = 0.015;
+    let ends = span.map(|value| scale.measure(value));
+    let room = ROOM * (ends[1] - ends[0]);
+    let moved = |end: usize, outwards: f64| {
+        let distance = (scale.measure(data[end]) - ends[end]).abs();
+        if distance > room || (scale == Scale::Linear && data[end] == 0.0) {
+            return span[end];
+        }
+        match scale {
+            Scale::Linear => span[end] + outwards * room,
+            Scale::Log => span[end] * 10f64.powf(outwards * room),
+        }
+    };
+    [moved(0, -1.0), moved(1, 1.0)]
 }

@@ -23,6 +23,8 @@ pub struct Chart {
     pub x: Axis,
     /// Vertical axis of the chart.
     pub y: Axis,
+    /// An additional axis along the top, for instance node numbers.
+    pub top: Option<Axis>,
     /// Filled areas, drawn behind everything else.
     pub patches: Vec<Patch>,
     /// Series of points.
@@ -35,15 +37,25 @@ pub struct Chart {
     pub equal_axes: bool,
 }
 
-/// Space around a drawing to scale, for node numbers and symbols of clamps, px.
-const MARGIN: f64 = 44.0;
+/// Space around a drawing to scale, px: with node numbers or symbols of clamps, and without.
+const MARGINS: [f64; 2] = [44.0, 18.0];
 /// Space left of a drawing to scale for tick labels of four characters, and space to its right, px.
 pub(super) const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];
 
 impl Chart {
     /// A chart with only series.
     pub fn new(frame: Frame, [x, y]: [Axis; 2], series: Vec<Series>) -> Self {
-        Self { frame, x, y, patches: Vec::new(), series, bars: Vec::new(), references: Vec::new(), equal_axes: false }
+        Self {
+            frame,
+            x,
+            y,
+            top: None,
+            patches: Vec::new(),
+            series,
+            bars: Vec::new(),
+            references: Vec::new(),
+            equal_axes: false,
+        }
     }
 
     /// A chart with only bars, over named categories.
@@ -85,7 +97,7 @@ impl Chart {
         let (axes, height) =
             if self.equal_axes { self.scaled(&data) } else { ([self.x.clone(), self.y.clone()], None) };
         let mut panels = Panels::new(&self.frame, [&axes[0], &axes[1]]);
-        (panels.data, panels.height) = (data, height.unwrap_or(panels.height));
+        (panels.data, panels.height, panels.top) = (data, height.unwrap_or(panels.height), self.top.as_ref());
         panels.sides = if self.equal_axes { SIDES } else { [0.0, right.max(3.0 * SPACE)] };
         let of_bars = self.bars.iter().map(Bars::entry).chain(self.series.iter().map(Series::entry));
         panels.legend = Patch::legend(&self.patches).into_iter().chain(of_bars).collect();
@@ -109,9 +121,11 @@ impl Chart {
         let [[left, right], [low, high]] = [ends(&data[0]), ends(&data[1])];
         let width = self.frame.width - SIDES[0] - SIDES[1];
         let most = self.frame.plot_height.unwrap_or(self.frame.width * 0.75);
-        let per_mm = |room: f64, size: f64| (room - 2.0 * MARGIN) / size.max(1e-9);
+        let has_symbols = self.series.iter().any(|series| series.marker.is_some() || !series.labels.is_empty());
+        let margin = MARGINS[usize::from(!has_symbols)];
+        let per_mm = |room: f64, size: f64| (room - 2.0 * margin) / size.max(1e-9);
         let per_mm = per_mm(width, right - left).min(per_mm(most, high - low));
-        let height = (high - low) * per_mm + 2.0 * MARGIN;
+        let height = (high - low) * per_mm + 2.0 * margin;
         let axis = |axis: &Axis, middle: f64, pixels: f64| {
             axis.clone().within(middle - pixels / per_mm / 2.0, middle + pixels / per_mm / 2.0)
         };
@@ -130,16 +144,18 @@ impl Chart {
     }
 }
 
-/// Draws horizontal reference lines, with their texts right of the plot. A text that would touch the text above is moved down.
+/// Draws horizontal reference lines, with their texts right of the plot. A text that would touch the text above is moved down; the lowest text ends at the
+/// plot's lower edge, above the names of the ticks.
 fn draw_references(sheet: &Sheet, plot: &Plot, words: Vec<(f64, Vec<String>)>) -> Result<(), FigureError> {
     const LINE: f64 = TICK_TEXT * 1.2;
-    let Area { left, right, .. } = plot.area;
+    let Area { left, right, bottom, .. } = plot.area;
     let mut shown: Vec<_> = words.into_iter().map(|(value, lines)| (plot.at([0.0, value])[1], lines)).collect();
     shown.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut free = f64::NEG_INFINITY;
     for (y, lines) in shown {
         sheet.dashed(&[[left, y], [right, y]], pen(TEXT.mix(0.75), 1.6), Dash::Dashed)?;
-        let first = (y - (lines.len() as f64 - 1.0) * LINE / 2.0).max(free);
+        let height = (lines.len() as f64 - 1.0) * LINE;
+        let first = (y - height / 2.0).min(bottom - height - LINE / 2.0).max(free);
         for (index, line) in lines.iter().enumerate() {
             sheet.words(line, [right + SPACE, first + index as f64 * LINE], &font(TICK_TEXT).pos(LEFT))?;
         }

@@ -1,4 +1,5 @@
-//! Animated drawings to scale: a sequence of shots that CSS shows and hides, without scripts.
+//! Animated drawings to scale: a sequence of shots that CSS shows and hides, without scripts. A page may take over with a script: each shot has the
+//! attribute `data-shot-s`, its duration in s.
 //!
 //! Where no animation runs (in print, for readers who prefer no motion, in programs without animation), one chosen shot is shown.
 
@@ -90,7 +91,8 @@ impl Film {
         let count = self.shots.len();
         let still = if shot == self.still { " still" } else { "" };
         let delay_s = self.shot_s * (shot as f64 - count as f64);
-        format!("<g class=\"shot-{count}{still}\" style=\"animation-delay:{delay_s:.2}s\">\n")
+        let shot_s = self.shot_s;
+        format!("<g class=\"shot-{count}{still}\" data-shot-s=\"{shot_s}\" style=\"animation-delay:{delay_s:.2}s\">\n")
     }
 }
 

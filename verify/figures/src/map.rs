@@ -32,6 +32,8 @@ pub struct Map {
     pub columns: Vec<String>,
     /// Text in the legend for cells without a value, for instance "no equilibrium"; these cells are hatched.
     pub missing_label: String,
+    /// Text in the legend for the parts of the plots that have no cells, for instance "not computed"; these parts are shaded. Empty: they stay blank.
+    pub rest_label: String,
     /// An additional axis along the top, for instance node numbers.
     pub top: Option<Axis>,
     /// Format of the values written into the cells; `None` writes no values.
@@ -45,6 +47,8 @@ const NOTE_TEXT: f64 = 15.0;
 const NOTE_LINE: f64 = NOTE_TEXT * 1.3;
 /// Overlap of neighbouring cells, px. Without it, printers leave fine gaps between the cells.
 const OVERLAP: f64 = 1.0;
+/// Opacity of the parts of a plot that have no cells.
+const REST: f64 = 0.1;
 
 impl Map {
     /// A map with a single plot, without values in the cells and without a second axis.
@@ -60,8 +64,22 @@ impl Map {
         rows: Vec<String>,
         plots: Vec<Option<Cells>>,
     ) -> Self {
-        let (columns, missing_label, top) = (Vec::new(), String::new(), None);
-        Self { frame, x, y, classes, plots, rows, columns, missing_label, top, written: None, blank: |_, _| false }
+        let (columns, missing_label, rest_label) = (Vec::new(), String::new(), String::new());
+        let (top, written) = (None, None);
+        Self {
+            frame,
+            x,
+            y,
+            classes,
+            plots,
+            rows,
+            columns,
+            missing_label,
+            rest_label,
+            top,
+            written,
+            blank: |_, _| false,
+        }
     }
 
     /// Draws the map as SVG.
@@ -108,6 +126,9 @@ impl Map {
                     sheet.words("–", plot.area.centre(), &font(TICK_TEXT))?;
                     continue;
                 };
+                if !self.rest_label.is_empty() {
+                    sheet.cell(plot.area, TEXT.mix(REST))?;
+                }
                 self.fill(sheet, plot, cells)?;
             }
             Ok(())
@@ -174,6 +195,7 @@ impl Map {
                 sheet.line(&patch.outline(), pen(TEXT.mix(0.6), 1.0))
             }));
         }
+        entries.push(Entry::patch(&self.rest_label, TEXT.mix(REST)));
         entries
     }
 }

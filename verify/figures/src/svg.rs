@@ -137,7 +137,7 @@ impl DrawingBackend for Svg {
             OVER_LINES => {
                 " style=\"paint-order:stroke;stroke-linejoin:round;stroke:var(--paper,Canvas);stroke-width:5px\""
             }
-            ON_MAP => " style=\"paint-order:stroke;stroke-linejoin:round;stroke:#ffffff;stroke-width:8px\"",
+            ON_MAP => " style=\"paint-order:stroke;stroke-linejoin:round;stroke:#ffffff;stroke-width:4px\"",
             _ => "",
         };
         let bold = if matches!(style.style(), FontStyle::Bold) { " font-weight=\"bold\"" } else { "" };

@@ -35,7 +35,7 @@ pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
 /// A number with about three significant digits and a true minus sign. Very small and very large numbers have a power of ten.
 pub(super) fn number(value: f64) -> String {
     let size = value.abs();
-    if size > 0.0 && !(1e-3..1e5).contains(&size) {
+    if size > 0.0 && !(1e-3..1e4).contains(&size) {
         let exponent = size.log10().floor();
         let factor = fixed(value / 10f64.powf(exponent), 1);
         let raised = |digit: char| match digit.to_digit(10) {

@@ -7,13 +7,15 @@ pub(super) use in_full::answers;
 use super::format::{list, percent, percent_two_digits};
 use super::page::Answer;
 use super::trust::{Situation, situations};
-use super::{causes, checks, measured};
+use super::{checks, measured};
 use crate::prelude::*;
 use finray_model::finger::FingerDescription;
 use finray_studies::check::Against;
-use finray_studies::experiments::causes::ContactKnowledge;
+use finray_studies::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::experiments::direction::DirectionStudy;
+use finray_studies::experiments::explain::Explanation;
+use finray_studies::sampling::worst::WorstCell;
 
 /// The verdict in a few lines: where, why not elsewhere, what to use then, how sure, and what of it is real.
 pub(super) fn verdict(study: &Study) -> Vec<Answer> {
@@ -21,10 +23,10 @@ pub(super) fn verdict(study: &Study) -> Vec<Answer> {
     given([
         ("Where", places(study, &situations)),
         ("Why not elsewhere", reasons(study, &situations)),
-        ("Direction unknown", study.directions.as_ref().and_then(seeking)),
+        ("If unsure", study.directions.as_ref().and_then(seeking)),
         ("How sure", sureness(study)),
         ("Checked", checked(study)),
-        ("Real or simulated", Some(reality(study))),
+        ("Reality", Some(reality(study))),
     ])
 }
 
@@ -39,12 +41,12 @@ fn given<const N: usize>(all: [(&str, Option<String>); N]) -> Vec<Answer> {
 fn places(study: &Study, situations: &[Situation]) -> Option<String> {
     let [known, others @ ..] = situations else { return None };
     let [least_n, .., most_n] = study.forces.of_maps_n();
-    let other = |of: &Situation| Some(format!("; {}: {}", of.in_short, percent(of.all().share()?)));
+    let share = |of: &Situation| Some(format!("{} {}", of.in_short, percent(of.all().share()?)));
+    let shares = std::iter::once(known).chain(others).filter_map(share);
     Some(format!(
-        "Error within {} ({least_n} to {most_n} N) at {} of places and directions{}.",
+        "Positions and directions with a mean error within {} ({least_n} to {most_n} N): {}.",
         percent(TRUSTED_ERROR),
-        percent(known.all().share()?),
-        list(others.iter().filter_map(other), "")
+        list(shares, "; ")
     ))
 }
 
@@ -59,8 +61,21 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
         _ => "Contact known: error of the model.",
     };
     let assumed = situations.iter().find(|of| of.contact == ContactKnowledge::Assumed);
-    let assumed = assumed.and_then(|of| causes::in_short(study, of.map.truth, of.contact));
-    Some(assumed.map_or(known.to_owned(), |assumed| format!("{known} Contact assumed: {assumed}.")))
+    let assumed = assumed.and_then(|of| wrong_contact(study, of)).map(|assumed| format!(" Contact off: {assumed}."));
+    Some(format!("{known}{}", assumed.unwrap_or_default()))
+}
+
+/// In how many of the failing cells the wrong direction of an assumed contact outweighs its wrong position, to first order.
+fn wrong_contact(study: &Study, assumed: &Situation) -> Option<String> {
+    let by_direction = |cell: &WorstCell| {
+        let is_there = |of: &&Explanation| of.s_mm == cell.s_mm && of.angle_deg == cell.angle_deg;
+        let of = study.explanations.cells.iter().find(is_there)?;
+        Some(of.error_per_deg?.abs() * DIRECTION_OFF_DEG > of.error_per_mm?.abs() * POSITION_OFF_MM)
+    };
+    let failed = assumed.cells.iter().filter(|cell| cell.state == CellState::Answered && !cell.is_trusted);
+    let found: Vec<bool> = failed.filter_map(by_direction).collect();
+    let share = found.iter().filter(|by_direction| **by_direction).count() as f64 / found.len() as f64;
+    (!found.is_empty()).then(|| format!("in {} its direction, else its position", percent(share)))
 }
 
 /// How often an unknown direction is found with the force.
@@ -70,7 +85,7 @@ fn seeking(directions: &DirectionStudy) -> Option<String> {
         (all > 0).then(|| format!("{} ({force_n} N)", percent(identified as f64 / all as f64)))
     };
     let shares: Vec<String> = directions.forces_n.into_iter().rev().filter_map(share).collect();
-    (!shares.is_empty()).then(|| format!("Found with the force at {} of places and directions.", list(shares, ", ")))
+    (!shares.is_empty()).then(|| format!("Seek the direction: found at {}.", list(shares, ", ")))
 }
 
 /// Coverage of the nonlinear estimator's intervals on a true finger.
@@ -84,7 +99,7 @@ fn sureness(study: &Study) -> Option<String> {
     let known =
         format!("Without a warning, {} of the 95 % intervals contain the force", percent(of(TruthId::Corotational)?));
     Some(match of(TruthId::Twin) {
-        Some(softer) => format!("{known}; with softer base and tip {}.", percent(softer)),
+        Some(softer) => format!("{known}; softer ends {}.", percent(softer)),
         None => format!("{known}."),
     })
 }
@@ -92,7 +107,7 @@ fn sureness(study: &Study) -> Option<String> {
 /// Checks against other programs.
 fn checked(study: &Study) -> Option<String> {
     let counts = checks::counted(study).into_iter().find(|tally| tally.against == Against::OtherPrograms)?;
-    Some(format!("{} of {} checks against other programs pass.", counts.passed, counts.all))
+    Some(format!("{} of {} checks by other programs pass.", counts.passed, counts.all))
 }
 
 /// What was measured on a real finger.
@@ -100,7 +115,7 @@ fn reality(study: &Study) -> String {
     let Some(measured::Outcome { images, known, error, within, forces, .. }) =
         study.measured.as_ref().and_then(measured::outcome)
     else {
-        return "Simulation: no real finger was measured.".to_owned();
+        return "Simulation only.".to_owned();
     };
     format!(
         "{images} images with measured forces ({known}): mean error {}, {within} of {forces} intervals hold. All else is simulation.",

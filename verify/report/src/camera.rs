@@ -1,5 +1,6 @@
 //! From camera to force: effect of each camera condition on the marker positions, mm, and on the sensed force.
 
+use super::drawings::{Line, by_contact};
 use super::format::{list, percent_two_digits};
 use crate::prelude::*;
 use finray_studies::experiments::camera::{AS_IT_IS, ASKED_ERROR, CameraRow, CameraStudy, FrameTimes, NeededNoise};
@@ -27,12 +28,13 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ];
     let papers = [Some(CAMERA_NOISE_MM), camera.bound_rms(CAMERA_NOISE_MM).map(|error| 100.0 * error)];
     let asked = [None, Some(100.0 * ASKED_ERROR)];
+    let mut figures = Vec::new();
     for (((title, axis, of), papers), asked) in drawings.into_iter().zip(papers).zip(asked) {
         if let Some(svg) = drawing(camera, (title, axis), of, papers, asked)? {
-            let caption = format!("{title}, one row per condition of the camera.");
-            blocks.push(Block::Figure(Figure::narrow(svg, caption, CSV)));
+            figures.push(Figure::narrow(svg, format!("{title}, one row per condition of the camera."), CSV));
         }
     }
+    blocks.push(Block::Figures { figures });
     let columns = Columns::<&CameraRow>::new()
         .page("what differs", Format::Words, |row| row.item)
         .page("setting", Format::Words, |row| setting(row))
@@ -47,15 +49,23 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let caption = "Error of a displacement's coordinate (rms, largest, as stated) and of the force (rms over the nodes, largest, and rms to first \
                    order from the errors of the displacements)";
     blocks.push(details("By condition", vec![Block::Table(columns.table(caption, CSV, &camera.rows))]));
-    let needed = Columns::<&NeededNoise>::new().page("node", Format::Plain, |needed| needed.node.0).page(
-        "noise, mm",
-        Format::Fixed(4),
-        |needed| needed.noise_mm,
-    );
-    let caption =
-        format!("Noise of a coordinate at which {} N errs by {}", camera.force_n, percent_two_digits(ASKED_ERROR));
-    blocks.push(Block::Table(needed.table(caption, NEEDED_CSV, &camera.needed)));
+    blocks.extend(needed(camera)?);
     Ok(Some(Section::new("camera", "From camera to force", blocks).saying(says(camera))))
+}
+
+/// Chart of the noise at which a force errs by the asked share, and of the paper's camera.
+fn needed(camera: &CameraStudy) -> Result<Option<Block>, FigureError> {
+    let asked = percent_two_digits(ASKED_ERROR);
+    let title = format!("Noise at which {} N errs by {asked}", camera.force_n);
+    let alt = format!("{title}, by contact node; above the paper's camera noise the force is sensed more accurately.");
+    let rows: Vec<(String, NeededNoise)> =
+        camera.needed.iter().rev().map(|needed| (needed.node.to_string(), *needed)).collect();
+    let lines: [Line<NeededNoise>; 2] =
+        [("needed", |needed| Some(needed.noise_mm)), ("the paper's camera", |_| Some(CAMERA_NOISE_MM))];
+    let drawn = by_contact(Frame::half(title, alt), "noise of a coordinate, mm", &rows, &lines)?;
+    let caption =
+        format!("Standard deviation of a coordinate's noise at which the force errs by {asked} (root mean square).");
+    Ok(drawn.map(|svg| Block::Figure(Figure::narrow(svg, caption, NEEDED_CSV))))
 }
 
 /// How the errors are computed; `is_paper`: the camera is the paper's.
@@ -81,9 +91,9 @@ fn about(camera: &CameraStudy, is_paper: bool) -> String {
 fn times(FrameTimes { search_s, track_s }: FrameTimes) -> String {
     let [search_ms, track_ms] = [1e3 * search_s, 1e3 * track_s];
     format!(
-        "From an image in memory to node positions: {search_ms:.1} ms where the whole image is searched. It takes {track_ms:.1} ms if markers are searched \
-         near their positions in the previous image (medians, one core of this computer, finger at rest). The paper's vision system takes about 40 ms on \
-         another computer, with images of a real finger."
+        "From an image in memory to node positions: {search_ms:.1} ms where the whole image is searched, {track_ms:.1} ms near the positions in the previous \
+         image (medians, one core of this computer, finger at rest). The paper's vision system takes about 40 ms on another computer, with images of a real \
+         finger."
     )
 }
 
@@ -96,7 +106,7 @@ type CameraQuantity = fn(&CameraRow) -> Option<f64>;
 
 /// Label of a row of the drawing. Camera conditions share a row if they differ only in the undeformed positions to which displacements refer.
 fn line(row: &CameraRow) -> String {
-    if row.item == AS_IT_IS { row.item.to_owned() } else { format!("{}: {}", row.item, row.setting) }
+    if row.item == AS_IT_IS { "nothing changed".to_owned() } else { format!("{}: {}", row.item, row.setting) }
 }
 
 /// Chart of the errors, one row per condition, the paper's camera last. `None` if no error can be drawn on a logarithmic axis.
@@ -111,7 +121,9 @@ fn drawing(
     let first = |item: &str| camera.rows.iter().position(|row| row.item == item);
     let mut rows: Vec<&CameraRow> = camera.rows.iter().collect();
     rows.sort_by_key(|row| first(row.item));
-    let mut lines: Vec<String> = rows.into_iter().map(line).collect();
+    // A row in which no error can be drawn on a logarithmic axis is left out.
+    let drawn = |row: &&CameraRow| of(row).is_some_and(|error| error > 0.0);
+    let mut lines: Vec<String> = rows.into_iter().filter(drawn).map(line).collect();
     lines.dedup();
     lines.push("the paper's camera".to_owned());
     // Position of a row on the axis, which counts from the bottom.
@@ -123,8 +135,8 @@ fn drawing(
     };
     let papers = papers.map(|papers| [papers, 0.0]).into_iter().collect();
     let named = [
-        ("counted from the scene", points(false)),
-        ("counted from an image at rest", points(true)),
+        ("relative to the scene", points(false)),
+        ("relative to an image at rest", points(true)),
         ("independent noise", papers),
     ];
     let mut series: Vec<Series> = named
@@ -162,8 +174,8 @@ fn says(camera: &CameraStudy) -> Option<String> {
     let (rms_mm, largest_mm) = (row.displacement_rms_mm?, row.displacement_largest_mm?);
     let (node, needed_mm, item, setting) = (worst.node, worst.noise_mm, most.item, setting(most));
     Some(format!(
-        "In rendered images node displacements err by {rms_mm:.4} mm rms ({largest_mm:.4} mm at most), and forces sensed from them by {error} rms. A force \
-         error of {asked} at the worst node ({node}) requires a noise of {needed_mm:.4} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a \
-         standard deviation) reaches {papers} at best. Among the tested conditions, {item} ({setting}) causes the largest error: {largest}.{enough}"
+        "In rendered images node displacements err by {rms_mm:.4} mm rms ({largest_mm:.4} mm at most), and forces sensed from them by {error} rms. At node \
+         {node}, the worst but the tip, an error of {asked} needs noise below {needed_mm:.3} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a \
+         standard deviation) gives at least {papers}. Among the tested conditions, {item} ({setting}) causes the largest error: {largest}.{enough}"
     ))
 }

@@ -8,8 +8,8 @@ const CSV: &str = "checks.csv";
 const COMPARISONS_CSV: &str = "comparisons.csv";
 const ABOUT: &str = "External: results of another program: OpenSees and MuJoCo with separate models, and our spring lattice settled by rapier2d, which is \
                      counted separately. Analytical: closed forms, theoretical orders of convergence, and solutions from the literature. Internal: our \
-                     second formulation, a balance or a bound. All use the EA and EI of the beams, so they verify solvers and kinematics. Whether \
-                     Euler-Bernoulli beams of these sections describe a real finger, its material and its joints, cannot be verified without hardware.";
+                     second formulation, a balance or a bound. All use the EA and EI of the beams, so they verify solvers and kinematics. Not \
+                     verified here: beam theory against a solid model, and material and joints of a real finger.";
 /// Checks that a scene other than the paper's lacks.
 const OF_ANOTHER_FINGER: &str = "Reference values of other programs (OpenSees) and the paper's Table I exist for the paper's finger alone, and so do the \
                                  spring lattice and the hard cases; they are left out for this scene.";
@@ -50,7 +50,7 @@ fn files() -> Table {
 /// Sentence with the numbers of passed checks by kind of reference, first those against other programs.
 fn in_words(study: &Study) -> String {
     let about = |against: Against| match against {
-        Against::OtherPrograms => "external checks (figures of another program)",
+        Against::OtherPrograms => "external checks (OpenSees, MuJoCo)",
         Against::SettledLattice => "external checks of our lattice settled by rapier2d",
         Against::Literature => "analytical ones (closed forms, literature)",
         Against::Ourselves => "internal ones (own other formulation, balance or bound)",
@@ -104,8 +104,8 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     );
     let height = 30.0 * sources.len() as f64;
     let svg = Chart::new(frame.with_plot_height(height), axes, series.collect()).svg()?;
-    let caption = "A sign a check. Where the reference is 0, the difference is over the largest displacement or in radians; error terms are orders of \
-                   convergence; at the left edge: equal to the last bit. The softer ends were fitted to Table I: their residuals check nothing.";
+    let caption = "One symbol per check. Where the reference is 0, the difference is over the largest displacement or in radians; error terms are \
+                   orders of convergence; at the left edge: equal to the last bit. The softer ends were fitted to Table I: their residuals check nothing.";
     Ok(Some(Figure::wide(svg, caption, CSV)))
 }
 

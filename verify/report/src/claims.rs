@@ -5,10 +5,10 @@ use finray_studies::claims::{Claim, ClaimVerdict};
 
 const CSV: &str = "claims.csv";
 /// Meaning of the verdicts.
-const ABOUT: &str = "Sentences of Xu et al. (IEEE T-RO 2021), compared with computations on models of the finger. Refuted: a statement about mechanics that \
-                     the model contradicts. Not reproduced: a measured value that the model does not yield. Depends on assumption: the verdict changes with \
-                     something that the paper does not state. In simulation, less error in simulation: true for a simulated finger whose model is known, \
-                     which does not contradict the measurement. claims.csv says how each verdict is computed.";
+const ABOUT: &str = "Sentences of Xu et al. (IEEE T-RO 2021) against computations on models of the finger. Refuted: the model contradicts a statement about \
+                     mechanics. Not reproduced: the model does not yield a measured value. Depends on assumption: on something that the paper does not \
+                     state. In simulation, less error in simulation: true for a simulated finger whose model is known; no contradiction of the \
+                     measurement. claims.csv says how each verdict is computed.";
 
 pub(super) fn datasets<'s>(Results { claims, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     vec![Dataset::records(CSV, claims)]
@@ -19,13 +19,21 @@ pub(super) fn section(Results { claims, .. }: Results) -> Result<Option<Section>
         return Ok(None);
     }
     let columns = Columns::<&Claim>::new()
+        .cells(Column::words("verdict"), |claim| verdict(claim.verdict))
         .page("claim", Format::Words, |claim| claim.claim.clone())
         .page("paper", Format::Words, |claim| claim.paper.clone())
         .page("ours", Format::Words, |claim| claim.ours.clone())
-        .page("criterion", Format::Words, |claim| claim.criterion.clone())
-        .cells(Column::words("verdict"), |claim| verdict(claim.verdict));
-    let blocks =
-        vec![text(ABOUT), details("All of them", vec![Block::Table(columns.table("The paper's claims", CSV, claims))])];
+        .page("criterion", Format::Words, |claim| claim.criterion.clone());
+    let refuted = claims.iter().filter(|claim| claim.verdict == ClaimVerdict::Refuted);
+    let short = Columns::<&Claim>::new().page("refuted", Format::Words, |claim| claim.claim.clone()).page(
+        "ours",
+        Format::Words,
+        |claim| claim.ours.clone(),
+    );
+    let mut blocks = vec![text(ABOUT)];
+    let short = short.table("Claims that the model contradicts", CSV, refuted);
+    blocks.extend((!short.rows.is_empty()).then_some(Block::Table(short)));
+    blocks.push(details("All claims", vec![Block::Table(columns.table("The paper's claims", CSV, claims))]));
     Ok(Some(Section::new("claims", "The paper's claims", blocks).saying([counted(claims)])))
 }
 
@@ -47,7 +55,13 @@ pub fn verdict(verdict: ClaimVerdict) -> Cell {
 pub fn counted(claims: &[Claim]) -> String {
     let counts = ClaimVerdict::ALL.map(|verdict| {
         let count = claims.iter().filter(|claim| claim.verdict == verdict).count();
-        format!("{count} {}", verdict.in_words())
+        let words = match verdict {
+            ClaimVerdict::Depends => "depend on assumptions",
+            ClaimVerdict::InSimulation => "hold in simulation",
+            ClaimVerdict::LessInSimulation => "err less in simulation",
+            verdict => verdict.in_words(),
+        };
+        format!("{count} {words}")
     });
     format!("Of {} claims: {}.", claims.len(), counts.join(", "))
 }

@@ -112,8 +112,7 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
     let caption = format!("Scene \"{name}\" at its end: true forces.");
     figures.push(Figure::narrow(drawing(&press)?, caption, CSV));
     if let Some(svg) = force_over_travel(&press)? {
-        let caption = "Force along each normal, and in all (length of the vector sum). Lines are true; signs sensed from one noise sample, with \
-                       95 % intervals.";
+        let caption = "Along each normal; the total along the object's motion; 95 % intervals.";
         figures.push(Figure::narrow(svg, caption, CSV));
     }
     Ok(figures)
@@ -165,26 +164,33 @@ fn between(finger: &Finger, s_mm: f64) -> String {
 
 /// Chart over the travel (mm): true forces as lines, sensed forces as symbols. `None` for a press without forces.
 fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> {
-    let series = courses(press.finger, press.rows);
+    let end_mm = press.rows.iter().map(|row| row.travel_mm).fold(0.0, f64::max);
+    let series = courses(press.finger, press.rows, 0.02 * end_mm);
     if series.is_empty() {
         return Ok(None);
     }
-    let title = format!("{}: true (lines), sensed (signs), {} mm noise", press.name, press.noise_mm);
-    let frame = Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", press.name));
-    let end_mm = press.rows.iter().map(|row| row.travel_mm).fold(0.0, f64::max);
+    let title = format!("{}: true (lines), sensed (symbols)", press.name);
+    let frame = Frame::half(
+        title,
+        format!(
+            "True forces of the scene {} over the travel, and forces sensed with {} mm noise.",
+            press.name, press.noise_mm
+        ),
+    );
     // The axis extends beyond the last point, so that its symbol does not touch the edge of the plot.
     let axes = [Axis::linear("travel of the object, mm").within(0.0, 1.06 * end_mm), Axis::linear("force, N")];
     Ok(Some(Chart::new(frame, axes, series).svg()?))
 }
 
-/// Series of true forces (lines) and sensed forces (symbols), for each contact and for the total.
-fn courses(finger: &Finger, rows: &[ForceRow]) -> Vec<Series> {
+/// Series of true forces (lines) and sensed forces (symbols), for each contact and for the total. The line of a contact that exists in one step only is
+/// twice `half_mm` long.
+fn courses(finger: &Finger, rows: &[ForceRow], half_mm: f64) -> Vec<Series> {
     let mut courses: BTreeMap<(usize, String), Course> = BTreeMap::new();
     for row in rows {
         let name = match row.contact.as_str() {
-            "total" => (0, "in all".to_owned()),
+            "total" => (0, "total".to_owned()),
             "at" => (2, format!("plate{}", between(finger, row.s_mm.unwrap_or_default()))),
-            "clamp" => (3, "clamp (not felt)".to_owned()),
+            "clamp" => (3, "clamp (not sensed)".to_owned()),
             node => (1, format!("node {node}")),
         };
         let course = courses.entry(name).or_default();
@@ -196,7 +202,11 @@ fn courses(finger: &Finger, rows: &[ForceRow]) -> Vec<Series> {
     }
     let mut series = Vec::new();
     for (n, ((_, name), course)) in courses.into_iter().enumerate() {
-        let truth = Series::nth(n, name, course.truth);
+        let truth = match course.truth[..] {
+            [[travel_mm, force_n]] => vec![[travel_mm - half_mm, force_n], [travel_mm + half_mm, force_n]],
+            _ => course.truth,
+        };
+        let truth = Series::nth(n, name, truth);
         let marker = truth.marker;
         series.push(Series { marker: None, ..truth });
         if !course.sensed.is_empty() {
@@ -209,7 +219,7 @@ fn courses(finger: &Finger, rows: &[ForceRow]) -> Vec<Series> {
 
 fn name_of(seen: &SeenContact) -> String {
     match seen.contact.position {
-        _ if seen.clamped => "clamp (not felt)".to_owned(),
+        _ if seen.clamped => "clamp (not sensed)".to_owned(),
         ContactPosition::Node(node) => format!("node {node}"),
         ContactPosition::At(s_mm) => format!("plate at {s_mm:.1} mm"),
     }

@@ -190,7 +190,8 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
             Assumption::Normal => "deformed normal assumed",
             Assumption::Unknown => "direction unknown",
         };
-        Series::nth(n, label, points)
+        // The lines have different widths, so that both are visible where they coincide.
+        Series { width: if n == 0 { 6.0 } else { 2.6 }, ..Series::nth(n, label, points) }
     });
     let title = format!("Pushed without friction, {force_n} N");
     let alt = format!("{title}: error of the force by position, a line for each assumption.");

@@ -1,5 +1,6 @@
-//! Table: effect of errors in the undeformed positions of the nodes on the Cramer-Rao bounds of sensed forces.
+//! Effect of errors in the undeformed positions of the nodes on the Cramer-Rao bounds of sensed forces.
 
+use super::drawings::{Line, one_and_two};
 use crate::prelude::*;
 use finray_studies::experiments::displacement_noise::{
     DisplacementNoiseRow, DisplacementNoiseStudy, FRAMES, ROTATION_SD_DEG, TRANSLATION_SD_MM,
@@ -14,29 +15,24 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 /// Rows of one set of contacts, one per noise model: independent, two images, motor angle.
 type OfSet<'s> = &'s [DisplacementNoiseRow];
 
+/// The row of a noise model.
+fn of<'s>(of_set: OfSet<'s>, model: &str) -> Option<&'s DisplacementNoiseRow> {
+    of_set.iter().find(|row| row.noise == model)
+}
+
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(noise) = study.displacement_noise.as_ref().filter(|noise| !noise.rows.is_empty()) else { return Ok(None) };
-    let (pairs, singles): (Vec<OfSet>, Vec<OfSet>) =
-        noise.rows.chunk_by(|a, b| a.nodes == b.nodes).partition(|of_set| of_set[0].nodes.contains(' '));
-    let of = |of_set: &OfSet, model: &str| of_set.iter().find(|row| row.noise == model).cloned();
-    let columns = Columns::<OfSet>::new()
-        .page("nodes", Format::Plain, |of_set| of_set[0].nodes.clone())
-        .each(["independent", "two images", "motor angle"], |columns, model| {
-            columns.page(model, Format::Fixed(4), move |of_set| Some(of(of_set, model)?.bound_n))
-        })
-        .page("25 frames", Format::Fixed(4), move |of_set| Some(of(of_set, "two images")?.bound_of_25_frames_n))
-        .page("ordinary / bound", Format::Fixed(1), move |of_set| {
-            of(of_set, "motor angle").map(|row| row.ordinary_rms_n / row.bound_n)
-        })
-        .page("refused", Format::Plain, |of_set| of_set.iter().map(|row| row.refused).sum::<usize>());
-    let blocks = vec![
-        text(about(noise)),
-        details("By contact", vec![Block::Table(columns.table(
-            format!("Cramer-Rao bound of {} N along the normal, N; for 25 frames of two images; ordinary with the motor angle", noise.force_n),
-            CSV,
-            singles.into_iter().chain(pairs),
-        ))]),
+    let of_sets = noise.rows.chunk_by(|a, b| a.nodes == b.nodes);
+    let rows = of_sets.map(|of_set| (of_set[0].nodes.replace(' ', ", "), of_set)).rev().collect();
+    let lines: [Line<OfSet>; 4] = [
+        ("independent errors", |of_set| Some(of(of_set, "independent")?.bound_n)),
+        ("two images", |of_set| Some(of(of_set, "two images")?.bound_n)),
+        ("motor angle", |of_set| Some(of(of_set, "motor angle")?.bound_n)),
+        ("motor angle, least squares", |of_set| Some(of(of_set, "motor angle")?.ordinary_rms_n)),
     ];
+    let title = format!("Uncertainty of {} N", noise.force_n);
+    let charts = one_and_two(&title, "standard deviation of a force, N", rows, &lines, CSV)?;
+    let blocks = vec![text(about(noise)), charts];
     let section = Section::new("displacement-noise", "Where undeformed positions come from", blocks);
     Ok(Some(section.saying(says(noise))))
 }

@@ -161,12 +161,18 @@ pub(super) fn small_maps(
     let (rows, plots): (Vec<String>, Vec<Vec<Option<Cells>>>) = rows.into_iter().unzip();
     // The plate's end has no tick, because its label would touch the first label of the next plot.
     let length_mm = finger.plate_length_mm(Plate::Front);
-    let step_mm =
-        [500.0, 200.0, 100.0, 50.0, 20.0, 10.0].into_iter().find(|step| 1.5 * step <= length_mm).unwrap_or(5.0);
-    let ticks = (0..).map(|n| f64::from(n) * step_mm).take_while(|tick| *tick < 0.85 * length_mm);
+    let ticks = plate_ticks(length_mm, 1.5).filter(|tick| *tick < 0.85 * length_mm);
     let x = Axis::linear(ALONG_THE_PLATE).within(0.0, length_mm).with_ticks(ticks);
     let y = Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks([-60.0, 0.0, 60.0]);
-    Map { columns, ..Map::grid(frame, [x, y], error_classes(), rows, plots.concat()) }
+    let rest_label = "not computed".to_owned();
+    Map { columns, rest_label, ..Map::grid(frame, [x, y], error_classes(), rows, plots.concat()) }
+}
+
+/// Round positions along a plate, mm, from 0: multiples of the largest round length that fits `times` into the plate.
+pub(super) fn plate_ticks(length_mm: f64, times: f64) -> impl Iterator<Item = f64> {
+    let step_mm =
+        [500.0, 200.0, 100.0, 50.0, 20.0, 10.0].into_iter().find(|step| times * step <= length_mm).unwrap_or(5.0);
+    (0..).map(move |n| f64::from(n) * step_mm).take_while(move |tick| *tick <= length_mm)
 }
 
 /// Axis of node numbers along the front plate.
@@ -256,19 +262,61 @@ pub(super) fn error_bars(label: impl Into<String>, hue: Hue, errors: impl IntoIt
     Bars { label: label.into(), hue, values: errors.into_iter().map(|error| error.map(percent)).collect() }
 }
 
-/// Chart of Table I: the paper's mean errors and the computed ones, as bars.
+/// A quantity of a row of a chart by contact: its text in the legend, and its value; `None` where it is missing.
+pub(super) type Line<'l, R> = (&'l str, fn(&R) -> Option<f64>);
+
+/// Chart of quantities by contact on a logarithmic axis, one line each; values that are not above zero are left out. `None` if there is nothing to draw.
+pub(super) fn by_contact<R>(
+    frame: Frame,
+    axis: &str,
+    rows: &[(String, R)],
+    lines: &[Line<R>],
+) -> Result<Option<String>, FigureError> {
+    let line = |(n, (label, of)): (usize, &Line<R>)| {
+        let values = rows.iter().enumerate().filter_map(|(i, (_, row))| Some([i as f64, of(row)?]));
+        Series::nth(n, *label, values.filter(|[_, value]| *value > 0.0).collect())
+    };
+    let series: Vec<Series> = lines.iter().enumerate().map(line).filter(|series| !series.points.is_empty()).collect();
+    if series.is_empty() {
+        return Ok(None);
+    }
+    let x = Axis::categories("contact node, base to tip", rows.iter().map(|(name, _)| name.clone()).collect());
+    Chart::new(frame, [x, Axis::log(axis)], series).svg().map(Some)
+}
+
+/// Two charts [by contact](by_contact), of single contacts and of pairs, whose names have a comma.
+pub(super) fn one_and_two<R>(
+    title: &str,
+    axis: &str,
+    rows: Vec<(String, R)>,
+    lines: &[Line<R>],
+    csv: &str,
+) -> Result<Block, FigureError> {
+    let (pairs, singles): (Vec<_>, Vec<_>) = rows.into_iter().partition(|(name, _)| name.contains(','));
+    let mut figures = Vec::new();
+    for (rows, which) in [(singles, "one contact"), (pairs, "two contacts")] {
+        let title = format!("{title}: {which}");
+        let alt = format!("{title}, on a logarithmic axis.");
+        let drawn = by_contact(Frame::half(title, alt), axis, &rows, lines)?;
+        figures.extend(drawn.map(|svg| Figure::narrow(svg, "By contact node, from base to tip.", csv)));
+    }
+    Ok(Block::Figures { figures })
+}
+
+/// Chart of Table I: the paper's mean errors and the computed ones, as bars, base to tip.
 pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
     let rows = tables.first().map_or(&[][..], |table| &table.rows[..]);
-    let paper = error_bars("paper", Hue::Neutral, rows.iter().map(|row| Some(row.paper_mean_error)));
+    let paper = error_bars("paper", Hue::Neutral, rows.iter().rev().map(|row| Some(row.paper_mean_error)));
     let ours = tables.iter().take(2).enumerate().map(|(n, table)| {
         let label = format!("uniform finger, weights at {} deg", table.angle_deg);
-        error_bars(label, Hue::nth(n), table.rows.iter().map(|row| Some(row.mean_error)))
+        error_bars(label, Hue::nth(n), table.rows.iter().rev().map(|row| Some(row.mean_error)))
     });
     let frame = Frame::full(
         "Table I and geometric nonlinearity",
         "Mean error of the sensed force at six nodes: the paper's Table I and ours.",
     );
-    let nodes = Axis::categories("loaded node", rows.iter().map(|row| row.node.to_string()).collect());
+    let nodes =
+        Axis::categories("loaded node, base to tip", rows.iter().rev().map(|row| row.node.to_string()).collect());
     let bars = std::iter::once(paper).chain(ours).collect();
     let chart = Chart::of_bars(frame, [nodes, Axis::linear("mean error, %")], bars);
     chart.compared(PAPER_SHADES_PERCENT.map(percent_line)).svg()

@@ -63,7 +63,7 @@ fn columns<'s>() -> Columns<'s, Row<'s>> {
         .page("time per frame", Format::Plain, |row| row.seconds.map(time))
         .page("needs", Format::Words, |row| row.estimator.needs())
         .page("refuses", Format::Words, |row| row.estimator.refuses())
-        .page("contacts never seen", Format::Words, |row| row.estimator.unseen_contacts())
+        .page("senses unseen contacts", Format::Words, |row| row.estimator.unseen_contacts())
 }
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -83,16 +83,19 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("estimators", "Four estimators side by side", blocks).saying(says(study))))
 }
 
-/// Sentence on the times of the fastest and the slowest estimator per force; `None` if the slowest takes a tenth of a camera frame or more.
+/// Sentences on the recommended estimator, and on the times of the fastest and the slowest one per force; `None` if the slowest takes a tenth of a camera
+/// frame or more.
 fn says(study: &Study) -> Option<String> {
     let times: Vec<f64> = rows(study).filter_map(|row| row.seconds).collect();
     let [fastest, slowest] = [f64::min, f64::max].map(|of| times.iter().copied().reduce(of));
     let (fastest, slowest) = (fastest?, slowest?);
     let share = slowest / CAMERA_FRAME_S;
     let (fastest, slowest, frame_ms) = (time(fastest), time(slowest), 1e3 * CAMERA_FRAME_S);
+    let best = recommended(&study.speed_error).and_then(|way| way.one.estimator);
+    let best = best.map(|best| format!("Recommended for any contact: {}. ", best.label())).unwrap_or_default();
     (share < 0.1).then(|| {
         format!(
-            "Choose by error and interval, not by time: {fastest} or {slowest} are at most {} of the {frame_ms:.0} ms between two frames at 25 Hz.",
+            "{best}Choose by error and interval, not by time: {fastest} or {slowest} are at most {} of the {frame_ms:.0} ms between two frames at 25 Hz.",
             percent(share)
         )
     })

@@ -7,7 +7,7 @@ use finray_model::finger::{FingerDescription, RibPositions, Strip};
 const CSV: &str = "finger.csv";
 /// Assumed dimensions of the paper's finger.
 const ASSUMED: &str = "Assumed: base width and depth, which the paper gives only in a figure that was not available. A base width of 58 mm fits the paper's \
-                       fine mesh of 684 nodes. Displacements are proportional to 1 / depth.";
+                       fine mesh of 684 nodes. Displacements depend on force / depth.";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     let finger = &study.finger;

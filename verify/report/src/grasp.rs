@@ -2,14 +2,13 @@
 
 mod animation;
 mod drawings;
-mod rates;
+pub(super) mod rates;
 
 pub use animation::grasp_animation_svg;
 pub use drawings::grasp_svg;
 
 use super::format::percent;
 use crate::prelude::*;
-use drawings::drawings;
 use finray_studies::experiments::grasp::file::force_rows;
 use finray_studies::experiments::grasp::study::GraspStudy;
 use finray_studies::experiments::grasp::{SensedSummary, Summary};
@@ -18,13 +17,12 @@ use serde::Serialize;
 const CSV: &str = "grasp.csv";
 const SCENES_CSV: &str = "grasp_scenes.csv";
 /// How grasps are computed and sensed.
-const ABOUT: &str = "In simulation, two fingers on the paper's linkage close on a free object, lift it, carry it and put it down. The fingers are lattices \
-                     of rigid bodies and springs. The objects are a disc off the centre, a box in an oblique pose that the paper's fingers rotate, and a \
-                     ball in mid-air between spring-steel fingers. Every step is an equilibrium of fingers, object, contacts with Coulomb friction and \
-                     gravity. The lengths of the linkage are assumed, because the paper gives them only in a figure that was not available. Sensing receives \
-                     the motor angle, the displacements of the key nodes and points on both outlines, with noise. It knows which parts touch, and the \
-                     coefficient of friction. The simulation is quasi-static and in the plane; nothing was tested on a real gripper. The object lies on \
-                     rails in front of and behind the fingers, which pass between the rails. A grasp ends if the fingers touch each other.";
+const ABOUT: &str = "In simulation, two lattice fingers on the paper's linkage close on a free object, lift it, carry it and put it down: a disc off the \
+                     centre, a box in an oblique pose that the fingers rotate, and a ball in mid-air between spring-steel fingers. Every step is an \
+                     equilibrium of fingers, object, gravity and contacts with Coulomb friction. The lengths of the linkage are assumed, because the paper \
+                     gives them only in a figure that was not available. Sensing receives the motor angle and, with noise, the displacements of the key \
+                     nodes and points on both outlines. It knows which parts touch, and the coefficient of friction. Nothing was tested on a real gripper. \
+                     The object lies on rails, between which the fingers pass. A grasp ends if the fingers touch each other.";
 
 /// First column of a row of forces: the scene.
 #[derive(Serialize)]
@@ -38,7 +36,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         rows.map(|row| (OfScene { scene: &grasp.name }, row))
     });
     let forces = Dataset::records(CSV, rows).csv_alone();
-    vec![forces, Dataset::new(SCENES_CSV, &scenes(), &study.grasps), rates::dataset(study)]
+    vec![forces, Dataset::new(SCENES_CSV, &scenes(), &study.grasps)]
 }
 
 /// Columns with the key figures of every grasp.
@@ -52,38 +50,44 @@ fn scenes<'c>() -> Columns<'c, &'c GraspStudy> {
         .both("largest_total_n", "largest total, N", Format::Fixed(2), |grasp| grasp.noisy.largest_total_n)
         .both("mean_total_error", "mean error", Format::Percent, |grasp| grasp.noisy.sensed.mean_total_error)
         .both("worst_total_error", "largest", Format::Percent, |grasp| grasp.noisy.sensed.worst_total_error)
-        .both("worst_contact_error", "largest of a contact", Format::Percent, |grasp| {
+        .both("worst_contact_error", "largest, one contact", Format::Percent, |grasp| {
             grasp.noisy.sensed.worst_contact_error
         })
         .file("totals_within_95", |grasp| grasp.noisy.sensed.totals_within_95)
         .file("asked", |grasp| grasp.noisy.sensed.asked)
-        .page("totals within 95 %", Format::Plain, move |grasp| {
+        .page("totals in interval", Format::Plain, move |grasp| {
             of(grasp.noisy.sensed.totals_within_95, grasp.noisy.sensed.asked)
         })
         .file("contacts_within_95", |grasp| grasp.noisy.sensed.contacts_within_95)
         .file("contacts", |grasp| grasp.noisy.sensed.contacts)
-        .page("contacts within 95 %", Format::Plain, move |grasp| {
+        .page("contacts in interval", Format::Plain, move |grasp| {
             of(grasp.noisy.sensed.contacts_within_95, grasp.noisy.sensed.contacts)
         })
         .both("refused", "refused", Format::Plain, |grasp| grasp.noisy.sensed.refused)
 }
 
+/// The first grasp: its whole course, its forces, and the key figures of all grasps.
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
-    let Some((first, others)) = study.grasps.split_first() else { return Ok(None) };
-    let mut blocks = vec![text(ABOUT), moving(first)?];
-    blocks.push(Block::Table(scenes().table(
-        "Sensed totals of a finger across the gripper",
+    let Some(first) = study.grasps.first() else { return Ok(None) };
+    let figures = std::iter::once(moving(first)?).chain(courses(first)?.into_iter().take(1)).collect();
+    let table = scenes().table(
+        "Total of a finger across the gripper, sensed with noise; 95 % intervals; errors relative to the true force",
         SCENES_CSV,
         &study.grasps,
-    )));
-    blocks.push(figures(first)?);
-    for grasp in others {
-        let summary = format!("{}: fingers, object and forces step by step", grasp.name);
-        blocks.push(details(summary, vec![figures(grasp)?]));
+    );
+    let blocks = vec![Block::Figures { figures }, Block::Table(table)];
+    Ok(Some(Section::new("grasp", "Grasping an object", blocks).saying(says(first))))
+}
+
+/// How grasps are computed, and every grasp with its forces.
+pub(super) fn all(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let mut blocks = vec![text(ABOUT)];
+    for (n, grasp) in study.grasps.iter().enumerate() {
+        // The whole course of the first grasp is on the first page.
+        let moving = if n == 0 { None } else { Some(moving(grasp)?) };
+        blocks.push(Block::Figures { figures: moving.into_iter().chain(courses(grasp)?).collect() });
     }
-    blocks.extend(study.closed_loop.as_ref().map(rates::blocks).transpose()?.into_iter().flatten());
-    let section = Section::new("grasp", "Grasping an object", blocks);
-    Ok(Some(section.saying(says(first))))
+    Ok((!study.grasps.is_empty()).then(|| Section::new("grasps", "Grasps step by step", blocks)))
 }
 
 /// Sentence on the sensed forces of a grasp; `None` if no total was sensed.
@@ -100,14 +104,13 @@ fn says(GraspStudy { name, noise_mm, noisy, clean, .. }: &GraspStudy) -> Option<
 }
 
 /// Animated drawing of the whole grasp.
-fn moving(grasp: &GraspStudy) -> Result<Block, ReportError> {
+fn moving(grasp: &GraspStudy) -> Result<Figure, ReportError> {
     let svg = grasp_animation_svg(&grasp.name, &grasp.scene, &grasp.steps)?;
-    let caption = "Every step of the grasp. In print, or if the reader prefers no motion, one step.";
-    Ok(Block::Figure(Figure::narrow(svg, caption, CSV)))
+    Ok(Figure::narrow(svg, "Every step of the grasp; in print, one.", CSV))
 }
 
-/// Drawings of a grasp: selected steps, and forces over the steps.
-fn figures(grasp: &GraspStudy) -> Result<Block, ReportError> {
-    let drawings = drawings(&grasp.name, &grasp.scene, &grasp.steps)?.into_iter();
-    Ok(Block::Figures { figures: drawings.map(|it| Figure::narrow(it.svg, it.caption, CSV)).collect() })
+/// Charts of the forces of a grasp.
+fn courses(grasp: &GraspStudy) -> Result<Vec<Figure>, ReportError> {
+    let charts = drawings::courses(&grasp.name, &grasp.steps)?.into_iter();
+    Ok(charts.map(|it| Figure::narrow(it.svg, it.caption, CSV)).collect())
 }

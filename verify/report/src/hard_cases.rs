@@ -16,9 +16,9 @@ fn columns<'s>() -> Columns<'s, &'s HardCase> {
     Columns::new()
         .file("case", |case: &&HardCase| case.case)
         .page("case", Format::Words, |case| unbroken(case.case))
+        .page("what is checked", Format::Words, |case| unbroken(case.expectation))
         .file("difficulty", |case| case.difficulty)
         .file("promise", |case| case.expectation)
-        .page("what is checked", Format::Words, |case| unbroken(case.expectation))
         .file("outcome", |case| outcome(case))
         .file("seconds", |case| case.seconds)
         .file("verdict", |case| VERDICTS[usize::from(!case.passes())])
@@ -32,7 +32,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let broken = study.hard_cases.iter().filter(|case| !case.passes()).map(|case| unbroken(&outcome(case)));
     let mut blocks = vec![
         text(about()),
-        details("The cases", vec![Block::Table(columns().table("What is checked", CSV, &study.hard_cases))]),
+        details(
+            "The cases",
+            vec![Block::Table(columns().table("Kept: answered or refused as demanded", CSV, &study.hard_cases))],
+        ),
     ];
     blocks.extend(broken.map(text));
     Ok(Some(Section::new("hard-cases", "Hard cases", blocks).saying([in_words(&study.hard_cases)])))

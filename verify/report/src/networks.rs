@@ -1,10 +1,10 @@
 //! The shipped networks, their training, and the network size that is needed.
 
-use super::format::{NOTHING, error_as, list, nodes_in_words, percent_with, share_refused, verdict};
+use super::drawings::{Line, one_and_two};
+use super::format::{list, nodes_in_words, percent_with};
 use super::trainings;
 use crate::prelude::*;
 use finray_studies::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
-use finray_studies::settings::ENOUGH_CASES;
 use finray_studies::statistics::mean;
 
 const CSV: &str = "networks.csv";
@@ -44,7 +44,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let mut blocks = Vec::new();
     if let Some(networks) = &study.networks {
         blocks.push(text(about(networks.noise_mm)));
-        blocks.push(details("By contact", vec![Block::Table(table(networks))]));
+        blocks.push(errors(networks)?);
     }
     blocks.extend(trainings::blocks(&study.records));
     let says = study.networks.as_ref().and_then(says);
@@ -79,7 +79,7 @@ fn says(networks: &NetworkStudy) -> Option<String> {
     let kept = checks.iter().filter(|check| check.passes()).count();
     let tolerances = match checks.len() {
         0 => String::new(),
-        tolerances => format!(" {kept} of {tolerances} tolerances hold."),
+        tolerances => format!(" {kept} of {tolerances} checks against these bounds pass."),
     };
     let (one, two, counts) = (errors(1)?, errors(2)?, Counts::of(&networks.rows));
     let (plural, nodes) = (if worst.nodes.len() > 1 { "s" } else { "" }, nodes_in_words(&worst.nodes));
@@ -89,29 +89,14 @@ fn says(networks: &NetworkStudy) -> Option<String> {
     ))
 }
 
-fn table(networks: &NetworkStudy) -> Table {
-    let checked = !networks.checks().is_empty();
-    let shaded = |share: Option<f64>| match share {
-        Some(share) => error_as(percent_with(share, 2), share),
-        None => Cell::plain(NOTHING),
-    };
-    let few = checked && networks.rows.iter().any(|row| row.drawn() < ENOUGH_CASES);
-    let caption = match few {
-        true => "Mean error; with few cases, tolerances are wider by three standard errors",
-        false => "Mean error; covered: within 1.96 stated standard deviations (95 % are meant)",
-    };
-    let columns = Columns::<&ScatterRow>::new()
-        .page("nodes", Format::Words, |row| list(&row.nodes, ", "))
-        .cells(Column::numbers("each force"), move |row| shaded(row.mean_error()))
-        .page("bound", Format::PercentFixed(2), |row| row.mean_error_bound())
-        .cells(Column::numbers("sum"), move |row| shaded(sum(row).map(|sum| sum.mean_error)))
-        .page("its bound", Format::PercentFixed(2), |row| bound(sum(row)?))
-        .page("covered", Format::PercentFixed(1), |row| coverage(row))
-        .page("refused", Format::Plain, |row| share_refused([*row]));
-    let kept = |row: &&ScatterRow| verdict(networks.checks_of(row).iter().all(Check::passes), ["kept", "broken"]);
-    let columns = match checked {
-        true => columns.cells(Column::words("tolerance"), kept),
-        false => columns,
-    };
-    columns.table(caption, CSV, &networks.rows)
+/// Charts of the errors and their bounds, by contact.
+fn errors(networks: &NetworkStudy) -> Result<Block, FigureError> {
+    let rows = networks.rows.iter().rev().map(|row| (list(&row.nodes, ", "), row)).collect();
+    let lines: [Line<&ScatterRow>; 4] = [
+        ("each force", |row| Some(100.0 * row.mean_error()?)),
+        ("its bound", |row| Some(100.0 * row.mean_error_bound()?)),
+        ("sum", |row| Some(100.0 * sum(row)?.mean_error)),
+        ("bound of the sum", |row| Some(100.0 * bound(sum(row)?)?)),
+    ];
+    one_and_two("Shipped networks", "mean error, %", rows, &lines, CSV)
 }

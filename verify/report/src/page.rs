@@ -29,6 +29,8 @@ pub struct Page {
     pub push: Option<Pushable>,
     /// Data of the interactive section; `None` leaves the section out.
     pub explore: Option<String>,
+    /// Whether a drawing is animated, so that the page needs the script that stops it.
+    pub has_film: bool,
     /// The results, in the order of the page.
     pub sections: Vec<Section>,
     /// All pages of the report, this one included.
@@ -268,7 +270,7 @@ pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;
-    let scripts = context! { explore => SCRIPT, push => PUSH[0], own => PUSH[2] };
+    let scripts = context! { explore => SCRIPT, push => PUSH[0], own => PUSH[2], film => include_str!("film.js") };
     let styles = context! { page => include_str!("page.css"), explore => STYLE, push => PUSH[1] };
     let page = context! { page => Serde(page), about => about(), scripts, styles };
     environment.get_template("page.html")?.render(page)

@@ -48,7 +48,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let figures = figures.map(|(what, svg)| {
         Figure::narrow(
             svg,
-            format!("{what}, by the two contact nodes: nonlinear above, linear below the diagonal."),
+            format!("{what}, by the two contact nodes: nonlinear above, least squares below the diagonal."),
             CSV,
         )
     });
@@ -88,7 +88,10 @@ fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option
     let values = (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect();
     let cells = Cells::new(&at, &down, values);
     let alt = format!("{title}, for every pair of contact nodes, by the nonlinear estimator and by least squares.");
-    let (above, below) = (Axis::categories("nonlinear", names.iter().rev().cloned().collect()), "least squares");
+    let (above, below) = (
+        Axis::categories("nonlinear, by contact nodes", names.iter().rev().cloned().collect()),
+        "least squares, by contact nodes",
+    );
     let frame = Frame::half(title, alt).with_plot_height(MATRIX_HEIGHT);
     Map {
         top: Some(Axis::categories("", names)),

@@ -26,8 +26,17 @@ pub(super) fn of(study: &Study) -> Result<Pushable, ReportError> {
 
 /// The same for the page that edits the scene: without the map, which is of the report's finger.
 pub(super) fn edited(pushed: &Pushable, study: &Study) -> Pushable {
-    let data = json!({ "scene": study.scene_text, "other": null, "maps": {}, "noise_mm": study.noise_mm });
+    let [most_n, first_n] = forces_n(study);
+    let data = json!({
+        "scene": study.scene_text, "other": null, "maps": {}, "noise_mm": study.noise_mm, "most_n": most_n, "first_n": first_n,
+    });
     Pushable { program: pushed.program.clone(), data: embedded(&data), is_edited: true }
+}
+
+/// Largest force that can be chosen, and the first one, N.
+fn forces_n(study: &Study) -> [f64; 2] {
+    let largest_n = study.forces.of_maps_n().into_iter().fold(0.0, f64::max);
+    [MOST * largest_n, largest_n / 2.0]
 }
 
 /// JSON without `<`, so that it can be embedded in a page.
@@ -39,7 +48,7 @@ fn data(study: &Study) -> String {
     let all = situations(study);
     let map =
         |(name, of): (&str, &str)| Some((name.to_owned(), cells(all.iter().find(|situation| situation.name == of)?)));
-    let largest_n = study.forces.of_maps_n().into_iter().fold(0.0, f64::max);
+    let [most_n, first_n] = forces_n(study);
     let data = json!({
         "scene": study.scene_text,
         "other": study.is_paper.then_some(finray_fixtures::TWIN_SCENE),
@@ -47,8 +56,8 @@ fn data(study: &Study) -> String {
         // Of the signs that the map of assumed contacts has, one whose two errors do not compensate each other.
         "off": { "by_mm": -POSITION_OFF_MM, "by_deg": DIRECTION_OFF_DEG },
         "noise_mm": study.noise_mm,
-        "most_n": MOST * largest_n,
-        "first_n": largest_n / 2.0,
+        "most_n": most_n,
+        "first_n": first_n,
     });
     embedded(&data)
 }

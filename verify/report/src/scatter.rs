@@ -1,6 +1,7 @@
 //! Errors of the nonlinear estimator under camera noise, compared with the Cramer-Rao bound.
 
-use super::format::{list, nodes_in_words, range_of};
+use super::drawings::{Line, by_contact};
+use super::format::{list, range_of};
 use crate::prelude::*;
 use finray_studies::experiments::noise::NoiseStudy;
 use finray_studies::settings::{ONE_FORCE_N, TWO_FORCES_N};
@@ -34,27 +35,17 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let Some(noise) = &study.noise else { return Ok(None) };
     let forces_n = [ONE_FORCE_N, TWO_FORCES_N].map(|range_n| study.checked_forces().scaled(range_n));
     let mut blocks = vec![text(about(&noise.single, forces_n))];
+    let title = format!("Error of a force along the normal, {} mm noise", noise.noise_mm);
+    let alt = format!("{title}, by contact node, beside the mean error at the Cramer-Rao bound.");
+    let rows: Vec<(String, &ScatterRow)> = noise.single.iter().rev().map(|row| (list(&row.nodes, ", "), row)).collect();
     // A row has no force if the finger has no equilibrium under any force of the range at this node.
-    let first = |row: &ScatterRow| row.forces.first().copied();
-    let single = Columns::<&ScatterRow>::new()
-        .page("node", Format::Plain, |row| row.nodes[0])
-        .page("mean error", Format::Percent, move |row| Some(first(row)?.mean_error))
-        .page("at the bound", Format::Percent, move |row| Some(first(row)?.bound?.mean_error_bound))
-        .page("scatter / bound", Format::Fixed(2), move |row| Some(first(row)?.bound?.over_bound))
-        .page("within 1.96 sigma", Format::Percent, move |row| Some(first(row)?.coverage?.two_sigma))
-        .page("refused", Format::Plain, |row| row.refused);
-    let pairs = Columns::<&ScatterRow>::new()
-        .page("nodes", Format::Plain, |row| nodes_in_words(&row.nodes))
-        .page("mean error of each", Format::Percent, |row| row.mean_error())
-        .page("at the bound", Format::Percent, |row| row.mean_error_bound())
-        .page("of the sum", Format::Percent, |row| Some(row.sum?.mean_error))
-        .page("at the bound", Format::Percent, |row| Some(row.sum?.bound?.mean_error_bound))
-        .page("refused", Format::Plain, |row| row.refused);
-    let mut tables = vec![Block::Table(single.table("One contact, by node", CSV, &noise.single))];
-    if !noise.checked.is_empty() {
-        tables.push(Block::Table(pairs.table("Two contacts", CSV, &noise.checked)));
+    let lines: [Line<&ScatterRow>; 2] = [
+        ("nonlinear estimator", |row| Some(100.0 * row.forces.first()?.mean_error)),
+        ("at the bound", |row| Some(100.0 * row.forces.first()?.bound?.mean_error_bound)),
+    ];
+    if let Some(svg) = by_contact(Frame::full(title, alt), "mean error, %", &rows, &lines)? {
+        blocks.push(Block::Figure(Figure::wide(svg, "One force. Pairs of forces are on the page of the maps.", CSV)));
     }
-    blocks.push(details("By contact", tables));
     Ok(Some(Section::new("noise", "Force error from camera noise", blocks).saying(says(noise))))
 }
 

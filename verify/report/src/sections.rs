@@ -68,14 +68,16 @@ const INDEX: &str = "index.html";
 
 /// Every section, in the order of the page. A new section needs its experiment, its file in this folder, and a row here.
 const SECTIONS: &[Entry] = &[
+    Entry(On::Index, grasp::section, grasp::datasets),
     Entry(On::Index, causes::section, causes::datasets),
     Entry(On::Index, estimators::section, estimators::datasets),
-    Entry(On::Index, grasp::section, grasp::datasets),
     Entry(On::Measured, measured::section, measured::datasets),
     Entry(On::Maps, maps::section, maps::datasets),
     Entry(On::Maps, pairs::section, pairs::datasets),
     Entry(On::Maps, directions::section, directions::datasets),
     Entry(On::Objects, contact_scenes::section, contact_scenes::datasets),
+    Entry(On::Objects, grasp::all, |_| Vec::new()),
+    Entry(On::Objects, grasp::rates::section, grasp::rates::datasets),
     Entry(On::Camera, camera::section, camera::datasets),
     Entry(On::Camera, displacement_noise::section, displacement_noise::datasets),
     Entry(On::Speed, speed_error::section, speed_error::datasets),
@@ -126,13 +128,14 @@ pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, Repor
         let pages = links.iter().map(|link| PageLink { is_this: link.file == file, ..link.clone() }).collect();
         let page = Page {
             title: if is_first {
-                format!(
-                    "Where the finger \"{}\" senses forces{}",
-                    study.scene,
-                    if study.measured.is_none() { " (simulation)" } else { "" }
-                )
+                let finger = match study.is_paper {
+                    true => "the finger of Xu et al.".to_owned(),
+                    false => format!("the finger \"{}\"", study.scene),
+                };
+                let simulated = if study.measured.is_none() { " (simulation)" } else { "" };
+                format!("Where {finger} senses forces{simulated}")
             } else {
-                format!("{heading}: {}", study.scene)
+                format!("{heading}: finger \"{}\"", study.scene)
             },
             first: is_first.then(|| first(results)).transpose()?,
             push: match on {
@@ -141,6 +144,7 @@ pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, Repor
                 _ => None,
             },
             explore: (on == On::Maps).then(|| explore::data(results)),
+            has_film: !study.grasps.is_empty() && matches!(on, On::Index | On::Objects),
             sections,
             pages,
             footer: format!(

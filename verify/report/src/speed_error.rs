@@ -2,7 +2,7 @@
 
 use super::format::{NOTHING, list, or_nothing, percent, percent_two_digits, time};
 use crate::prelude::*;
-use finray_studies::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
+use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
 use finray_studies::experiments::speed_error::sensing::FRAMES_A_PERIOD;
 use finray_studies::experiments::speed_error::{SpeedErrorPoint, Task, TimedBy};
 use finray_studies::settings::TWO_FORCES_N;
@@ -44,7 +44,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         }
     }
     blocks.push(details(format!("All {} points", points.len()), vec![Block::Table(table(points))]));
-    Ok(Some(Section::new("speed-error", "What an answer costs", blocks).saying(says(study))))
+    Ok(Some(
+        Section::new("speed-error", "What an answer costs", blocks)
+            .saying(says(study).into_iter().chain(sensing(points))),
+    ))
 }
 
 /// Forces and noise of the timed tasks, and which times are included.
@@ -69,13 +72,29 @@ fn says(study: &Study) -> Option<String> {
     let nearest = points.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
     let fastest = points.iter().min_by(faster)?;
     let [good, nearest, fastest] = [good, nearest, fastest].map(|point| {
-        let SpeedErrorPoint { model, setting, seconds, error, .. } = point;
-        format!("{model} ({setting}) in {}, error {}", time(*seconds), percent_two_digits(*error))
+        let SpeedErrorPoint { model, seconds, error, .. } = point;
+        format!("{model} ({}) in {}, error {}", setting(point), time(*seconds), percent_two_digits(*error))
     });
     let (force_n, good_shape) = (study.checked_forces().drawn_n(), percent(GOOD_SHAPE));
     Some(format!(
         "The fastest model that gives the shape under {force_n} N within {good_shape}: {good}. The most accurate: {nearest}. The fastest: {fastest}."
     ))
+}
+
+/// Sentence on the times of sensing one force: the recommended estimator, and the fastest one.
+fn sensing(points: &[SpeedErrorPoint]) -> Option<String> {
+    let of = |point: &SpeedErrorPoint| {
+        format!(
+            "{} ({}) takes {}, mean error {}",
+            name(point),
+            setting(point),
+            time(point.seconds),
+            percent(point.error)
+        )
+    };
+    let (way, all) = (recommended(points)?, ways(points));
+    let fastest = all.iter().min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))?;
+    Some(format!("Sensing one force: the recommended {}; the fastest, {}.", of(way.one), of(fastest.one)))
 }
 
 fn answer(task: Task) -> &'static str {
@@ -101,6 +120,11 @@ fn name(point: &SpeedErrorPoint) -> String {
     }
 }
 
+/// Mesh or other setting of a point; the nodes of a mesh are not those of the finger.
+pub(super) fn setting(point: &SpeedErrorPoint) -> String {
+    point.mesh().replace(" nodes", " mesh nodes")
+}
+
 /// Coordinates of a point in the chart: time, microseconds, and error. Errors of forces are in percent.
 fn place(point: &SpeedErrorPoint) -> [f64; 2] {
     [1e6 * point.seconds, if point.task == Task::Solve { 1.0 } else { 100.0 } * point.error]
@@ -120,15 +144,15 @@ pub fn drawing(
         let one = Series::nth(series.len(), name(group[0]), group.iter().map(|point| place(point)).collect());
         // A point that another point beats in both time and error has a label only if it failed. The table names all points.
         let labels = group.iter().map(|point| match point.failed {
-            0 if point.on_front => point.mesh().to_owned(),
+            0 if point.on_front => setting(point),
             0 => String::new(),
-            failed => format!("{} ({failed} of {} failed)", point.mesh(), point.asked),
+            failed => format!("{} ({failed} of {} failed)", setting(point), point.asked),
         });
         series.push(Series { labels: labels.collect(), dash: Dash::None, ..one });
     }
     let mut front: Vec<[f64; 2]> = drawn.iter().filter(|point| point.on_front).map(|point| place(point)).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    series.push(Series::guide("no point is faster and more accurate", front));
+    series.push(Series::guide("best trade-off", front));
     let alt = format!("Error of {title} over the time that it takes, both axes logarithmic.");
     let y = Axis::log(if task == Task::Solve { "error / largest displacement" } else { "mean error, %" });
     let axes = [Axis::log("time of one answer, \u{b5}s"), y];
@@ -144,7 +168,7 @@ pub fn table(points: &[SpeedErrorPoint]) -> Table {
     Columns::<&SpeedErrorPoint>::new()
         .page("answer", Format::Words, |point| answer(point.task))
         .page("model", Format::Words, |point| name(point))
-        .page("setting", Format::Words, |point| point.mesh().to_owned())
+        .page("setting", Format::Words, |point| setting(point))
         .page("time", Format::Plain, |point| time(point.seconds))
         .page("error", Format::Percent, |point| Some(point.error).filter(|error| error.is_finite()))
         .cells(Column::numbers("model error"), move |point| {

@@ -1,20 +1,19 @@
 //! First screen: drawings, counts and files that show where a force can be trusted, by the worst force of each cell.
 
-use super::drawings::{ACROSS_AXIS, ALONG_AXIS, at_rest, error_classes, point, rank_of};
+use super::drawings::{ACROSS_AXIS, ALONG_THE_PLATE, at_rest, error_classes, plate_ticks, point, rank_of};
 use super::format::{capitalised, list, percent};
 use crate::prelude::*;
 use finray_figures::Patch;
 use finray_studies::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
-use finray_studies::sampling::map::MapRequest;
 use finray_studies::sampling::worst::WorstCell;
 
 const CSV: &str = "trust.csv";
 /// File with the cells (positions and directions) of the map with assumed contact.
 pub(super) const ASSUMED_CSV: &str = "map_corotational_nonlinear_contact_assumed.csv";
-/// Number of positions along the plate at which the drawing has a fan of all directions.
+/// Largest number of contact nodes at which the drawing has a fan of all directions.
 const FANS: usize = 6;
-/// Length of a fan's rays, as a share of the plate length.
-const REACH: f64 = 0.1;
+/// Length of a fan's rays, as a share of the distance between fans, and at most, as a share of the plate length.
+const REACH: [f64; 2] = [0.48, 0.1];
 /// Half the width of the coloured plate in the drawing, as a share of the plate length.
 const HALF_WIDTH: f64 = 0.012;
 
@@ -34,10 +33,8 @@ pub(super) struct Situation<'s> {
     csv: &'static str,
     /// Map of the errors by position, direction and force.
     pub map: &'s AccuracyMap,
-    /// Cells with their worst force.
+    /// Cells with their worst force. All situations have the same positions and directions.
     pub cells: Vec<WorstCell>,
-    /// Counts over those positions and directions that all situations have.
-    pub common: TrustCounts,
 }
 
 impl Situation<'_> {
@@ -64,21 +61,17 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
     let noisy = study.noise_mm > 0.0;
     let mapped = |truth| study.map_by(truth, EstimatorId::Nonlinear, noisy);
     let maps = [mapped(TruthId::Corotational), study.assumed.as_ref(), mapped(TruthId::Twin)];
-    let grids: Vec<&MapRequest> = maps.iter().flatten().map(|map| &map.request).collect();
     let [known, assumed, softer] = maps.map(|map| {
         let map = map?;
-        let on = |map: AccuracyMap, grid: &&MapRequest| map.thinned(&grid.positions_mm, &grid.angles_deg);
-        let common = TrustCounts::of(&grids.iter().fold(map.clone(), on).worst());
         Some(Situation {
             name: "contact known",
             about: "contact and finger known".to_owned(),
             in_words: "contact and finger known".to_owned(),
-            in_short: "all known".to_owned(),
+            in_short: "contact known".to_owned(),
             contact: ContactKnowledge::Known,
             csv: CSV,
             map,
             cells: map.worst(),
-            common,
         })
     });
     let off = format!("{POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
@@ -86,7 +79,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
         name: "contact assumed",
         about: format!("position and direction of the contact assumed, {off}"),
         in_words: format!("with the contact {off}"),
-        in_short: format!("contact assumed {off}"),
+        in_short: off.clone(),
         contact: ContactKnowledge::Assumed,
         csv: ASSUMED_CSV,
         ..known
@@ -117,8 +110,6 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
         .file("refused", |of| of.all().refused)
         .file("without_equilibrium", |of| of.all().without_equilibrium)
         .file("share_trusted", |of| of.all().share())
-        .file("common_cells", |of| of.common.cells)
-        .file("share_trusted_of_common", |of| of.common.share())
         .file("samples_refused_where_answered", |of| of.refused_samples()[0])
         .file("samples_where_answered", |of| of.refused_samples()[1]);
     let found = situations(study);
@@ -135,7 +126,7 @@ pub(super) fn caption(study: &Study) -> String {
     format!(
         "Colour: the worst of the mean errors under {forces_n} N, with the nonlinear estimator. Front plate: forces along its normal. Fans: all directions, \
          drawn on the side from which the force comes. Green is trusted; refused cells (position and direction) are not. Shares are of the cells with an \
-         equilibrium. Numbers are those of the rods along the plate."
+         equilibrium."
     )
 }
 
@@ -145,13 +136,9 @@ fn counted(situation: &Situation) -> String {
     let TrustCounts { cells, without_equilibrium, refused, .. } = counts;
     let samples = match situation.refused_samples() {
         [0, _] => String::new(),
-        [refused, all] => format!("; in the others {refused} of {all} noise samples refused"),
+        [refused, all] => format!("; of the others' {all} noise samples {refused}"),
     };
-    let common = situation.common.share().filter(|_| situation.common.cells < cells);
-    let common = common.map_or_else(String::new, |share| {
-        format!(" On the {} cells of the other drawings: {}.", situation.common.cells, percent(share))
-    });
-    format!("{about}. {cells} cells: {without_equilibrium} without equilibrium, {refused} refused{samples}.{common}")
+    format!("{about}. {cells} cells: {without_equilibrium} without equilibrium, {refused} refused{samples}.")
 }
 
 /// One drawing of the finger per situation.
@@ -162,8 +149,9 @@ pub(super) fn figures(Results { study, .. }: Results) -> Result<Vec<Figure>, Rep
 fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure, ReportError> {
     let finger = &study.finger;
     let counts = situation.all();
-    let (trusted, carried) = (counts.trusted, counts.carried());
-    let title = format!("{}: within {} at {trusted} of {carried}", capitalised(situation.name), percent(TRUSTED_ERROR));
+    let (share, carried) = (counts.share().map_or_else(|| "none".to_owned(), percent), counts.carried());
+    let title =
+        format!("{}: {share} of {carried} cells within {}", capitalised(situation.name), percent(TRUSTED_ERROR));
     let [front, back, ribs] = at_rest(finger);
     let series = Series::lines("", [back, ribs, front].concat(), Hue::Faint, 2.2);
     let alt = format!(
@@ -173,25 +161,28 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     let frame = if is_first { Frame::full(&title, alt) } else { Frame::half(&title, alt) };
     let drawn = Chart::to_scale(
         frame.with_plot_height(if is_first { 400.0 } else { 250.0 }),
-        [ALONG_AXIS, ACROSS_AXIS],
+        [ALONG_THE_PLATE, ACROSS_AXIS],
         series,
     );
-    let chart = Chart { patches: patches(finger, situation), x: node_ticks(finger), ..drawn };
+    let [x, top] = along_the_plate(finger);
+    let chart = Chart { patches: patches(finger, situation), x, top: Some(top), ..drawn };
     Ok(Figure { wide: is_first, ..Figure::wide(chart.svg()?, counted(situation), situation.csv) })
 }
 
-/// Horizontal axis with the numbers of the contact nodes.
-fn node_ticks(finger: &Finger) -> Axis {
-    let every = finger.contact_nodes().len().div_ceil(13);
-    let nodes = finger.contact_nodes().step_by(every).map(|node| (finger.position(node).x, node.to_string()));
-    Axis::linear("contact node, base to tip").named(nodes.collect())
+/// Axes of the position along the front plate, mm, and of its contact nodes.
+fn along_the_plate(finger: &Finger) -> [Axis; 2] {
+    let x = |s_mm: f64| finger.plate_point(Plate::Front, s_mm).x;
+    let length_mm = finger.plate_length_mm(Plate::Front);
+    let positions = plate_ticks(length_mm, 5.0).map(|s_mm| (x(s_mm), s_mm.to_string())).collect();
+    let nodes = finger.contact_nodes().filter_map(|node| Some((x(finger.front_position_mm(node)?), node.to_string())));
+    [Axis::linear(ALONG_THE_PLATE).named(positions), Axis::linear("node").named(nodes.collect())]
 }
 
 /// Areas of the coloured plate and its fans, ordered from the best class to the worst.
 fn patches(finger: &Finger, situation: &Situation) -> Vec<Patch> {
     let (positions, angles) = (&situation.map.request.positions_mm, &situation.map.request.angles_deg);
     let length_mm = finger.plate_length_mm(Plate::Front);
-    let normal = (0..angles.len()).min_by(|a, b| angles[*a].abs().total_cmp(&angles[*b].abs())).unwrap_or(0);
+    let normal = nearest(angles, 0.0).unwrap_or(0);
     let at = |position: usize, angle: usize| situation.cells.get(position * angles.len() + angle);
     let edges = |positions: &[f64]| -> Vec<f64> {
         let between = positions.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0);
@@ -207,17 +198,32 @@ fn patches(finger: &Finger, situation: &Situation) -> Vec<Patch> {
         paint(at(position, normal), corners.iter().map(point).collect());
     }
     let half_deg = angles.windows(2).map(|pair| (pair[1] - pair[0]) / 2.0).next().unwrap_or(5.0);
-    for fan in 0..FANS.min(positions.len()) {
-        let position = fan * (positions.len() - 1) / (FANS.min(positions.len()) - 1).max(1);
-        let foot = finger.plate_point(Plate::Front, positions[position]) - across;
+    let fans = fans(finger);
+    let between = fans.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(f64::INFINITY, f64::min);
+    let reach_mm = (REACH[0] * between).min(REACH[1] * length_mm);
+    for s_mm in fans {
+        let Some(position) = nearest(positions, s_mm) else { continue };
+        let foot = finger.plate_point(Plate::Front, s_mm) - across;
         for (angle, &angle_deg) in angles.iter().enumerate() {
-            let rim =
-                [-1.0, 0.0, 1.0].map(|side| foot - finger.direction(angle_deg + side * half_deg) * (REACH * length_mm));
+            let rim = [-1.0, 0.0, 1.0].map(|side| foot - finger.direction(angle_deg + side * half_deg) * reach_mm);
             paint(at(position, angle), std::iter::once(&foot).chain(&rim).map(point).collect());
         }
     }
     painted.sort_by_key(|(class, _)| *class);
     painted.into_iter().map(|(_, patch)| patch).collect()
+}
+
+/// Positions of the fans, mm: every n-th contact node from the base, without the node at the tip.
+fn fans(finger: &Finger) -> Vec<f64> {
+    let nodes: Vec<f64> = finger.contact_nodes().rev().filter_map(|node| finger.front_position_mm(node)).collect();
+    let nodes = nodes.split_last().map_or(&[][..], |(_, others)| others);
+    nodes.iter().copied().step_by(nodes.len().div_ceil(FANS).max(1)).collect()
+}
+
+/// Index of the value that is nearest to `wanted`.
+fn nearest(values: &[f64], wanted: f64) -> Option<usize> {
+    let distance = |i: &usize| (values[*i] - wanted).abs();
+    (0..values.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 /// Class rank of a cell (0 is best), and its coloured area.

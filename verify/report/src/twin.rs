@@ -2,7 +2,7 @@
 
 pub mod words;
 
-use super::drawings::{PAPER_SHADES_PERCENT, error_bars, percent_line};
+use super::drawings::{Line, by_contact};
 use super::format::{figure, list};
 use crate::prelude::*;
 use finray_model::calibration::FactorEstimate;
@@ -94,41 +94,30 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         vec![Block::Table(sets.table("Sets of zones fitted to Table I; a misfit below 1 fits", SETS_CSV, &twin.fits))];
     folded.extend(words::calibration(twin).map(text));
     folded.push(Block::Table(calibrated().table("One of the calibrations", CALIBRATION_CSV, first)));
-    let blocks = vec![
-        text(words::ABOUT),
-        Block::Figure(Figure::wide(
-            drawing(twin)?,
-            format!(
-                "Table I without noise (first three); random forces with {} mm noise, the zones in the model (last two).",
-                twin.noise_mm
-            ),
-            CSV,
-        )),
-        details("The fits, and how zones are calibrated", folded),
-    ];
+    let caption = format!(
+        "Table I without noise (first three); random forces with {} mm noise, the zones in the model (last two).",
+        twin.noise_mm
+    );
+    let mut blocks = vec![text(words::ABOUT)];
+    blocks.extend(drawing(twin)?.map(|svg| Block::Figure(Figure::wide(svg, caption, CSV))));
+    blocks.push(details("The fits, and how zones are calibrated", folded));
     let section = Section::new("twin", "One fit of Table I: the finger with softer ends", blocks);
     Ok(Some(section.saying(words::verdict(twin))))
 }
 
-fn drawing(study: &TwinStudy) -> Result<String, FigureError> {
-    let rows: Vec<NodeComparison> = at_nodes(study).collect();
-    let group = |label: &str, hue, of: fn(&NodeComparison) -> Option<f64>| {
-        error_bars(label, hue, rows.iter().map(|row| of(row)))
-    };
+fn drawing(study: &TwinStudy) -> Result<Option<String>, FigureError> {
+    let mut rows: Vec<(String, NodeComparison)> =
+        at_nodes(study).map(|row| (row.sensing.node.to_string(), row)).collect();
+    rows.reverse();
+    let title = "Table I, the finger with softer ends";
     let alt =
         "Mean error by node: the paper's, the uniform finger, the finger with softer ends, and with its zones known.";
-    let nodes = Axis::categories("loaded node", rows.iter().map(|row| row.sensing.node.to_string()).collect());
-    let bars = vec![
-        group("paper", Hue::Neutral, |row| Some(row.after?.paper_mean_error)),
-        group("uniform finger", Hue::nth(0), |row| Some(row.before?.mean_error)),
-        group("softer ends", Hue::nth(1), |row| Some(row.after?.mean_error)),
-        group("zones known, least squares", Hue::nth(2), |row| row.sensing.linear.mean_error()),
-        group("zones known, nonlinear", Hue::nth(3), |row| row.sensing.nonlinear.mean_error()),
+    let lines: [Line<NodeComparison>; 5] = [
+        ("paper", |row| Some(100.0 * row.after?.paper_mean_error)),
+        ("uniform finger", |row| Some(100.0 * row.before?.mean_error)),
+        ("softer ends", |row| Some(100.0 * row.after?.mean_error)),
+        ("zones known, least squares", |row| Some(100.0 * row.sensing.linear.mean_error()?)),
+        ("zones known, nonlinear", |row| Some(100.0 * row.sensing.nonlinear.mean_error()?)),
     ];
-    let chart = Chart::of_bars(
-        Frame::full("Table I, the finger with softer ends", alt),
-        [nodes, Axis::linear("mean error, %")],
-        bars,
-    );
-    chart.compared(PAPER_SHADES_PERCENT.map(percent_line)).svg()
+    by_contact(Frame::full(title, alt), "mean error, %", &rows, &lines)
 }

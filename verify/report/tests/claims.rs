@@ -17,7 +17,7 @@ fn claims_are_counted_by_verdict() {
     let claims = [ClaimVerdict::InSimulation, ClaimVerdict::Refuted, ClaimVerdict::InSimulation].map(claim);
     let words = counted(&claims);
     assert!(
-        words.contains("Of 3 claims") && words.contains("2 in simulation") && words.contains("1 refuted"),
+        words.contains("Of 3 claims") && words.contains("2 hold in simulation") && words.contains("1 refuted"),
         "{words}"
     );
     assert!(words.contains("0 reproduced"), "{words}");

@@ -20,6 +20,7 @@ fn page() -> Page {
         }),
         push: None,
         explore: None,
+        has_film: false,
         sections: vec![section()],
         pages: vec![link("index.html", "Here", true), link("maps.html", "Where & when", false)],
         footer: "the end".into(),

@@ -5,6 +5,7 @@ use crate::format::{capitalised, list, percent, time};
 use crate::maps::small;
 use crate::page::Answer;
 use crate::prelude::*;
+use crate::speed_error::setting;
 use crate::trust::{Situation, situations};
 use crate::{causes, checks, shapes};
 use finray_studies::check::Tally;
@@ -87,7 +88,7 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<String> {
 fn failing_if_known(known: &Situation) -> String {
     let Failures { failed, by_noise } = failures(known);
     if failed.is_empty() {
-        return "With contact and finger known, no case fails.".to_owned();
+        return "With contact and finger known, no sensed force fails.".to_owned();
     }
     let least_n = known.map.request.forces_n.first().copied().unwrap_or_default();
     let small = failed.iter().filter(|cell| cell.force_n == least_n).count();
@@ -96,7 +97,7 @@ fn failing_if_known(known: &Situation) -> String {
         true => ("camera noise outweighs the model's error", by_noise),
         false => ("the model's error outweighs camera noise", by_model),
     };
-    format!("All known: {cause} in {most} of the {failed} cases that fail ({small} of them at {least_n} N).")
+    format!("All known: {cause} in {most} of the {failed} sensed forces that fail ({small} of them at {least_n} N).")
 }
 
 /// Shares of failing cells with forces off the normal and along it, and the main causes of the latter; `None` if a share has no cell with an equilibrium.
@@ -125,7 +126,7 @@ fn use_what(study: &Study) -> Option<String> {
         });
     };
     let estimator = way.one.estimator.map_or(way.one.model.as_str(), |estimator| estimator.label());
-    let (mesh, error, seconds) = (way.one.mesh(), percent(way.one.error), time(way.one.seconds));
+    let (mesh, error, seconds) = (setting(way.one), percent(way.one.error), time(way.one.seconds));
     let [warm, cold] = match way.cold {
         Some(_) => [" if the search starts from the previous answer", "without a previous answer, "],
         None => [""; 2],

@@ -1,16 +1,16 @@
 //! Sentences on the sensing of pressed objects, and a table with one row per scene.
 
 use super::{CSV, name_of};
-use crate::format::percent;
+use crate::format::{list, percent};
 use crate::prelude::*;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
-use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
+use finray_studies::experiments::contact_scene::study::{SceneStudy, StrainOfScene, StudiedStep};
 
 /// How the scenes are computed and sensed.
-pub(super) const ABOUT: &str = "In simulation, an object is pressed onto the finger, which is a lattice of rigid bodies and springs in quasi-static \
-                                equilibrium. The lattice's contact forces are the true ones. Rapier, started in each equilibrium, must stay there (Checks). \
-                                The nonlinear estimator, on beams, receives the displacements of the key nodes and points on both outlines, with the \
-                                camera's noise. It knows which parts touch, and the coefficient of friction as a bound on the angle of the force.";
+pub(super) const ABOUT: &str = "In simulation, an object is pressed onto a finger of rigid bodies and springs, in quasi-static equilibrium. Its contact forces \
+                                are the true ones; rapier, started in each equilibrium, must stay there (Checks). The nonlinear estimator, on beams, receives \
+                                the noisy displacements of the key nodes and of points on both outlines. It knows which parts touch, and the coefficient of \
+                                friction as a bound on the angle of the force.";
 
 /// Sentence on the errors of the scenes without and with friction, and on the contact with the largest relative error.
 pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
@@ -19,10 +19,24 @@ pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
     let smooth = of(false)?;
     let rough = of(true).map(|rough| format!(", with friction (only its coefficient is known) by up to {rough}"));
     Some(format!(
-        "In simulation, without noise, the sensed total of objects pressed onto the lattice errs by up to {smooth}{}.{}",
+        "In simulation, without noise, the sensed total of objects pressed onto the lattice errs by up to {smooth}{}.{}{}",
         rough.unwrap_or_default(),
-        least_known(scenes).unwrap_or_default()
+        least_known(scenes).unwrap_or_default(),
+        beyond_limits(scenes)
     ))
+}
+
+/// Sentence on the scenes in which a strain exceeds the limit of the beam model; empty without such a scene.
+fn beyond_limits(scenes: &[SceneStudy]) -> String {
+    let beyond = |scene: &SceneStudy| {
+        let StrainOfScene { strain, limit } = scene.largest_strain.filter(|at| at.strain > at.limit)?;
+        Some(format!("\"{}\" ({} of strain, limit {})", scene.name, percent(strain), percent(limit)))
+    };
+    let beyond: Vec<String> = scenes.iter().filter_map(beyond).collect();
+    match beyond.is_empty() {
+        true => String::new(),
+        false => format!(" Beyond the limits of the beam model at its end: {}.", list(beyond, ", ")),
+    }
 }
 
 /// Sentence on the contact with the largest relative error under noise in the last step of a scene, and on that step's other contacts.
@@ -60,6 +74,7 @@ pub(super) fn by_scene(scenes: &[SceneStudy]) -> Table {
         .page("scene", Format::Words, |scene| scene.name.clone())
         .page("friction", Format::Plain, |scene| scene.friction)
         .page("error of total", Format::Percent, |scene| worst_total([*scene]))
+        .page("largest strain", Format::Percent, |scene| scene.largest_strain.map(|at| at.strain))
         .page("imbalance", Format::Percent, |scene| {
             worst(scene.steps.iter().filter_map(|studied| studied.step.pressed.imbalance()))
         })

@@ -271,7 +271,7 @@
         `${percent(TRUSTED)} (${chosenForces().length > 1 ? 'largest error of ' : ''}${forces} N); ` +
         `${count('refused')} refused, ${count('no-equilibrium')} without equilibrium.`;
       const samples = Math.max(0, ...map.samples.filter(some));
-      panel.note.textContent = `Camera noise ${number(noise)} mm per coordinate; noise samples per cell: ${samples}. Error: mean of ` +
+      panel.note.textContent = `Camera noise ${number(noise)} mm per coordinate; noise samples per cell and force: ${samples}. Error: mean of ` +
         '|sensed / true - 1|. No equilibrium: the finger cannot carry the force. A click keeps a cell chosen, Escape releases it. ';
       if (/^[\w.-]+\.csv$/.test(map.csv)) panel.note.append(html('a', { href: map.csv }, `data: ${map.csv}`));
     }
@@ -493,7 +493,7 @@
       const row = (contact, i) => [`${i + 1}: ${number(contact.x)}, ${number(contact.y)}`, newton(sizeOf(contact.true)),
         contact.sensed ? newton(sizeOf(contact.sensed)) : 'not identifiable', newton(contact.sigma_n)];
       panel.text.replaceChildren(table(['Contact at x, y (mm)', 'True, N', 'Sensed, N', 'Sigma, N'], step.contacts.map(row)));
-      panel.note.textContent = step.xy ? 'Base left, tip right. Arrows and numbers are forces along the normal of each contact, in one scale for all steps.'
+      panel.note.textContent = step.xy ? 'Base left, tip right. Arrows and numbers are forces along the normal of each contact, in one scale for all steps; true and sensed arrows stand side by side.'
         : 'The shape of this step is not stored: the finger is drawn at rest.';
       picture(steps, step);
     }

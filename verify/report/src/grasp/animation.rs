@@ -32,7 +32,7 @@ pub fn grasp_animation_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) 
                 of.sensed_total_n().map_or("not sensed".to_owned(), |sensed_n| format!("sensed {sensed_n:.2} N"));
             format!("{}: true {:.2} N, {sensed}", finger_name(finger), of.total_n)
         });
-        let first = format!("{}, motor at {:.1} deg", step.phase, step.motor_deg);
+        let first = format!("phase: {}, motor at {:.1} deg", step.phase, step.motor_deg);
         Shot { words: std::iter::once(first).chain(totals).collect(), series }
     };
     let mut fixed = support(scene, steps);

@@ -13,30 +13,24 @@ const LONGEST_ARROW: f64 = 0.2;
 /// Largest number of steps that are drawn.
 const MOMENTS: usize = 4;
 
-/// A drawing of a grasp with its caption.
+/// A chart of a grasp with its caption.
 pub(super) struct Drawing {
-    /// The drawing as SVG.
+    /// The chart as SVG.
     pub(super) svg: String,
-    /// Caption of the drawing.
+    /// Caption of the chart.
     pub(super) caption: String,
 }
 
-/// Drawings of selected steps, then drawings of the forces over the steps and over the motor angle.
+/// Charts of the forces over the steps and over the motor angle.
 ///
 /// # Errors
 /// [`FigureError`] if there is nothing to draw. The other functions of this file have the same error.
-pub(super) fn drawings(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<Vec<Drawing>, FigureError> {
-    let mut drawings = Vec::new();
-    for step in moments(steps) {
-        let caption = format!("Step {}, {}. True forces, and those sensed along the normals.", step.step, step.phase);
-        drawings.push(Drawing { svg: moment(scene, step)?, caption });
-    }
-    let sensed = "Lines: true forces (equal for both fingers); symbols: sensed forces with 95 % intervals.";
+pub(super) fn courses(name: &str, steps: &[GraspStep]) -> Result<Vec<Drawing>, FigureError> {
     let over_steps = over(steps, |step| step.step as f64);
-    drawings.push(Drawing {
-        svg: forces(format!("{name}: force of each finger, step by step"), "step", over_steps)?,
-        caption: format!("Across the gripper. {sensed}"),
-    });
+    let mut drawings = vec![Drawing {
+        svg: forces(format!("{name}: true (lines), sensed (symbols)"), "step", over_steps)?,
+        caption: "Across the gripper, equal for both fingers; 95 % intervals.".to_owned(),
+    }];
     let in_phases = |phases: &[Phase]| -> Vec<GraspStep> {
         steps.iter().filter(|step| phases.contains(&step.phase)).cloned().collect()
     };
@@ -44,14 +38,13 @@ pub(super) fn drawings(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> R
     if closing.len() > 1 {
         let mut series = over(&closing, |step| step.motor_deg);
         let opening = in_phases(&[Phase::Open]);
-        let mut caption = format!("While the gripper closes. {sensed}");
+        let mut caption = "While the gripper closes.".to_owned();
         if !opening.is_empty() {
             let points = opening.iter().map(|step| [step.motor_deg, step.fingers[0].total_n]).collect();
             series.push(Series::guide("left, opening again", points));
-            caption +=
-                " Dotted: the true force while the gripper opens; friction makes it differ from that while closing.";
+            caption += " Dotted: while it opens; friction makes the difference.";
         }
-        let svg = forces(format!("{name}: force over the motor's angle"), "motor angle, deg", series)?;
+        let svg = forces(format!("{name}: over the motor's angle"), "motor angle, deg", series)?;
         drawings.push(Drawing { svg, caption });
     }
     Ok(drawings)
@@ -62,8 +55,9 @@ pub(super) fn drawings(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> R
 /// # Errors
 /// [`FigureError`] if there is nothing to draw.
 pub fn grasp_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<String, FigureError> {
-    let drawings: Vec<String> = drawings(name, scene, steps)?.into_iter().map(|drawing| drawing.svg).collect();
-    Ok(side_by_side(&drawings, 2))
+    let moments = moments(steps).into_iter().map(|step| moment(scene, step));
+    let courses = courses(name, steps)?.into_iter().map(|drawing| Ok(drawing.svg));
+    Ok(side_by_side(&moments.chain(courses).collect::<Result<Vec<_>, FigureError>>()?, 2))
 }
 
 /// The steps that are drawn: first contact, end of closing or holding, middle of lifting, carrying and placing, and the last step.

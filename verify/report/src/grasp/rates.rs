@@ -1,6 +1,6 @@
 //! A closed loop that holds a sensed force, at several frame rates of the camera: a chart, a table and a file.
 
-use crate::format::percent;
+use crate::format::{list, percent};
 use crate::prelude::*;
 use finray_studies::experiments::grasp::rates::{DELAYS, LoopRun, LoopSetting, LoopStudy, Spread};
 
@@ -33,16 +33,18 @@ fn rise_s(run: &LoopRun) -> Option<f64> {
     run.over(|of| of.rise_s.unwrap_or(f64::NAN)).map(|rise_s| rise_s.mean).filter(|rise_s| rise_s.is_finite())
 }
 
-pub(super) fn dataset(study: &Study) -> Dataset<'static> {
-    Dataset::new(CSV, &columns(), study.closed_loop.iter().flat_map(|closed_loop| closed_loop.runs.clone()))
+pub(crate) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::new(CSV, &columns(), study.closed_loop.iter().flat_map(|closed_loop| closed_loop.runs.clone()))]
 }
 
-pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError> {
+pub(crate) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let Some(closed_loop) = &study.closed_loop else { return Ok(None) };
     let caption = "Largest true force above the target, mean of both fingers: mean, least and largest value over the realisations of the noise. The overshoot also depends on when the frames are taken, up to the dotted lines.";
     let figure = Figure::wide(chart(closed_loop)?, caption, CSV);
     let table = columns().table("Every loop", CSV, closed_loop.runs.clone());
     let folded = details("Overshoot, error once held and rise of every loop", vec![Block::Table(table)]);
-    Ok(about(closed_loop).map(text).into_iter().chain([Block::Figure(figure), folded]).collect())
+    let blocks = about(closed_loop).map(text).into_iter().chain([Block::Figure(figure), folded]).collect();
+    Ok(Some(Section::new("closed-loop", "Holding a force", blocks)))
 }
 
 /// How the loops run, and their error in the hold; `None` without loops.
@@ -52,13 +54,12 @@ fn about(LoopStudy { target_n, motor_deg_per_s, runs }: &LoopStudy) -> Option<St
     let steady = runs.iter().filter_map(|run| run.over(|of| of.steady_error.abs())).map(|errors| errors.most);
     let steady = percent(steady.fold(0.0, f64::max));
     Some(format!(
-        "A simulated closed loop: two of the paper's fingers close on a disc until the mean of both sensed forces is {target_n} N, and then hold this force \
-         for 30 frames. The motor turns at {motor_deg_per_s} degrees per second. In each frame the controller corrects half of the missing force, or less if \
-         sensing is delayed. The lattice has one segment per member. Up to nine tenths of the force, all loops share the same steps of 22.5 degrees; from \
-         there each continues separately, with {realisations} realisations of the noise if it has {noise_mm} mm of noise. The motor continues between two \
-         frames, so the force overshoots: by up to the force that the motor adds in one frame and in each frame of delay (dotted: by the mean rise; the \
-         force grows slightly faster at its end). In the hold, the largest mean error of the force is {steady}. The motor's speed, not the frame rate, sets \
-         the rise time."
+        "A simulated closed loop: two of the paper's fingers (lattices of one segment per member) close on a disc until the mean of both sensed forces is \
+         {target_n} N, and hold this force for 30 frames. The motor turns at {motor_deg_per_s} degrees per second. In each frame the controller corrects half \
+         of the missing force, or less if sensing is delayed. Up to nine tenths of the force all loops share steps of 22.5 degrees; then each continues \
+         separately, with {realisations} realisations of {noise_mm} mm noise. The motor continues between two frames, so the force overshoots by up to what \
+         it adds in one frame and in each frame of delay (dotted: by the mean rise). In the hold, the largest mean error of the force is {steady}. The \
+         motor's speed, not the frame rate, sets the rise time."
     ))
 }
 
@@ -88,10 +89,10 @@ fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureE
         let frames = 1.0 + delay(run) as f64;
         let share = |rate: f64| 0.8 * frames / (rise_s * rate);
         let points = rates.iter().map(|rate| [*rate, 100.0 * share(*rate)]).collect();
-        series.push(Series::guide(
-            format!("force added by the motor in {frames} frame{}", if frames > 1.0 { "s" } else { "" }),
-            points,
-        ));
+        // Both guides look alike, so that one entry of the legend names them.
+        let is_first = series.iter().all(|of| of.marker.is_some());
+        let label = format!("force added by the motor in {} frames", list(DELAYS.map(|delay| delay + 1), " and "));
+        series.push(Series::guide(if is_first { label } else { String::new() }, points));
     }
     let [least, most] = [f64::min, f64::max].map(|of| rates.iter().copied().reduce(of).unwrap_or(1.0));
     let x = Axis::log("frames per second").within(0.8 * least, 1.25 * most).with_ticks(rates);

@@ -51,7 +51,7 @@ fn agreement(rows: &[FinenessRow]) -> Option<String> {
         false => "more slowly than a discretisation error alone would fall: something else remains.",
     };
     Some(format!(
-        "From {coarse} to {fine} segments a plate member the difference from beams falls from {from} to {to}: on the whole with the power {low:.1} to \
+        "From {coarse} to {fine} segments per plate member the difference from beams falls from {from} to {to}: on the whole with the power {low:.1} to \
          {high:.1} of their length, {converges}"
     ))
 }

@@ -31,15 +31,14 @@ fn small_map(map: &AccuracyMap) -> Cells {
     Cells { note: note(TrustCounts::of(&map.worst())), ..error_cells(map, None) }
 }
 
-/// Note above a small map: trusted and refused cells in whole percent of those with an equilibrium.
+/// Note above a small map: trusted and refused cells in whole percent of the cells with an equilibrium, and their number.
 pub fn note(counts: TrustCounts) -> String {
-    let TrustCounts { cells, refused, without_equilibrium, .. } = counts;
-    let Some(share) = counts.share() else { return "no equilibrium".to_owned() };
-    let refused = match refused {
+    let (carried, Some(share)) = (counts.carried(), counts.share()) else { return "no equilibrium".to_owned() };
+    let refused = match counts.refused {
         0 => String::new(),
-        refused => format!(", {:.0} % refused", 100.0 * refused as f64 / (cells - without_equilibrium) as f64),
+        refused => format!(", {:.0} % refused", 100.0 * refused as f64 / carried as f64),
     };
-    format!("{:.0} % trusted{refused}", 100.0 * share)
+    format!("{:.0} % of {carried} trusted{refused}", 100.0 * share)
 }
 
 /// An explaining map: its title, quantity and caption.

@@ -1,11 +1,10 @@
 // The page that edits a scene: the finger of the text, its stiffness along the plate, and a map of one force. The text can be saved.
 function edit(root, data, ask) {
   'use strict';
-  const { start, plate, add, number, html, svg, path } = finray;
+  const { start, plate, add, number, html, svg, path, CLASSES, colourOf } = finray;
   const WAIT_MS = 300; // after the last key
   const PLACES = 14, ANGLES_DEG = [-80, -60, -40, -20, 0, 20, 40, 60, 80];
   const FARTHEST = 0.1; // largest motion of the contact under the largest force, as a share of the plate
-  const CLASSES = [[0.02, '2 %'], [0.05, '5 %'], [0.1, '10 %'], [0.25, '25 %']], COLOURS = ['#1f8a57', '#6cbf8b', '#c4e6ca', '#f2b134', '#b0352b'];
   const [area, wrong, results] = ['.push-scene', '.push-error', '.own-results'].map((part) => document.querySelector(part));
   let state = {}, turn = 0;
 
@@ -23,8 +22,8 @@ function edit(root, data, ask) {
     if (drawing.error) return;
     // Under a small force the finger is linear; the largest force follows from its stiffness.
     const tiny_n = 1e-6, middle = compliance(drawing, 0.5 * drawing.front_mm, tiny_n);
-    const most_n = Number(((FARTHEST * drawing.front_mm) / middle).toPrecision(2));
-    state = start(root, { ...data, noise_mm: drawing.noise_mm ?? data.noise_mm, most_n, first_n: most_n / 2 }, ask, drawing, state.s_mm ? { s_mm: state.s_mm, angle_deg: state.angle_deg } : {});
+    const most_n = area.value === data.scene ? data.most_n : Number(((FARTHEST * drawing.front_mm) / middle).toPrecision(2));
+    state = start(root, { ...data, noise_mm: drawing.noise_mm ?? data.noise_mm, most_n, first_n: area.value === data.scene ? data.first_n : most_n / 2 }, ask, drawing, state.s_mm ? { s_mm: state.s_mm, angle_deg: state.angle_deg } : {});
     turn += 1;
     show(drawing, tiny_n, turn);
   }
@@ -34,10 +33,12 @@ function edit(root, data, ask) {
     const stiffness = places.map((s_mm) => 1 / compliance(drawing, s_mm, tiny_n));
     const note = html('p', { class: 'legend' }), grid = svg('g');
     const button = html('button', { type: 'button' }, 'Map this force');
-    results.replaceChildren(html('h2', {}, 'Stiffness'), chart(places, stiffness, drawing.front_mm), html('h2', {}, 'Map of one force'), button,
-      svg('svg', { viewBox: '0 0 100 58', role: 'img', 'aria-label': 'Standard deviation of the force by place and direction' }, grid), note);
-    note.textContent = 'Standard deviation of the sensed force, contact known, by place (base to tip) and direction.';
+    results.replaceChildren(html('h2', {}, 'Stiffness'), chart(places, stiffness, drawing.front_mm),
+      html('p', { class: 'legend' }, 'A small force along the normal, divided by the motion of its contact.'), html('h2', {}, 'Map of one force'), button,
+      svg('svg', { viewBox: '0 0 100 58', role: 'img', 'aria-label': 'Standard deviation of the force by position and direction' }, grid), note);
+    note.textContent = 'Standard deviation of the sensed force, contact known, by position (base to tip) and direction.';
     button.addEventListener('click', () => map(drawing, places, grid, note, mine));
+    map(drawing, places, grid, note, mine);
   }
 
   function chart(places, values, front_mm) {
@@ -45,7 +46,8 @@ function edit(root, data, ask) {
     const text = (at_x, at_y, words, anchor = 'middle') => svg('text', { x: at_x, y: at_y, 'text-anchor': anchor }, words);
     return svg('svg', { viewBox: '0 0 100 54', class: 'own-chart', role: 'img', 'aria-label': 'Stiffness along the plate' },
       svg('path', { d: 'M12,4V44H98', class: 'push-scale' }), svg('path', { d: path(places.map((s_mm, i) => [x(s_mm), -y(values[i])])), class: 'own-line' }),
-      text(11, y(most) + 1, `${number(most)}`, 'end'), text(11, 45, '0', 'end'), text(1, 3.5, 'N/mm', 'start'), text(12, 49, '0'), text(98, 49, number(front_mm), 'end'), text(55, 49, 'mm from the base'));
+      ...[most, most / 2, 0].map((value) => text(11, y(value) + 1, number(value), 'end')), text(1, 3.5, 'N/mm', 'start'),
+      ...[0, front_mm / 2, front_mm].map((s_mm) => text(x(s_mm), 49, number(s_mm), s_mm === front_mm ? 'end' : 'middle')), text(55, 53, 'mm from the base'));
   }
 
   /** Asks for one row of the map in each frame. */
@@ -57,8 +59,7 @@ function edit(root, data, ask) {
       if (mine !== turn || i === ANGLES_DEG.length) return;
       places.forEach((s_mm, k) => {
         const { bent } = ask(asked(s_mm, ANGLES_DEG[i], force_n, 'known')), force = bent?.sensed.force;
-        const share = force && force.sigma_n !== null ? force.sigma_n / force_n : null, kind = share === null ? -1 : CLASSES.findIndex(([limit]) => share <= limit);
-        const colour = share === null ? 'var(--panel)' : COLOURS.at(kind < 0 ? 4 : kind);
+        const share = force && force.sigma_n !== null ? force.sigma_n / force_n : null, colour = colourOf(share);
         const words = !bent ? 'not carried' : share === null ? 'refused' : `${number(100 * share, 2)} %`;
         grid.append(svg('rect', { x: 12 + k * wide, y: 2 + (ANGLES_DEG.length - 1 - i) * high, width: wide, height: high, fill: colour, class: 'own-cell' },
           svg('title', {}, `${number(s_mm)} mm, ${ANGLES_DEG[i]} deg: ${words}`)));
@@ -66,7 +67,7 @@ function edit(root, data, ask) {
         counts.within += share !== null && share <= CLASSES[2][0];
       });
       grid.append(svg('text', { x: 11, y: 2 + (ANGLES_DEG.length - 0.35 - i) * high, 'text-anchor': 'end' }, `${ANGLES_DEG[i]}`));
-      note.textContent = `${number(force_n)} N, contact known: standard deviation within 10 % in ${counts.within} of ${counts.all} cells. Green: within ${CLASSES.slice(0, 3).map(([, words]) => words).join(', ')}; amber: ${CLASSES[3][1]}; red: more; empty: refused or not carried.`;
+      note.textContent = `${number(force_n)} N, contact known: standard deviation within 10 % in ${counts.within} of ${counts.all} cells. Green: within 2, 5, 10 %; amber: 25 %; red: more; grey: refused or not carried.`;
       requestAnimationFrame(() => row(i + 1));
     };
     row(0);

@@ -81,14 +81,19 @@ const finray = (() => {
     return away.indexOf(Math.min(...away));
   }
 
+  const CLASSES = [[0.02, '#1f8a57'], [0.05, '#6cbf8b'], [0.1, '#c4e6ca'], [0.25, '#f2b134'], [Infinity, '#b0352b']];
+
+  /** Colour of an error, as in the maps of the report; without an error that of the page. */
+  const colourOf = (error) => (error === null ? 'var(--rule)' : CLASSES.find(([limit]) => error <= limit)[1]);
+
   /** The front plate at rest, coloured by the map for the nearest direction: one line for each cell. */
   function band(map, angle_deg, front, front_mm) {
     if (!map) return [];
     const direction = nearestIndex(map.angle_deg, angle_deg);
     const edges = [0, ...map.s_mm.slice(1).map((s_mm, i) => (s_mm + map.s_mm[i]) / 2), front_mm];
     return map.s_mm.map((_, place) => {
-      const n = place * map.angle_deg.length + direction, kind = map.is_trusted[n] ? 'is-trusted' : 'is-not-trusted';
-      return svg('path', { d: path([front.at(edges[place]), front.at(edges[place + 1])]), class: `push-band ${kind}` });
+      const error = map.worst_error[place * map.angle_deg.length + direction];
+      return svg('path', { d: path([front.at(edges[place]), front.at(edges[place + 1])]), class: 'push-band', stroke: colourOf(error) });
     });
   }
 
@@ -99,7 +104,7 @@ const finray = (() => {
     const n = place * map.angle_deg.length + direction, error = map.worst_error[n];
     const where = `nearest cell of the map: ${number(map.s_mm[place])}${NBSP}mm, ${number(map.angle_deg[direction])}${NBSP}deg`;
     if (error === null) return [`Not trusted here (${where}): ${map.state[n]}.`, false];
-    return [`${map.is_trusted[n] ? 'Trusted' : 'Not trusted'} here (${where}): error up to ${number(100 * error, 2)}${NBSP}%.`, map.is_trusted[n]];
+    return [`${map.is_trusted[n] ? 'Trusted' : 'Not trusted'} here (${where}): mean error ${number(100 * error, 2)}${NBSP}% at the worst force.`, map.is_trusted[n]];
   }
 
   // ---- the page ----
@@ -156,10 +161,10 @@ const finray = (() => {
       });
     };
     const [place, direction, force] = [
-      slider(controls, 'Place', [0.02 * drawing.front_mm, drawing.front_mm, 0.5], 'mm', (s_mm) => change({ s_mm })),
+      slider(controls, 'Position', [0.02 * drawing.front_mm, drawing.front_mm, 0.5], 'mm', (s_mm) => change({ s_mm })),
       slider(controls, 'Direction', [-SIDE_DEG, SIDE_DEG, 1], 'deg', (angle_deg) => change({ angle_deg })),
       slider(controls, 'Force', [0, data.most_n, data.most_n / STEPS], 'N', (force_n) => change({ force_n }))];
-    const known = [['known', 'exactly'], ['sought', 'not at all: place and direction sought']];
+    const known = [['known', 'exactly'], ['sought', 'not at all: position and direction sought']];
     if (data.off) known.splice(1, 0, ['off', `assumed ${Math.abs(data.off.by_mm)} mm and ${Math.abs(data.off.by_deg)} deg off`]);
     if (data.other) known.push(['other', 'exactly, but base and tip softer than modelled']);
     choice(controls, 'Contact known', known, (knows) => change({ knows })).value = state.knows;
@@ -263,5 +268,5 @@ const finray = (() => {
   }
 
   run();
-  return { start, plate, add, path, clamp, number, html, svg };
+  return { start, plate, add, path, clamp, number, html, svg, CLASSES, colourOf };
 })();

@@ -69,11 +69,9 @@ pub(super) fn blocks(modules: &ModuleStudy) -> Result<Vec<Block>, FigureError> {
 /// How the gripper closes, and how its forces are sensed.
 fn about(noise_mm: f64) -> String {
     format!(
-        "The same tests on a simulated closing gripper: the motor moves the finger's base by eqs (6) to (9) in steps of 22.5 degrees, and the rods at the \
-         nodes press on fixed sensors. The sensors lie in one plane, to which the plate is first inclined by 12 degrees. Forces are along the sensors' axis \
-         and are sensed along it (by the network along the undeformed normal). Displacements count from the undeformed finger at the motor's angle and have \
-         {noise_mm} mm noise; errors are averaged over 0.3 to 3 N. The finger is the co-rotational frame, the sensors are frictionless, and the linkage's \
-         lengths are assumed. Both fingers bend equally, so one is computed."
+        "The same tests on a simulated closing gripper: the motor moves the finger's base by eqs (6) to (9), and the rods at the nodes press on fixed \
+         frictionless sensors in one plane, to which the plate is first inclined by 12 degrees. Forces are sensed along the sensors' axis (by the network along \
+         the undeformed normal), with {noise_mm} mm noise; errors are averaged over 0.3 to 3 N. The linkage's lengths are assumed. Both fingers bend equally."
     )
 }
 

@@ -20,7 +20,7 @@ pub(super) fn about(cases: usize) -> String {
     format!(
         "The paper's network senses its gripper; here a simulated finger is sensed at the same nodes, {groups}. Each has {cases} cases ({fits} for the \
          nonlinear estimator) of {forces_n} N along the normal, nodes and directions known. \"Network of the paper\" is trained as in sec. IV-A on \
-         noise-free cases of the linear finger. The paper publishes no scaling of displacements, so two scalings were recorded."
+         noise-free cases of the linear finger, with two scalings of displacements, because the paper publishes none."
     )
 }
 
@@ -33,7 +33,7 @@ pub(super) fn ours(two: &TableTwo, noise_mm: f64) -> Option<String> {
     let (refused, cases) = (nonlinear.refused, nonlinear.refused + nonlinear.answered);
     let [near, far, sum, nonlinear] = [near.force, far.force, near.sum?.max(far.sum?), nonlinear.force].map(percent);
     Some(format!(
-        "Least squares on the uniform finger errs by {near} for each of two neighbours, by {far} for each of two nodes apart and by at most {sum} in a sum; \
+        "Least squares on the uniform finger errs by {near} for each of two neighbours, by {far} for each of two nodes apart and by {sum} in a sum (means over pairs); \
          the nonlinear estimator by {nonlinear} for neighbours ({refused} of {cases} cases refused)."
     ))
 }

@@ -12,9 +12,8 @@ const FITS: f64 = 1.0;
 
 /// The paper's guess on which the fit rests.
 pub(super) const ABOUT: &str = "The paper infers from its errors that the modulus \"at the tip and base should be lower\". Here zones of both plates are \
-                                softened, so that soft ends cause such errors is an assumption, not a finding. The table does not show which plate or ribs \
-                                are soft, and no other cause was fitted. For nodes 18 to 22 no signs are published, so zero is fitted. Weights are assumed \
-                                to pull along the normal.";
+                                softened by assumption; that soft ends cause such errors is no finding. The table does not show which plate or ribs are soft, \
+                                and no other cause was fitted. Nodes 18 to 22 have no published signs, so zero is fitted. Weights are assumed along the normal.";
 
 /// Sentence on the errors of the fitted finger, its number of parameters, and its moduli compared with the material's; `None` without a fit.
 pub(super) fn verdict(study: &TwinStudy) -> Option<String> {

@@ -9,7 +9,7 @@ fn findings_are_made_from_the_numbers() {
     study.sensing.difference.largest = 1e-5;
     let said = findings(&study).join("\n");
     for words in [
-        "From 2 to 4 segments a plate member the difference from beams falls from 0.16 % to 0.010 %: on the whole with the power \
+        "From 2 to 4 segments per plate member the difference from beams falls from 0.16 % to 0.010 %: on the whole with the power \
          3.0 to 4.0 of their length, at least with their square",
         "by 10 % at 1 N and by 50 % at 5 N",
         "Sensing agrees over 1 forces of the maps",

@@ -29,7 +29,7 @@ fn what_a_camera_costs_is_in_the_report() {
     let page = PAPERS.pages();
     let section =
         page[page.find("id=\"camera\"").expect("the section")..].split("</section>").next().unwrap_or_default();
-    assert_eq!(section.matches("<svg").count(), 2);
+    assert_eq!(section.matches("<svg").count(), 3);
     for said in ["the paper's camera", "In simulation", "where the whole image is searched"] {
         assert!(section.contains(said), "{said}");
     }

@@ -1,5 +1,6 @@
 //! `finray report`: the page, the machine-readable summary, and a CSV file behind every figure.
 
+pub mod browsed;
 mod camera;
 mod checks;
 mod command;

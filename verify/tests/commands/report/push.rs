@@ -1,37 +1,12 @@
 //! The finger that one can push on the first page: driven in a browser, and held against the commands.
 
+use super::browsed::{assert_passes, driven};
 use super::shared::*;
 use crate::kit::*;
 use finray_fixtures::PAPER_SCENE;
 use finray_push::{Knowledge, MESH_NODES, Push, Pushed, PushedFinger, Sensed};
 use finray_tests::{case_count, random_stream};
 use rand::RngExt;
-use std::path::Path;
-
-/// A window that nobody sees is drawn once: frames are taken from the clock.
-const FRAMES: &str = "window.requestAnimationFrame = (draw) => setTimeout(draw, 16);";
-
-/// What a script that drives the page writes into it: lines that begin with PASS, FAIL or DONE.
-fn driven(browser: &Path, html: &str, script: &str, width: u32) -> Vec<String> {
-    let before = include_str!("explore/before.js");
-    let folder = tempfile::tempdir().expect("a folder");
-    let page = folder.path().join("driven.html");
-    let (text, end) = html.rsplit_once("</body>").expect("the end of the page");
-    let head = format!("<head><script>{before}{FRAMES}</script>");
-    let text = format!("{text}<script>{script}</script></body>{end}").replacen("<head>", &head, 1);
-    std::fs::write(&page, text).expect("a copy of the page");
-    let size = format!("--window-size={width},900");
-    let output = browser::run(browser, &page, &["--dump-dom", "--virtual-time-budget=600000", &size]);
-    let dom = String::from_utf8_lossy(&output.stdout).into_owned();
-    let is_result = |line: &&str| ["PASS ", "FAIL ", "DONE "].iter().any(|head| line.starts_with(head));
-    dom.lines().filter(is_result).map(str::to_owned).collect()
-}
-
-#[track_caller]
-fn assert_passes(found: &[String], least: usize) {
-    assert!(found.iter().any(|line| line.starts_with("DONE")) && found.len() >= least, "{found:#?}");
-    assert!(!found.iter().any(|line| line.starts_with("FAIL")), "{found:#?}");
-}
 
 /// Pointer, keys and choices change what is shown; nothing goes wrong, and no force is shown where there is none.
 #[test]

@@ -9,7 +9,7 @@
   for (let turns = 0; turns < 1e6 && !('ready' in root.dataset) && !root.dataset.failed; turns++) await turn();
   check('the picture is shown', !root.hidden && 'ready' in root.dataset, root.dataset.failed);
   const first = area.value, write = async (text) => { area.value = text; area.dispatchEvent(new Event('input', { bubbles: true })); await settle(); };
-  const stiffest = () => Number(words('.own-results').match(/Stiffness([\d.]+)/)?.[1]);
+  const stiffest = () => Number(one('.own-chart text')?.textContent);
   check('the stiffness along the plate is drawn', one('.own-line').getAttribute('d').length > 50 && stiffest() > 0, words('.own-results'));
 
   const thin = stiffest();
