@@ -11,11 +11,9 @@ use super::{checks, measured};
 use crate::prelude::*;
 use finray_model::finger::FingerDescription;
 use finray_studies::check::Against;
-use finray_studies::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use finray_studies::experiments::causes::ContactKnowledge;
 use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::experiments::direction::DirectionStudy;
-use finray_studies::experiments::explain::Explanation;
-use finray_studies::sampling::worst::WorstCell;
 
 /// The verdict in a few lines: where, why not elsewhere, what to use then, how sure, and what of it is real.
 pub(super) fn verdict(study: &Study) -> Vec<Answer> {
@@ -23,7 +21,7 @@ pub(super) fn verdict(study: &Study) -> Vec<Answer> {
     given([
         ("Where", places(study, &situations)),
         ("Why not elsewhere", reasons(study, &situations)),
-        ("If unsure", study.directions.as_ref().and_then(seeking)),
+        ("Direction uncertain", study.directions.as_ref().and_then(seeking)),
         ("How sure", sureness(study)),
         ("Checked", checked(study)),
         ("Reality", Some(reality(study))),
@@ -61,21 +59,9 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
         _ => "Contact known: error of the model.",
     };
     let assumed = situations.iter().find(|of| of.contact == ContactKnowledge::Assumed);
-    let assumed = assumed.and_then(|of| wrong_contact(study, of)).map(|assumed| format!(" Contact off: {assumed}."));
+    let assumed = assumed.and_then(|of| of.failed_by_direction(study));
+    let assumed = assumed.map(|share| format!(" Contact off: in {} its direction, else its position.", percent(share)));
     Some(format!("{known}{}", assumed.unwrap_or_default()))
-}
-
-/// In how many of the failing cells the wrong direction of an assumed contact outweighs its wrong position, to first order.
-fn wrong_contact(study: &Study, assumed: &Situation) -> Option<String> {
-    let by_direction = |cell: &WorstCell| {
-        let is_there = |of: &&Explanation| of.s_mm == cell.s_mm && of.angle_deg == cell.angle_deg;
-        let of = study.explanations.cells.iter().find(is_there)?;
-        Some(of.error_per_deg?.abs() * DIRECTION_OFF_DEG > of.error_per_mm?.abs() * POSITION_OFF_MM)
-    };
-    let failed = assumed.cells.iter().filter(|cell| cell.state == CellState::Answered && !cell.is_trusted);
-    let found: Vec<bool> = failed.filter_map(by_direction).collect();
-    let share = found.iter().filter(|by_direction| **by_direction).count() as f64 / found.len() as f64;
-    (!found.is_empty()).then(|| format!("in {} its direction, else its position", percent(share)))
 }
 
 /// How often an unknown direction is found with the force.
@@ -85,7 +71,7 @@ fn seeking(directions: &DirectionStudy) -> Option<String> {
         (all > 0).then(|| format!("{} ({force_n} N)", percent(identified as f64 / all as f64)))
     };
     let shares: Vec<String> = directions.forces_n.into_iter().rev().filter_map(share).collect();
-    (!shares.is_empty()).then(|| format!("Seek the direction: found at {}.", list(shares, ", ")))
+    (!shares.is_empty()).then(|| format!("Let finray seek it: found at {}.", list(shares, ", ")))
 }
 
 /// Coverage of the nonlinear estimator's intervals on a true finger.
@@ -107,7 +93,7 @@ fn sureness(study: &Study) -> Option<String> {
 /// Checks against other programs.
 fn checked(study: &Study) -> Option<String> {
     let counts = checks::counted(study).into_iter().find(|tally| tally.against == Against::OtherPrograms)?;
-    Some(format!("{} of {} checks by other programs pass.", counts.passed, counts.all))
+    Some(format!("{} of {} by other programs pass.", counts.passed, counts.all))
 }
 
 /// What was measured on a real finger.

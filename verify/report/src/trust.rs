@@ -5,6 +5,7 @@ use super::format::{capitalised, list, percent};
 use crate::prelude::*;
 use finray_figures::Patch;
 use finray_studies::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use finray_studies::experiments::explain::Explanation;
 use finray_studies::sampling::worst::WorstCell;
 
 const CSV: &str = "trust.csv";
@@ -47,6 +48,20 @@ impl Situation<'_> {
     /// Counts of trusted, refused and other cells over the whole map.
     pub(super) fn all(&self) -> TrustCounts {
         TrustCounts::of(&self.cells)
+    }
+
+    /// Share of the failing cells in which the wrong direction of an assumed contact outweighs its wrong position, to first order; `None` if no such cell
+    /// was explained.
+    pub(super) fn failed_by_direction(&self, study: &Study) -> Option<f64> {
+        let by_direction = |cell: &WorstCell| {
+            let is_there = |of: &&Explanation| of.s_mm == cell.s_mm && of.angle_deg == cell.angle_deg;
+            let of = study.explanations.cells.iter().find(is_there)?;
+            Some(of.error_per_deg?.abs() * DIRECTION_OFF_DEG > of.error_per_mm?.abs() * POSITION_OFF_MM)
+        };
+        let failed = self.cells.iter().filter(|cell| cell.state == CellState::Answered && !cell.is_trusted);
+        let found: Vec<bool> = failed.filter_map(by_direction).collect();
+        let by_direction = found.iter().filter(|by_direction| **by_direction).count();
+        (!found.is_empty()).then(|| by_direction as f64 / found.len() as f64)
     }
 
     /// Number of refused noise samples in answered cells, and number of all noise samples in these cells.
@@ -110,6 +125,10 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
         .file("refused", |of| of.all().refused)
         .file("without_equilibrium", |of| of.all().without_equilibrium)
         .file("share_trusted", |of| of.all().share())
+        .file("failed_by_direction", |of| match of.contact {
+            ContactKnowledge::Assumed => of.failed_by_direction(study),
+            ContactKnowledge::Known => None,
+        })
         .file("samples_refused_where_answered", |of| of.refused_samples()[0])
         .file("samples_where_answered", |of| of.refused_samples()[1]);
     let found = situations(study);

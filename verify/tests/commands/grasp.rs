@@ -53,7 +53,7 @@ fn a_grasp_writes_forces_motion_figure_and_summary() {
     for (step, shot) in shots.iter().enumerate() {
         let of_step = |key: &str| object.texts(key)[step].to_owned();
         let motor_deg: f64 = of_step("motor_deg").parse().expect("an angle");
-        assert!(shot.contains(&format!(">{}, motor at {motor_deg:.1} deg<", of_step("phase"))), "step {step}");
+        assert!(shot.contains(&format!(">phase: {}, motor at {motor_deg:.1} deg<", of_step("phase"))), "step {step}");
         for (finger, total) in ["left", "right"].iter().zip(&totals[2 * step..]) {
             let sensed_n: f64 = forces.texts("sensed_n")[*total].parse().expect("sensed");
             let says = format!(">{finger}: true {:.2} N, sensed {sensed_n:.2} N<", force_n[*total]);
@@ -62,7 +62,7 @@ fn a_grasp_writes_forces_motion_figure_and_summary() {
     }
     let still: Vec<&&str> =
         shots.iter().filter(|shot| shot.split_once('"').is_some_and(|(class, _)| class.contains("still"))).collect();
-    assert!(still.len() == 1 && still[0].contains(">carry, motor"), "{} stand still", still.len());
+    assert!(still.len() == 1 && still[0].contains(">phase: carry, motor"), "{} stand still", still.len());
     assert!(!animation.contains("<script"));
     // Both pictures are drawn: moments, force over steps and over the motor's angle.
     let figure = folder.read("one/grasp.svg");
