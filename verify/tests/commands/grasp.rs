@@ -66,9 +66,7 @@ fn a_grasp_writes_forces_motion_figure_and_summary() {
     assert!(!animation.contains("<script"));
     // Both pictures are drawn: moments, force over steps and over the motor's angle.
     let figure = folder.read("one/grasp.svg");
-    assert!(
-        ["force of each finger, step by step", "force over the motor's angle"].iter().all(|it| figure.contains(it))
-    );
+    assert!(["true (lines), sensed (symbols)", "over the motor's angle"].iter().all(|it| figure.contains(it)));
     let summary = summary(&folder, "one");
     assert_eq!(summary["ended"], "done");
     assert!(summary["worst_imbalance"].as_f64().expect("a number") < 1e-3);
