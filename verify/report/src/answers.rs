@@ -42,7 +42,7 @@ fn places(study: &Study, situations: &[Situation]) -> Option<String> {
     let share = |of: &Situation| Some(format!("{} {}", of.in_short, percent(of.all().share()?)));
     let shares = std::iter::once(known).chain(others).filter_map(share);
     Some(format!(
-        "Positions and directions with a mean error within {} ({least_n} to {most_n} N): {}.",
+        "Positions and directions within {} on average ({least_n} to {most_n} N): {}.",
         percent(TRUSTED_ERROR),
         list(shares, "; ")
     ))
@@ -60,7 +60,8 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     };
     let assumed = situations.iter().find(|of| of.contact == ContactKnowledge::Assumed);
     let assumed = assumed.and_then(|of| of.failed_by_direction(study));
-    let assumed = assumed.map(|share| format!(" Contact off: in {} its direction, else its position.", percent(share)));
+    let assumed =
+        assumed.map(|share| format!(" Contact wrong: its direction ({}), else its position.", percent(share)));
     Some(format!("{known}{}", assumed.unwrap_or_default()))
 }
 
@@ -71,7 +72,12 @@ fn seeking(directions: &DirectionStudy) -> Option<String> {
         (all > 0).then(|| format!("{} ({force_n} N)", percent(identified as f64 / all as f64)))
     };
     let shares: Vec<String> = directions.forces_n.into_iter().rev().filter_map(share).collect();
-    (!shares.is_empty()).then(|| format!("Let finray seek it: found at {}.", list(shares, ", ")))
+    let found = list(&shares, ", ");
+    let seek = match directions.is_normal_better() {
+        true => format!("Little friction: assume the normal. Else seek it: found in {found}."),
+        false => format!("Seek it with the force: found in {found}."),
+    };
+    (!shares.is_empty()).then_some(seek)
 }
 
 /// Coverage of the nonlinear estimator's intervals on a true finger.
@@ -82,8 +88,7 @@ fn coverage(study: &Study, truth: TruthId) -> Option<&CoverageRow> {
 /// Coverage of intervals without a warning.
 fn sureness(study: &Study) -> Option<String> {
     let of = |truth| coverage(study, truth)?.covered_without_warning;
-    let known =
-        format!("Without a warning, {} of the 95 % intervals contain the force", percent(of(TruthId::Corotational)?));
+    let known = format!("95 % intervals without a warning hold in {}", percent(of(TruthId::Corotational)?));
     Some(match of(TruthId::Twin) {
         Some(softer) => format!("{known}; softer ends {}.", percent(softer)),
         None => format!("{known}."),
@@ -93,7 +98,7 @@ fn sureness(study: &Study) -> Option<String> {
 /// Checks against other programs.
 fn checked(study: &Study) -> Option<String> {
     let counts = checks::counted(study).into_iter().find(|tally| tally.against == Against::OtherPrograms)?;
-    Some(format!("{} of {} by other programs pass.", counts.passed, counts.all))
+    Some(format!("{} of {} solver checks by other programs pass.", counts.passed, counts.all))
 }
 
 /// What was measured on a real finger.

@@ -7,7 +7,7 @@ pub(super) mod rates;
 pub use animation::grasp_animation_svg;
 pub use drawings::grasp_svg;
 
-use super::format::percent;
+use super::format::{or_nothing, percent};
 use crate::prelude::*;
 use finray_studies::experiments::grasp::file::force_rows;
 use finray_studies::experiments::grasp::study::GraspStudy;
@@ -92,14 +92,16 @@ pub(super) fn all(Results { study, .. }: Results) -> Result<Option<Section>, Rep
 
 /// Sentence on the sensed forces of a grasp; `None` if no total was sensed.
 fn says(GraspStudy { name, noise_mm, noisy, clean, .. }: &GraspStudy) -> Option<String> {
-    let Summary { largest_total_n, sensed: SensedSummary { mean_total_error, totals_within_95, asked, .. }, .. } =
-        noisy;
+    let Summary { largest_total_n, sensed, .. } = noisy;
+    let SensedSummary { mean_total_error, worst_total_error, worst_contact_error, totals_within_95, asked, .. } =
+        sensed;
     let clean = clean.as_ref().and_then(|clean| clean.sensed.worst_total_error);
-    let clean = clean.map_or_else(String::new, |clean| format!(" without noise by at most {},", percent(clean)));
+    let clean = clean.map_or_else(String::new, |clean| format!("; without noise, by at most {}", percent(clean)));
     let error = percent((*mean_total_error)?);
+    let [total, contact] = [worst_total_error, worst_contact_error].map(|error| or_nothing(error.map(percent)));
     Some(format!(
-        "In simulation, each finger presses on a {name} that is grasped, carried and placed, with up to {largest_total_n:.2} N. The sensed force errs{clean} \
-         with {noise_mm} mm noise by {error} on average. The 95 % intervals contain {totals_within_95} of {asked} true totals."
+        "In simulation, each finger presses on a {name} that is grasped, carried and placed, with up to {largest_total_n:.2} N. With {noise_mm} mm noise \
+         the total errs by {error} on average and {total} at most, one of several contacts by up to {contact}{clean}. The 95 % intervals contain {totals_within_95} of {asked} true totals."
     ))
 }
 

@@ -104,7 +104,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
         about: "contact known, but base and tip of the finger softer than its model has them, as fitted to the paper's Table I"
             .to_owned(),
         in_words: "with base and tip softer than modelled".to_owned(),
-        in_short: "softer base and tip".to_owned(),
+        in_short: "ends softer than modelled".to_owned(),
         ..known
     });
     [known, assumed, softer].into_iter().flatten().collect()
@@ -155,9 +155,9 @@ fn counted(situation: &Situation) -> String {
     let TrustCounts { cells, without_equilibrium, refused, .. } = counts;
     let samples = match situation.refused_samples() {
         [0, _] => String::new(),
-        [refused, all] => format!("; of the others' {all} noise samples {refused}"),
+        [refused, all] => format!(", and {refused} of {all} noise samples of answered forces"),
     };
-    format!("{about}. {cells} cells: {without_equilibrium} without equilibrium, {refused} refused{samples}.")
+    format!("{about}. Refused: {refused} of {cells} cells{samples}. Without equilibrium: {without_equilibrium} cells.")
 }
 
 /// One drawing of the finger per situation.

@@ -28,7 +28,7 @@ const FIT: &str = "preload=8,height=1.5,base,brackets=0.2,ribs=0.2";
 const ENOUGH: usize = 10;
 
 /// Fingers from which on the figures are recorded.
-const RECORDED: usize = 30;
+const RECORDED: usize = 120;
 
 /// How a force is sensed.
 const REMEDIES: [&str; 4] = [
@@ -40,7 +40,7 @@ const REMEDIES: [&str; 4] = [
 const QUESTIONS: [&str; 2] = ["direction known", "friction unknown"];
 /// Measures the figures of the guide.
 const COMMAND: &str =
-    "FINRAY_TEST_CASES=30 cargo test --release -p finray-verify --test commands -- reassembled --nocapture";
+    "FINRAY_TEST_CASES=120 cargo test --release -p finray-verify --test commands -- reassembled --nocapture";
 
 /// Images of each finger, N.
 fn forces_n(fingers: usize) -> Vec<f64> {

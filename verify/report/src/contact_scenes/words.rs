@@ -84,8 +84,8 @@ pub(super) fn by_scene(scenes: &[SceneStudy]) -> Table {
         })
         .page("contact covered", Format::Plain, move |scene| covered(scene, contacts))
         .page("total covered", Format::Plain, move |scene| covered(scene, total))
-        .table("Over all steps: largest error of the total and imbalance of forces without noise; noise samples answered, and held by the \
-                stated 95 % intervals (least; refused count as not)", CSV, scenes)
+        .table("Over all steps: largest error of the total and imbalance of forces without noise; noise samples answered; coverage of the \
+                95 % intervals (lowest of a step in brackets; refused samples are not covered)", CSV, scenes)
 }
 
 fn samples(scene: &SceneStudy) -> impl Iterator<Item = &NoiseSamples> {

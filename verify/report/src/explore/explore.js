@@ -267,8 +267,8 @@
     function tell(kinds) {
       const count = (...some_of) => kinds.filter((kind) => some_of.includes(kind)).length;
       const whole = kinds.length - count('no-equilibrium', 'not-computed'), forces = list(chosenForces().map(number));
-      panel.says.textContent = `At ${share(count(...TRUSTED_KINDS), whole)} of the ${whole} positions and directions the force is within ` +
-        `${percent(TRUSTED)} (${chosenForces().length > 1 ? 'largest error of ' : ''}${forces} N); ` +
+      panel.says.textContent = `At ${share(count(...TRUSTED_KINDS), whole)} of the ${whole} positions and directions the mean error is within ` +
+        `${percent(TRUSTED)} (${chosenForces().length > 1 ? 'worst of ' : ''}${forces} N); ` +
         `${count('refused')} refused, ${count('no-equilibrium')} without equilibrium.`;
       const samples = Math.max(0, ...map.samples.filter(some));
       panel.note.textContent = `Camera noise ${number(noise)} mm per coordinate; noise samples per cell and force: ${samples}. Error: mean of ` +

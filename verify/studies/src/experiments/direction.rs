@@ -192,6 +192,18 @@ impl DirectionStudy {
         carried
             .fold([0, 0], |[identified, all], cell| [identified + usize::from(cell.answers.is_identified()), all + 1])
     }
+
+    /// Whether, without friction and under the least force, the normal as the assumed direction gives a smaller mean error of the force than an unknown
+    /// direction.
+    pub fn is_normal_better(&self) -> bool {
+        let mean_error = |assumed: Assumption| {
+            let is_asked = |push: &&FrictionlessPush| push.assumed == assumed && push.force_n == self.forces_n[0];
+            mean(self.without_friction.iter().filter(is_asked).filter_map(|push| push.answers.force_error))
+        };
+        mean_error(Assumption::Normal)
+            .zip(mean_error(Assumption::Unknown))
+            .is_some_and(|(normal, unknown)| normal < unknown)
+    }
 }
 
 fn contacts(finger: &Finger, request: &DirectionRequest) -> Vec<Contact> {

@@ -107,13 +107,11 @@ pub struct ScatterRow {
     pub sum: Option<Scatter>,
 }
 
-/// Numbers of drawn, answered and refused cases, shown beside a mean over the answered cases.
+/// Numbers of drawn and refused cases, shown beside a mean over the answered cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Counts {
     /// Number of cases with equilibrium.
     pub drawn: usize,
-    /// Number of answered cases.
-    pub answered: usize,
     /// Number of refused cases.
     pub refused: usize,
 }
@@ -121,18 +119,15 @@ pub struct Counts {
 impl Counts {
     /// Counts of all rows together.
     pub fn of<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> Counts {
-        let none = Counts { drawn: 0, answered: 0, refused: 0 };
-        rows.into_iter().fold(none, |sum, row| Counts {
-            drawn: sum.drawn + row.drawn(),
-            answered: sum.answered + row.cases,
-            refused: sum.refused + row.refused,
-        })
+        let none = Counts { drawn: 0, refused: 0 };
+        rows.into_iter()
+            .fold(none, |sum, row| Counts { drawn: sum.drawn + row.drawn(), refused: sum.refused + row.refused })
     }
 }
 
 impl std::fmt::Display for Counts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} cases drawn, {} answered, {} refused", self.drawn, self.answered, self.refused)
+        write!(f, "{} cases, {} refused", self.drawn, self.refused)
     }
 }
 

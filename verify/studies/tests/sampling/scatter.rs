@@ -124,5 +124,5 @@ fn a_refused_case_counts_as_an_error_of_the_whole_force() {
     assert!(row(100, 0).is_within(0.10) && row(95, 5).is_within(0.10));
     assert!(!row(90, 10).is_within(0.10) && !row(1, 99).is_within(0.10));
     let counts = Counts::of(&[row(90, 10), row(100, 0)]);
-    assert_eq!(counts.to_string(), "200 cases drawn, 190 answered, 10 refused");
+    assert_eq!(counts.to_string(), "200 cases, 10 refused");
 }

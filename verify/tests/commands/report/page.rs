@@ -159,7 +159,7 @@ fn the_first_page_begins_with_its_verdict() {
     assert_eq!((trusted.matches("<dt>").count(), trusted.matches("<svg").count()), (5, 3));
     assert!(trusted.contains("class=\"caveat\">Simulation only, with"));
     for figure in drawings(trusted) {
-        assert!(figure.contains("refused") && figure.contains("without equilibrium"), "a share without its counts");
+        assert!(figure.contains("Refused: ") && figure.contains("Without equilibrium: "), "a share without its counts");
     }
     let page = PAPERS.pages();
     let at = |part: &str| page.find(part).unwrap_or_else(|| panic!("no {part}"));
