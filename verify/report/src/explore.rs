@@ -24,7 +24,7 @@ pub(super) fn data(Results { study, .. }: Results) -> String {
     let points = drawn_points(&study.finger);
     let shape = |touched: &finray_studies::experiments::shapes::TouchedFinger| {
         let xy: Vec<Value> = points.iter().map(|at| point(&touched.shape.point(*at))).collect();
-        json!({"node": touched.node, "angle_deg": touched.angle_deg, "force_n": touched.force_n, "xy": xy})
+        json!({"truth": touched.truth.label(), "node": touched.node, "angle_deg": touched.angle_deg, "force_n": touched.force_n, "xy": xy})
     };
     let data = json!({
         "finger": of_finger(finger, study.noise_mm),

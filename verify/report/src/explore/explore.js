@@ -347,6 +347,8 @@
   }
 
   const shapesOf = (data) => (data.shapes ?? []).filter((shape) => shape.xy?.length === data.finger.nodes.length);
+  /** Shapes of a true finger, or of the first one, as which the others bend. */
+  const ofTruth = (shapes, truth) => shapes.filter((shape) => shape.truth === (shapes.some((each) => each.truth === truth) ? truth : shapes[0].truth));
 
   function nearestShape(shapes, node, angle) {
     const own = shapes.filter((shape) => shape.node === node);
@@ -364,7 +366,8 @@
     let chosen = contacts[Math.floor(contacts.length / 2)];
 
     function draw() {
-      const shape = nearestShape(shapes, chosen.node, Number(angle.value));
+      const of = (truth) => nearestShape(ofTruth(shapes, truth), chosen.node, Number(angle.value));
+      const shape = of(shared.map?.truth) ?? of();
       // All shapes together determine the scale, so that it does not change with the choices.
       const drawn = stage(panel.drawing, [...finger.nodes, ...shapes.flatMap((each) => each.xy)], [70, 40, 8, 16]);
       drawFinger(drawn, finger, finger.nodes, 'explore-rest');
@@ -390,7 +393,7 @@
 
     function tell(shape) {
       const [from, to] = [finger.nodes, shape.xy].map((nodes) => nodes[chosen.node - 1]), { truth, contact } = shared.map;
-      panel.says.textContent = `${number(shape.force_n)} N on node ${chosen.node} (${mm(chosen.s_mm)} from the base) at ` +
+      panel.says.textContent = `${shape.truth}: ${number(shape.force_n)} N on node ${chosen.node} (${mm(chosen.s_mm)} from the base) at ` +
         `${deg(shape.angle_deg)} move it by ${mm(Math.hypot(to[0] - from[0], to[1] - from[1]))}.`;
       const same = data.maps.filter((map) => map.truth === truth && map.contact === contact);
       panel.text.replaceChildren(html('p', { class: 'explore-place' }, `Sensed at ${number(shape.force_n)} N on the ${truth}, contact ${contact}:`),
@@ -417,7 +420,7 @@
   // ---- two contacts ----
 
   function pairsPanel(data, panel) {
-    const pairs = data.pairs ?? [], shapes = shapesOf(data), numbers = unique(pairs.flatMap((pair) => pair.nodes)).sort((a, b) => a - b);
+    const pairs = data.pairs ?? [], shapes = ofTruth(shapesOf(data)), numbers = unique(pairs.flatMap((pair) => pair.nodes)).sort((a, b) => a - b);
     if (pairs.length === 0) return null;
     const estimators = unique(pairs.flatMap((pair) => Object.keys(pair).filter((name) => name !== 'nodes')));
     const estimator = choice(panel.choices, 'Shades: estimator', draw), part = choice(panel.choices, 'Shades: error of', draw);

@@ -2,7 +2,7 @@
 
 use super::{Context, Evidence};
 use crate::prelude::*;
-use crate::truths::Truth;
+use crate::truths::{Truth, TruthError, TruthId};
 use finray_model::frame::NodeIndex;
 use finray_model::validity::Validity;
 use std::convert::Infallible;
@@ -29,6 +29,8 @@ pub struct BentFinger {
 /// The finger under a force at a contact node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TouchedFinger {
+    /// The true finger.
+    pub truth: TruthId,
     /// Loaded node.
     pub node: usize,
     /// Direction, degrees from the inward normal, positive towards the tip.
@@ -44,8 +46,18 @@ impl Evidence for TouchedFinger {}
 /// Step of the directions of [`touched`], degrees.
 const TOUCHED_STEP_DEG: f64 = 20.0;
 
-/// The co-rotational finger under the force at which maps are drawn, at up to 13 contact nodes, in all directions with equilibrium.
-pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
+/// The co-rotational finger, then for the paper's scene the one with softer ends, under the force at which maps are drawn, at up to 13 contact nodes, in
+/// all directions with equilibrium.
+pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, TruthError> {
+    let mut touched = shapes_of(context, context.corotational);
+    if context.is_paper {
+        let mesh = TruthId::Twin.mesh(context.finger)?;
+        touched.extend(shapes_of(context, &*TruthId::Twin.on(&mesh)?));
+    }
+    Ok(touched)
+}
+
+fn shapes_of(context: &Context, truth: &dyn Truth) -> Vec<TouchedFinger> {
     let (finger, force_n) = (context.finger, context.forces.drawn_n());
     let every = finger.contact_nodes().len().div_ceil(13);
     let nodes: Vec<NodeId> = finger.contact_nodes().rev().step_by(every).collect();
@@ -54,10 +66,10 @@ pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallibl
         nodes.iter().flat_map(|&node| angles.clone().map(move |angle| (node, angle))).collect();
     let shape = |&(node, angle_deg): &(NodeId, f64)| {
         let contact = Contact { position: ContactPosition::Node(node), angle_deg };
-        let shape = context.corotational.shapes(&contact, &[force_n]).pop()?;
-        Some(TouchedFinger { node: node.0, angle_deg, force_n, shape })
+        let shape = truth.shapes(&contact, &[force_n]).pop()?;
+        Some(TouchedFinger { truth: truth.id(), node: node.0, angle_deg, force_n, shape })
     };
-    Ok(contacts.par_iter().filter_map(shape).collect())
+    contacts.par_iter().filter_map(shape).collect()
 }
 
 /// The finger under the force at which maps are drawn, at up to three nodes, linear and co-rotational. Shapes without equilibrium are left out.

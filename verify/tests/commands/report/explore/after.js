@@ -99,6 +99,13 @@
   const shapes = new Set();
   for (const value of ['0', '40']) for (const nth of [0, 5]) { choose(direction, value); buttons()[nth].click(); shapes.add(drawn('finger')); }
   check('nodes and directions change the shape', shapes.size === 4, shapes.size);
+  // A finger bends as it is: with softer ends otherwise than the uniform one.
+  const bends = (name) => { choose(truth, name); return drawn('finger'); };
+  if (data.maps.some((map) => map.truth === 'softer ends')) {
+    const uniform = bends(first.truth);
+    check('another finger has another shape', bends('softer ends') !== uniform && words('finger', 'says').startsWith('softer ends'), words('finger', 'says'));
+    choose(truth, first.truth);
+  }
   check('the chosen node is pressed', panel('finger').querySelectorAll('[aria-pressed=true]').length === 1);
   if (panels.includes('pairs')) {
     const pairs = panel('pairs').querySelector('[role=grid]'), pair = words('pairs', 'text');
