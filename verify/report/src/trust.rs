@@ -104,7 +104,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
         about: "contact known, but base and tip of the finger softer than its model has them, as fitted to the paper's Table I"
             .to_owned(),
         in_words: "with base and tip softer than modelled".to_owned(),
-        in_short: "ends softer than modelled".to_owned(),
+        in_short: "base and tip softer than modelled".to_owned(),
         ..known
     });
     [known, assumed, softer].into_iter().flatten().collect()
