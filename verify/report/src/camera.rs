@@ -175,7 +175,7 @@ fn says(camera: &CameraStudy) -> Option<String> {
     let (node, needed_mm, item, setting) = (worst.node, worst.noise_mm, most.item, setting(most));
     Some(format!(
         "In rendered images node displacements err by {rms_mm:.4} mm rms ({largest_mm:.4} mm at most), and forces sensed from them by {error} rms. At node \
-         {node}, the worst but the tip, an error of {asked} needs noise below {needed_mm:.3} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a \
+         {node}, the worst without the tip, an error of {asked} needs noise below {needed_mm:.3} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a \
          standard deviation) gives at least {papers}. Among the tested conditions, {item} ({setting}) causes the largest error: {largest}.{enough}"
     ))
 }

@@ -10,4 +10,5 @@ mod networks;
 mod page;
 mod push;
 pub mod shared;
+mod tables;
 mod timing;
