@@ -97,7 +97,10 @@ impl Sensor<'_> {
         let errors = unloaded.independent_errors(finger.rib_count());
         let found =
             force_in_view(finger, OneView { view: &view, is_from_rest, question: *asked }, &model, &errors, start);
-        let Some(found) = found else { return before.and(Err(SensingError::NoSuchFinger.into())) };
+        let found = match found {
+            Ok(found) => found,
+            Err(refused) => return before.and(Err(refused.into())),
+        };
         let contradicts = found.test.filter(ResidualTest::contradicts);
         if before.is_err() && contradicts.is_some() {
             return before;

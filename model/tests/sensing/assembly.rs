@@ -12,6 +12,7 @@ use nalgebra::{Isometry2, Point2};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use std::ops::Range;
 
 /// Standard deviations of a coordinate, mm: of photographs, and of rendered images.
 const NOISES_MM: [f64; 2] = [0.02, 0.001];
@@ -91,16 +92,26 @@ impl Mounted {
     }
 }
 
+/// Forces of the cases, N, and their positions, mm.
+const FORCES: [Range<f64>; 2] = [2.0..8.0, 50.0..90.0];
+/// Forces so small and so near to the ends that the errors of the assembly may hide them.
+const HIDDEN_FORCES: [Range<f64>; 2] = [0.2..2.0, 8.0..145.0];
+
 /// Errors in stated standard deviations, and as shares of the forces, of one force on each of many fingers that were mounted anew.
-fn errors(noise_mm: f64, with_rest: bool, knows_direction: bool, cases: usize) -> Vec<[f64; 2]> {
+fn errors(
+    noise_mm: f64,
+    with_rest: bool,
+    knows_direction: bool,
+    cases: &[usize],
+    of: [Range<f64>; 2],
+) -> Vec<[f64; 2]> {
     let scene = Scene::from_toml(finray_fixtures::BRACKETED_SCENE).expect("a scene");
     let base = scene.base.clone().map(|base| finray_model::scene::Base { uncertainty: Some(BASE), ..base });
     let scene = Scene { assembly: Some(ASSEMBLY), base, ..scene };
-    let of_case = |case: usize| {
+    let of_case = |&case: &usize| {
         let chance = &mut random_stream(4400, case as u64);
         let mounted = Mounted::anew(&scene, noise_mm, chance);
-        let force_n = chance.random_range(2.0..8.0);
-        let s_mm = chance.random_range(50.0..90.0);
+        let [force_n, s_mm] = of.clone().map(|range| chance.random_range(range));
         let angle_deg = chance.random_range(FRICTION[0]..FRICTION[1]).atan().to_degrees();
         let load = Load::at_position(s_mm, mounted.finger.direction(angle_deg) * force_n);
         let mut markers = mounted.seen(Some(load), chance);
@@ -132,7 +143,7 @@ fn errors(noise_mm: f64, with_rest: bool, knows_direction: bool, cases: usize) -
         })
     };
     use rayon::prelude::*;
-    (0..cases).into_par_iter().filter_map(of_case).collect()
+    cases.par_iter().filter_map(of_case).collect()
 }
 
 /// Joints by 0.2 mm, a preload, another height, the base by 1 mm and 1 degree: 95 % intervals hold the force, with an image of the unloaded
@@ -143,7 +154,8 @@ fn intervals_hold_on_fingers_that_were_assembled_anew() {
     let questions = [(false, true), (false, false), (true, true), (true, false)];
     let mut figures = Vec::new();
     for (noise_mm, (with_rest, knows_direction)) in NOISES_MM.into_iter().flat_map(|it| questions.map(|q| (it, q))) {
-        let errors = errors(noise_mm, with_rest, knows_direction, cases);
+        let all: Vec<usize> = (0..cases).collect();
+        let errors = errors(noise_mm, with_rest, knows_direction, &all, FORCES);
         let within = errors.iter().filter(|[sigmas, _]| sigmas.abs() < TWO_SIDED_95).count();
         let share = within as f64 / errors.len() as f64;
         let mean = errors.iter().map(|[_, share]| share.abs()).sum::<f64>() / errors.len() as f64;
@@ -171,5 +183,31 @@ fn intervals_hold_on_fingers_that_were_assembled_anew() {
     }
     if cases >= RECORDED {
         record_figures("assembled_anew", COMMAND, figures);
+    }
+}
+
+/// Small forces whose positions the errors of the assembly hide: intervals hold them, or they are refused. They were 4 to 10 standard deviations off, because
+/// the force is not linear in its position, or many times too large within an interval as wide.
+#[test]
+fn forces_at_hidden_positions_are_within_their_intervals_or_refused() {
+    let few = [3, 26, 36, 75, 78];
+    let all = case_count(few.len(), 1000);
+    let cases = if all == few.len() { few.to_vec() } else { (0..all).collect() };
+    for knows_direction in [true, false] {
+        let errors = errors(0.02, false, knows_direction, &cases, HIDDEN_FORCES);
+        let off = |limit: f64| errors.iter().filter(|[sigmas, _]| sigmas.abs() > limit).count();
+        let largest = errors.iter().map(|[_, share]| share.abs()).fold(0.0, f64::max);
+        println!(
+            "direction {knows_direction}: {} of {} answered, {} beyond 95 %, {} beyond 3 sigma, {} beyond 4, largest error {largest:.2} of the force",
+            errors.len(),
+            cases.len(),
+            off(TWO_SIDED_95),
+            off(3.0),
+            off(4.0)
+        );
+        assert!(!errors.is_empty());
+        assert!(off(TWO_SIDED_95) as f64 <= 0.07 * errors.len() as f64, "{errors:?}");
+        assert_eq!(off(4.0), 0, "{errors:?}");
+        assert!(all > few.len() || largest < 3.0, "{largest}");
     }
 }

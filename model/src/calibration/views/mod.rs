@@ -12,6 +12,7 @@ mod forces;
 mod friction;
 mod one_view;
 mod outliers;
+mod positions;
 mod problem;
 mod quantity;
 mod rig;

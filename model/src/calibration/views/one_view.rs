@@ -1,12 +1,16 @@
 //! Estimates the force in one view together with errors of the unloaded finger.
 
-use super::problem::{OWN, Point, Problem, ViewUnknowns};
+use super::positions::{Spread, scan};
+use super::problem::{OWN, Point, Problem, ViewUnknowns, free_part_mm};
 use super::{CONVERGENCE, Quantity, Sought, View, ViewModel};
 use crate::finger::{Finger, Plate};
 use crate::measurement::MarkerErrors;
 use crate::optimise::{Convergence, LevenbergMarquardt, covariance};
-use crate::sensing::{COUNTS, Contact, ContactQuestion, Direction, Lean, Normal, REACH, ResidualTest, UnloadedError};
-use nalgebra::Isometry2;
+use crate::sensing::{
+    COUNTS, Contact, ContactPosition, ContactQuestion, Direction, LARGEST_DEPARTURE, LARGEST_POSITION_SIGMA, Lean,
+    Normal, REACH, ResidualTest, SensingError, UnloadedError, WELL_KNOWN,
+};
+use nalgebra::{DVector, Isometry2};
 
 /// Relative standard deviation that stands for an unknown magnitude of a force of known direction. It is so large that it has no effect.
 const UNKNOWN_SHARE: f64 = 1e3;
@@ -17,6 +21,8 @@ const FIRST_CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-3, st
 /// Starting point of the search without an earlier estimate: positions as shares of the plate's length (`STARTS`), and the force, N (`FIRST_FORCE_N`).
 const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
 const FIRST_FORCE_N: f64 = 1.0;
+/// The force is far from linear in a position that is uncertain by more than this share of its distance from an end of the plate.
+const UNCERTAIN_POSITION: f64 = 0.1;
 /// Standard deviation that stands for an unknown direction, degrees.
 const UNKNOWN_DEG: f64 = 1e3;
 
@@ -62,7 +68,11 @@ pub struct ForceInView {
 }
 
 /// Estimates a force together with the unknown parts of its position and direction, the pose of the base, and errors of the unloaded finger. The search starts
-/// from `before`, or else from several positions along the plate. `None` if the search finds no minimum or an unknown is not identifiable.
+/// from `before`, or else from several positions along the plate.
+///
+/// # Errors
+/// [`SensingError::NoSuchFinger`] if the search finds no minimum or an unknown is not identifiable. [`SensingError::Undetermined`] for a force so uncertain
+/// that the markers do not follow a change by one standard deviation linearly, or for a position that the markers do not bound.
 ///
 /// # Reference
 /// As [`views`](super::views): nonlinear least squares with Gaussian priors. The standard deviation is that of the linearised posterior distribution.
@@ -72,7 +82,7 @@ pub fn force_in_view(
     model: &ViewModel,
     errors: &[UnloadedError],
     before: Option<SensedBefore>,
-) -> Option<ForceInView> {
+) -> Result<ForceInView, SensingError> {
     let question = asked.question;
     let angle_deg = match question.direction {
         Direction::Angle(angle_deg) => angle_deg,
@@ -83,10 +93,39 @@ pub fn force_in_view(
     let at = |share: f64| share * finger.plate_length_mm(Plate::Front);
     let first = |share: f64| SensedBefore { s_mm: known_mm.unwrap_or(at(share)), angle_deg, force_n: FIRST_FORCE_N };
     let starts = before.map_or_else(|| STARTS.map(first).to_vec(), |before| vec![before]);
-    let from =
-        |question, start, shared| found_from(finger, OneView { question, ..asked }, model, errors, start, shared);
+    let from = |question, start, shared: Option<&Vec<f64>>| {
+        found_from(finger, OneView { question, ..asked }, model, errors, start, shared)
+    };
     let found = starts.into_iter().filter_map(|start| from(question, start, None));
-    let (mut found, sought, shared) = found.min_by(|(a, ..), (b, ..)| a.squares.total_cmp(&b.squares))?;
+    let best = found.min_by(|a, b| a.force.squares.total_cmp(&b.force.squares)).ok_or(SensingError::NoSuchFinger)?;
+    let Found { force: mut found, lean: sought, shared, position_sd_mm, is_linear } = best;
+    let undetermined = |what, sigma, unit| Err(SensingError::Undetermined { what, contact: 1, sigma, unit });
+    let length_mm = finger.plate_length_mm(Plate::Front);
+    if question.position.is_none() {
+        let to_end_mm = found.s_mm.min(length_mm - found.s_mm);
+        let mut spread = Spread { sigma_n: found.sigma_n, position_sd_mm, is_bounded: true };
+        if position_sd_mm > UNCERTAIN_POSITION * to_end_mm {
+            let wider = found.test.map_or(1.0, |test| test.trusted_noise_mm() / asked.view.noise_mm);
+            spread = scan(
+                (&found, &shared),
+                position_sd_mm,
+                (length_mm, free_part_mm(finger)),
+                wider,
+                |s_mm, near, shared| {
+                    let start = SensedBefore { s_mm, angle_deg: near.angle_deg, force_n: near.force_n };
+                    let question = ContactQuestion { position: Some(ContactPosition::At(s_mm)), ..question };
+                    from(question, start, Some(shared)).map(|found| (found.force, found.shared))
+                },
+            );
+        }
+        if !spread.is_bounded || spread.position_sd_mm > LARGEST_POSITION_SIGMA * length_mm {
+            return undetermined("the position", spread.position_sd_mm, "mm");
+        }
+        found.sigma_n = found.sigma_n.max(spread.sigma_n);
+    }
+    if !is_linear {
+        return undetermined("the force", found.sigma_n, "N");
+    }
     if let (Some(sought), Direction::Leaning(lean)) = (sought, question.direction)
         && (sought.by_lean_n * sought.sd_deg).abs() > COUNTS * found.sigma_n
     {
@@ -96,7 +135,7 @@ pub fn force_in_view(
             let angle_deg = sought.lean_deg + reach * sought.sd_deg;
             let direction = Direction::Leaning(Lean { angle_deg, sd_deg: 0.0, build_up_n: 0.0, ..lean });
             let start = SensedBefore { s_mm: found.s_mm, angle_deg, force_n: found.force_n };
-            let (end, ..) = from(ContactQuestion { direction, ..question }, start, Some(&shared))?;
+            let end = from(ContactQuestion { direction, ..question }, start, Some(&shared))?.force;
             Some(((end.force_n - found.force_n) / reach).powi(2))
         };
         let ends: Vec<f64> = [-REACH, REACH].into_iter().filter_map(off_n2).collect();
@@ -104,7 +143,20 @@ pub fn force_in_view(
         let more_n2 = mean_n2 - (sought.by_lean_n * sought.sd_deg).powi(2);
         found.sigma_n = found.sigma_n.hypot(more_n2.max(0.0).sqrt());
     }
-    Some(found)
+    Ok(found)
+}
+
+/// A minimum that a search found.
+struct Found {
+    force: ForceInView,
+    /// The lean, if it was sought.
+    lean: Option<SoughtLean>,
+    /// Errors of the unloaded finger, in standard deviations.
+    shared: Vec<f64>,
+    /// Standard deviation of the position, mm. Zero for a known position.
+    position_sd_mm: f64,
+    /// Whether the force is known well, or the markers follow a change of it by one standard deviation linearly.
+    is_linear: bool,
 }
 
 /// An estimated lean (angle between force and normal) and its standard deviation, degrees. `by_lean_n` is the derivative of the force with respect to the lean,
@@ -122,7 +174,7 @@ fn found_from(
     errors: &[UnloadedError],
     before: SensedBefore,
     shared: Option<&Vec<f64>>,
-) -> Option<(ForceInView, Option<SoughtLean>, Vec<f64>)> {
+) -> Option<Found> {
     let OneView { view, is_from_rest, question } = asked;
     let lean = match question.direction {
         Direction::Leaning(lean) => lean,
@@ -194,6 +246,16 @@ fn found_from(
     let test = ResidualTest::new(Some(view.noise_mm), squares_mm2, by.nrows().saturating_sub(by.ncols()));
     let wider = test.map_or(1.0, |test| test.trusted_noise_mm() / view.noise_mm);
     let of_markers = fitted.residual.rows(0, coordinates).norm_squared() / coordinates as f64;
+    let sigma_n = variance_n2.sqrt() * wider;
+    let follows = |change_n: f64| {
+        let changed = ViewUnknowns { force_n: own.force_n + change_n, ..own };
+        let Some(rows) = problem.weighted(Some(&pressed), &candidate, &views[0], &changed) else { return false };
+        let moved = DVector::from_vec(rows).rows(0, coordinates) - fitted.residual.rows(0, coordinates);
+        let linear = fitted.jacobian.column(errors.len() + OWN).rows(0, coordinates) * change_n;
+        (moved - &linear).norm() <= LARGEST_DEPARTURE * linear.norm()
+    };
+    let position_sd_mm = if known == 0 { covariance[(errors.len(), errors.len())].sqrt() } else { 0.0 };
+    let is_linear = sigma_n <= WELL_KNOWN * own.force_n.abs() || [-sigma_n, sigma_n].into_iter().all(follows);
     let force = (candidate.base * own.base).rotation * pressed.force;
     let found = ForceInView {
         s_mm: own.s_mm,
@@ -202,12 +264,12 @@ fn found_from(
             _ => finger.angle_deg(force * own.force_n.signum()),
         },
         force_n: own.force_n,
-        sigma_n: variance_n2.sqrt() * wider,
+        sigma_n,
         squares: fitted.squares,
         residual_rms_mm: of_markers.sqrt() * view.noise_mm,
         test,
     };
-    Some((found, sought, fitted.point.shared))
+    Some(Found { force: found, lean: sought, shared: fitted.point.shared, position_sd_mm, is_linear })
 }
 
 /// Difference between the lean (angle between force and normal) of an earlier estimate and the mean lean, degrees. Zero unless the lean refers to the

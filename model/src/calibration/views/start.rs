@@ -114,6 +114,6 @@ impl Problem<'_> {
         let view = View { noise_mm, ..view.clone() };
         let asked = OneView { view: &view, is_from_rest: false, question };
         let found = force_in_view(self.finger, asked, self.model, &errors, None);
-        found.map(|found| own(found.s_mm, found.force_n)).ok_or(refused.into())
+        found.map(|found| own(found.s_mm, found.force_n)).map_err(|_| refused.into())
     }
 }

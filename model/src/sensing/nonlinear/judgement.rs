@@ -16,7 +16,7 @@ use nalgebra::DMatrix;
 /// A direction is not identifiable if its standard deviation exceeds this angle, degrees. A position is not identifiable if its standard deviation exceeds this
 /// share of the plate's length.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
-const LARGEST_POSITION_SIGMA: f64 = 0.25;
+pub(crate) const LARGEST_POSITION_SIGMA: f64 = 0.25;
 /// Another minimum explains the data equally well if its misfit (sum of squared residuals) exceeds the smallest misfit by at most this many noise variances.
 /// The forces of the two minima count as different if one force differs by more than `ANOTHER_ANSWER_SIGMAS` standard deviations.
 const AS_GOOD: f64 = 9.0;

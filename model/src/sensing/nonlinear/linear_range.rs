@@ -10,10 +10,10 @@ use crate::statics::StaticsError;
 use nalgebra::DVectorView;
 
 /// A force with at most this relative standard deviation needs no check.
-const WELL_KNOWN: f64 = 0.3;
+pub(crate) const WELL_KNOWN: f64 = 0.3;
 /// A force is changed by one standard deviation. It is refused if the nonlinear motion of the markers then differs from the linearised motion by more than this
 /// share. See Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
-const LARGEST_DEPARTURE: f64 = 0.5;
+pub(crate) const LARGEST_DEPARTURE: f64 = 0.5;
 
 /// An axis of the confidence region needs no check if its standard deviation is at most this share of the largest force. Without noise the ends of such an axis
 /// differ only by rounding.

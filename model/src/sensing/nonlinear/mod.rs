@@ -23,7 +23,9 @@ mod touching;
 mod unknowns;
 
 pub use discretisation::Discretisation;
+pub(crate) use judgement::LARGEST_POSITION_SIGMA;
 pub(crate) use leaning::{COUNTS, REACH};
+pub(crate) use linear_range::{LARGEST_DEPARTURE, WELL_KNOWN};
 pub use refine::sense_refining;
 
 use super::{
