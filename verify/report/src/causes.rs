@@ -144,7 +144,7 @@ fn by_region(study: &Study) -> Table {
         .page("finger, contact", Format::Words, |map| format!("{}, {}", map.truth.label(), map.contact.name()))
         .page("sensed by", Format::Words, |map| estimator_in_words(map))
         .each(Region::ENDS_AND_MIDDLE, |columns, region| {
-            columns.cells(Column::words(region.name()), move |map| cell(map, region))
+            columns.cells(region.name(), Format::Words, move |map| cell(map, region))
         })
         .table(
             format!(

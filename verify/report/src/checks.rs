@@ -35,7 +35,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// Table of the files that contain each check with its numbers.
 fn files() -> Table {
     Columns::<[&str; 2]>::new()
-        .cells(Column::words("file"), |[file, _]| Cell::file(*file))
+        .cells("file", Format::Words, |[file, _]| Cell::file(*file))
         .page("holds", Format::Words, |[_, holds]| *holds)
         .table(
             "One by one",
@@ -129,6 +129,6 @@ fn by_source(checks: &[&Check]) -> Table {
         .page("source", Format::Words, |(_, source)| *source)
         .page("checks", Format::Plain, |source| of(source).len())
         .page("largest difference / tolerance", Format::Percent, |source| worst(of(source).into_iter().map(share)))
-        .cells(Column::words("verdict"), |source| verdict(of(source).into_iter().all(Check::passes), ["pass", "fail"]))
+        .cells("verdict", Format::Words, |source| verdict(of(source).into_iter().all(Check::passes), ["pass", "fail"]))
         .table("Checks by kind and source of their reference", CSV, sources)
 }

@@ -19,7 +19,7 @@ pub(super) fn section(Results { claims, .. }: Results) -> Result<Option<Section>
         return Ok(None);
     }
     let columns = Columns::<&Claim>::new()
-        .cells(Column::words("verdict"), |claim| verdict(claim.verdict))
+        .cells("verdict", Format::Words, |claim| verdict(claim.verdict))
         .page("claim", Format::Words, |claim| claim.claim.clone())
         .page("paper", Format::Words, |claim| claim.paper.clone())
         .page("ours", Format::Words, |claim| claim.ours.clone())

@@ -8,21 +8,19 @@ pub use value::{Format, Value};
 
 use super::page::{self, Cell, Table};
 use finray_files::csv_text;
-use serde::{Serialize, Serializer};
+use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-/// Columns of a table with rows of type `R`.
-pub struct Columns<'c, R>(Vec<Column<'c, R>>);
-
-struct Column<'c, R> {
-    in_files: Option<(&'static str, Accessor<'c, R, Value>)>,
-    on_page: Option<(page::Column, Accessor<'c, R, Cell>)>,
+/// Columns of a table with rows of type `R`: those of the files with their keys, and those of the page.
+pub struct Columns<'c, R> {
+    in_files: Vec<(&'static str, Accessor<'c, R, Value>)>,
+    on_page: Vec<(page::Column, Accessor<'c, R, Cell>)>,
 }
 
 type Accessor<'c, R, T> = Box<dyn Fn(&R) -> T + 'c>;
 
 impl<R> Default for Columns<'_, R> {
     fn default() -> Self {
-        Columns(Vec::new())
+        Columns { in_files: Vec::new(), on_page: Vec::new() }
     }
 }
 
@@ -34,8 +32,7 @@ impl<'c, R: 'c> Columns<'c, R> {
 
     /// Adds a column that only the files have: its key, which includes the unit, and its values.
     pub fn file<V: Into<Value>>(mut self, key: &'static str, of: impl Fn(&R) -> V + 'c) -> Self {
-        let value = move |row: &R| of(row).into();
-        self.0.push(Column { in_files: Some((key, Box::new(value))), on_page: None });
+        self.in_files.push((key, Box::new(move |row: &R| of(row).into())));
         self
     }
 
@@ -52,12 +49,13 @@ impl<'c, R: 'c> Columns<'c, R> {
 
     /// Adds a column that only the page has.
     pub fn page<V: Into<Value>>(self, heading: impl Into<String>, format: Format, of: impl Fn(&R) -> V + 'c) -> Self {
-        self.cells(heading_of(heading, format), move |row| format.cell(&of(row).into()))
+        self.cells(heading, format, move |row| format.cell(&of(row).into()))
     }
 
-    /// Adds a column that only the page has, with a function that makes the cells.
-    pub fn cells(mut self, heading: page::Column, of: impl Fn(&R) -> Cell + 'c) -> Self {
-        self.0.push(Column { in_files: None, on_page: Some((heading, Box::new(of))) });
+    /// Adds a column that only the page has, with a function that makes the cells; `format` aligns the heading.
+    pub fn cells(mut self, heading: impl Into<String>, format: Format, of: impl Fn(&R) -> Cell + 'c) -> Self {
+        let heading = page::Column { name: heading.into(), numeric: format != Format::Words };
+        self.on_page.push((heading, Box::new(of)));
         self
     }
 
@@ -68,35 +66,22 @@ impl<'c, R: 'c> Columns<'c, R> {
 
     /// The page's table with these rows; `csv` names the file with the same numbers.
     pub fn table(&self, caption: impl Into<String>, csv: &str, rows: impl IntoIterator<Item = R>) -> Table {
-        let shown = || self.0.iter().filter_map(|column| column.on_page.as_ref());
-        let rows = rows.into_iter().map(|row| shown().map(|(_, of)| of(&row)).collect());
+        let cells = |row: R| self.on_page.iter().map(|(_, of)| of(&row)).collect();
         Table {
             caption: caption.into(),
-            columns: shown().map(|(heading, _)| heading.clone()).collect(),
-            rows: rows.collect(),
+            columns: self.on_page.iter().map(|(heading, _)| heading.clone()).collect(),
+            rows: rows.into_iter().map(cells).collect(),
             csv: Some(csv.to_owned()),
         }
     }
-}
-
-fn heading_of(heading: impl Into<String>, format: Format) -> page::Column {
-    page::Column { name: heading.into(), numeric: format != Format::Words }
 }
 
 /// Rows under a common name, for the summary and a CSV file.
 pub struct Dataset<'s> {
     csv: String,
     rows: Box<dyn Rows + 's>,
-    is_empty: bool,
-    table: Table,
-    goes_to: GoesTo,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum GoesTo {
-    Both,
-    CsvAlone,
-    SummaryAlone,
+    in_csv: bool,
+    in_summary: bool,
 }
 
 /// Rows that can write themselves as CSV and JSON.
@@ -105,101 +90,58 @@ trait Rows {
     fn json(&self) -> Result<String, serde_json::Error>;
 }
 
-/// Rows that are serialised by their own type.
-struct Records<T>(Vec<T>);
-
-impl<T: Serialize> Rows for Records<T> {
+impl<T: Serialize> Rows for Vec<T> {
     fn csv(&self) -> Result<String, csv::Error> {
-        csv_text(&self.0)
+        csv_text(self)
     }
 
     fn json(&self) -> Result<String, serde_json::Error> {
-        serde_json::to_string_pretty(&self.0)
+        serde_json::to_string_pretty(self)
     }
 }
 
-/// Rows of values, with the keys of their columns.
-struct Values {
-    keys: Vec<&'static str>,
-    rows: Vec<Vec<Value>>,
-}
+/// A row of values with the keys of their columns.
+struct Fields(Vec<(&'static str, Value)>);
 
-impl Rows for Values {
-    fn csv(&self) -> Result<String, csv::Error> {
-        // A CSV file has a list in a single field.
-        let flat = |value: &Value| match value {
-            Value::List(_) => Value::Text(value.in_words()),
-            other => other.clone(),
-        };
-        let header = self.keys.iter().map(|key| Value::from(*key)).collect();
-        let rows = self.rows.iter().map(|row| row.iter().map(flat).collect());
-        csv_text(std::iter::once(header).chain(rows).collect::<Vec<Vec<Value>>>())
-    }
-
-    fn json(&self) -> Result<String, serde_json::Error> {
-        let rows: Vec<Fields> = self.rows.iter().map(|row| Fields(&self.keys, row)).collect();
-        serde_json::to_string_pretty(&rows)
-    }
-}
-
-/// A row as a JSON object, with the fields in the order of the keys.
-struct Fields<'v>(&'v [&'static str], &'v [Value]);
-
-impl Serialize for Fields<'_> {
+impl Serialize for Fields {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().zip(self.1))
+        let mut fields = serializer.serialize_struct("row", self.0.len())?;
+        self.0.iter().try_for_each(|(key, value)| fields.serialize_field(key, value))?;
+        fields.end()
     }
 }
 
 impl<'s> Dataset<'s> {
     /// A dataset from columns and rows. `csv` names the CSV file; without its suffix it names the summary's array.
     pub fn new<R: 's>(csv: &str, columns: &Columns<'s, R>, rows: impl IntoIterator<Item = R>) -> Self {
-        let rows: Vec<R> = rows.into_iter().collect();
-        let in_files = || columns.0.iter().filter_map(|column| column.in_files.as_ref());
-        let values = Values {
-            keys: in_files().map(|(key, _)| *key).collect(),
-            rows: rows.iter().map(|row| in_files().map(|(_, of)| of(row)).collect()).collect(),
-        };
-        let is_empty = rows.is_empty();
-        let table = columns.table("", csv, rows);
-        Dataset { csv: csv.to_owned(), rows: Box::new(values), is_empty, table, goes_to: GoesTo::Both }
+        let fields = |row: R| Fields(columns.in_files.iter().map(|(key, of)| (*key, of(&row))).collect());
+        Self::records(csv, rows.into_iter().map(fields))
     }
 
     /// A dataset as of [`new`](Self::new), with rows that are serialised by their own type.
     pub fn records<T: Serialize + 's>(csv: &str, rows: impl IntoIterator<Item = T>) -> Self {
-        let rows = Records(rows.into_iter().collect());
-        let (csv, is_empty) = (csv.to_owned(), rows.0.is_empty());
-        Dataset { csv, rows: Box::new(rows), is_empty, table: Table::default(), goes_to: GoesTo::Both }
+        let rows: Vec<T> = rows.into_iter().collect();
+        Dataset { csv: csv.to_owned(), in_csv: !rows.is_empty(), in_summary: true, rows: Box::new(rows) }
     }
 
     /// Restricts the dataset to its CSV file, without the summary's array.
     pub fn csv_alone(self) -> Self {
-        Dataset { goes_to: GoesTo::CsvAlone, ..self }
+        Dataset { in_summary: false, ..self }
     }
 
     /// Restricts the dataset to the summary's array, without a CSV file.
     pub fn summary_alone(self) -> Self {
-        Dataset { goes_to: GoesTo::SummaryAlone, ..self }
-    }
-
-    /// The page's table, with the columns shown there.
-    pub fn table(self, caption: impl Into<String>) -> Table {
-        Table { caption: caption.into(), ..self.table }
+        Dataset { in_csv: false, ..self }
     }
 
     /// Name and text of the CSV file; `None` if the dataset has no rows or no CSV file.
     pub fn csv(&self) -> Result<Option<(String, String)>, csv::Error> {
-        if self.is_empty || self.goes_to == GoesTo::SummaryAlone {
-            return Ok(None);
-        }
-        Ok(Some((self.csv.clone(), self.rows.csv()?)))
+        self.in_csv.then(|| self.rows.csv().map(|text| (self.csv.clone(), text))).transpose()
     }
 
     /// Key and JSON text of the summary's array, which may be empty; `None` if the dataset has no array.
     pub fn json(&self) -> Result<Option<(&str, String)>, serde_json::Error> {
-        if self.goes_to == GoesTo::CsvAlone {
-            return Ok(None);
-        }
-        Ok(Some((self.csv.trim_end_matches(".csv"), self.rows.json()?)))
+        let key = self.csv.trim_end_matches(".csv");
+        self.in_summary.then(|| self.rows.json().map(|text| (key, text))).transpose()
     }
 }

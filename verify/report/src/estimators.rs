@@ -48,7 +48,7 @@ fn rows(study: &Study) -> impl Iterator<Item = Row<'_>> {
 fn columns<'s>() -> Columns<'s, Row<'s>> {
     let cells = |row: &Row| row.cells.and_then(|cells| Some(format!("{} of {}", percent(cells.share()?), cells.cells)));
     Columns::<Row>::new()
-        .file("estimator", |row| row.estimator)
+        .file("estimator", |row| row.estimator.name())
         .file("cells", |row| row.cells.map(|cells| cells.cells))
         .file("trusted", |row| row.cells.map(|cells| cells.trusted))
         .file("share_without_warning", |row| Some(row.coverage?.share_without_warning()))

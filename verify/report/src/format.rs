@@ -3,7 +3,6 @@
 pub use finray_studies::statistics::Span;
 
 use super::page::{Cell, Shade};
-use finray_studies::sampling::scatter::ScatterRow;
 use finray_studies::settings::{GROSS_ERROR, TRUSTED_ERROR};
 
 /// Text for a missing number.
@@ -89,16 +88,6 @@ pub fn capitalised(words: &str) -> String {
 /// Items joined by the text `between`.
 pub fn list<T: ToString>(items: impl IntoIterator<Item = T>, between: &str) -> String {
     items.into_iter().map(|item| item.to_string()).collect::<Vec<_>>().join(between)
-}
-
-/// Node numbers as part of a sentence: `19 and 20`.
-pub fn nodes_in_words(nodes: &[usize]) -> String {
-    list(nodes, " and ")
-}
-
-/// Share of refused cases over all rows; `0` if no case is refused.
-pub fn share_refused<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> String {
-    share_of_counts(rows.into_iter().map(|row| [row.refused, row.cases]))
 }
 
 /// Share of refused cases, from pairs of counts (refused, answered); `0` if no case is refused.

@@ -22,7 +22,7 @@ fn columns<'s>() -> Columns<'s, &'s HardCase> {
         .file("outcome", |case| outcome(case))
         .file("seconds", |case| case.seconds)
         .file("verdict", |case| VERDICTS[usize::from(!case.passes())])
-        .cells(Column::words("verdict"), |case| verdict(case.passes(), VERDICTS))
+        .cells("verdict", Format::Words, |case| verdict(case.passes(), VERDICTS))
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {

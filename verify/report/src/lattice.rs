@@ -51,21 +51,20 @@ pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
     vec![
         Dataset::new(CSV, &fineness, by_force),
         Dataset::new(AXIAL_CSV, &axial, axial_by_force),
-        settled(lattices().flat_map(|lattice| &lattice.settling)),
+        Dataset::new(SETTLING_CSV, &settled(), lattices().flat_map(|lattice| &lattice.settling)),
     ]
 }
 
-/// Dataset of the settings of settling: sweeps and precision. The error is missing if the lattice does not settle.
-pub fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
-    let columns = Columns::<&SettlingRow>::new()
+/// Settings of settling: sweeps and precision. The error is missing if the lattice does not settle.
+pub fn settled<'s>() -> Columns<'s, &'s SettlingRow> {
+    Columns::<&SettlingRow>::new()
         .both("sweeps", "sweeps per step", Format::Plain, |row| row.sweeps)
         .both("positions", "precision", Format::Words, |row| match row.positions {
             Precision::Double => "double",
             Precision::Single => "single",
         })
         .both("error", "difference, if it settles", Format::PercentTwoDigits, |row| row.error)
-        .file("steps", |row| row.steps);
-    Dataset::new(SETTLING_CSV, &columns, rows)
+        .file("steps", |row| row.steps)
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
@@ -83,9 +82,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
     let mut folded = vec![text(words::SPRINGS), Block::Table(axial(lattice))];
     if !lattice.settling.is_empty() {
-        folded.push(Block::Table(settled(lattice.settling.iter()).table(
-            "The settled lattice against its equilibrium; single: positions and rotations rounded (the engine's own such build was not run)",
-        )));
+        let caption = "The settled lattice against its equilibrium; single: positions and rotations rounded (the engine's own such build was not run)";
+        folded.push(Block::Table(settled().table(caption, SETTLING_CSV, &lattice.settling)));
     }
     folded.push(text(words::precision(lattice)));
     blocks.push(details("Choice of springs, and settings of settling", folded));
@@ -102,7 +100,7 @@ pub fn axial(lattice: &LatticeStudy) -> Table {
     Columns::<&AxialRow>::new()
         .page("axial springs", Format::Words, |row| row.name)
         .each(lattice.axial_forces_n.iter().enumerate(), |columns, (i, force_n)| {
-            columns.cells(Column::numbers(format!("{force_n} N")), move |row| cell(row, i))
+            columns.cells(format!("{force_n} N"), Format::Plain, move |row| cell(row, i))
         })
         .table(
             format!("Difference from converged beams, {FINENESS} segments per plate member"),

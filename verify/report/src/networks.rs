@@ -1,7 +1,7 @@
 //! The shipped networks, their training, and the network size that is needed.
 
 use super::drawings::{Line, one_and_two};
-use super::format::{list, nodes_in_words, percent_with};
+use super::format::{list, percent_with};
 use super::trainings;
 use crate::prelude::*;
 use finray_studies::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
@@ -73,7 +73,7 @@ fn says(networks: &NetworkStudy) -> Option<String> {
     let (most, worst) = over.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let sums = networks.rows.iter().filter_map(|row| Some((sum(row)?.mean_error / bound(sum(row)?)?, row)));
     let sum = sums.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(String::new, |(most, row)| {
-        format!(", a sum by up to {most:.2} times (nodes {})", nodes_in_words(&row.nodes))
+        format!(", a sum by up to {most:.2} times (nodes {})", list(&row.nodes, " and "))
     });
     let checks = networks.checks();
     let kept = checks.iter().filter(|check| check.passes()).count();
@@ -82,7 +82,7 @@ fn says(networks: &NetworkStudy) -> Option<String> {
         tolerances => format!(" {kept} of {tolerances} checks against these bounds pass."),
     };
     let (one, two, counts) = (errors(1)?, errors(2)?, Counts::of(&networks.rows));
-    let (plural, nodes) = (if worst.nodes.len() > 1 { "s" } else { "" }, nodes_in_words(&worst.nodes));
+    let (plural, nodes) = (if worst.nodes.len() > 1 { "s" } else { "" }, list(&worst.nodes, " and "));
     Some(format!(
         "The shipped networks err by {one} for one force and by {two} for each of two ({counts}). Each force errs by at most {most:.2} times its Cramer-Rao \
          bound (node{plural} {nodes}){sum}.{tolerances}"

@@ -226,18 +226,6 @@ impl Section {
     }
 }
 
-impl Column {
-    /// A column of text.
-    pub fn words(name: impl Into<String>) -> Self {
-        Self { name: name.into(), numeric: false }
-    }
-
-    /// A column of numbers.
-    pub fn numbers(name: impl Into<String>) -> Self {
-        Self { name: name.into(), numeric: true }
-    }
-}
-
 impl Cell {
     /// A cell without background.
     pub fn plain(text: impl Into<String>) -> Self {

@@ -1,7 +1,7 @@
 //! Two contacts at once: pairs of nodes at which both forces can be trusted, and the reason why neighbouring nodes are difficult.
 
 use super::drawings::percent_classes;
-use super::format::{list, nodes_in_words, range_of};
+use super::format::{list, range_of};
 use crate::prelude::*;
 use finray_studies::experiments::noise::NoiseStudy;
 use finray_studies::settings::TWO_FORCES_N;
@@ -19,7 +19,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     });
     let columns = Columns::<(&ScatterRow, f64)>::new()
         .file("nodes", |(row, _)| list(&row.nodes, " "))
-        .file("estimator", |(row, _)| row.estimator)
+        .file("estimator", |(row, _)| row.estimator.name())
         .file("noise_mm", |(row, _)| row.noise_mm)
         .file("drawn", |(row, _)| row.drawn())
         .file("answered", |(row, _)| row.cases)
@@ -114,7 +114,7 @@ fn two_digits(value: f64) -> String {
 /// Sentence on pairs that can be trusted.
 fn trusted(NoiseStudy { pairs, linear_pairs, .. }: &NoiseStudy) -> Option<String> {
     let sums = |rows: &[ScatterRow]| Some(range_of(Span::of(rows.iter().filter_map(|row| Some(row.sum?.mean_error)))?));
-    let bad = pairs.iter().filter(|row| !row.is_within(TRUSTED_ERROR)).map(|row| nodes_in_words(&row.nodes));
+    let bad = pairs.iter().filter(|row| !row.is_within(TRUSTED_ERROR)).map(|row| list(&row.nodes, " and "));
     let which = match &bad.collect::<Vec<_>>()[..] {
         [] => "every pair".to_owned(),
         bad => format!("all pairs but {}", bad.join(", ")),

@@ -2,7 +2,7 @@
 
 pub(crate) use crate::dataset::{Columns, Dataset, Format};
 pub(crate) use crate::format::Span;
-pub(crate) use crate::page::{Block, Cell, Column, Figure, Section, Shade, Table, details, text};
+pub(crate) use crate::page::{Block, Cell, Figure, Section, Shade, Table, details, text};
 pub(crate) use crate::{ReportError, Results};
 pub(crate) use finray_figures::{Axis, Cells, Chart, Class, Dash, FigureError, Frame, Hue, Map, Point, Series};
 pub(crate) use finray_model::estimators::EstimatorId;

@@ -23,7 +23,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         touched.shape.motions().iter().map(move |m| (touched, m.node.0, m.position + m.displacement))
     });
     let of_touched = Columns::<(&TouchedFinger, usize, Vector)>::new()
-        .file("truth", |(shape, ..)| shape.truth)
+        .file("truth", |(shape, ..)| shape.truth.name())
         .file("loaded_node", |(shape, ..)| shape.node)
         .file("angle_deg", |(shape, ..)| shape.angle_deg)
         .file("force_n", |(shape, ..)| shape.force_n)

@@ -171,11 +171,11 @@ pub fn table(points: &[SpeedErrorPoint]) -> Table {
         .page("setting", Format::Words, |point| setting(point))
         .page("time", Format::Plain, |point| time(point.seconds))
         .page("error", Format::Percent, |point| Some(point.error).filter(|error| error.is_finite()))
-        .cells(Column::numbers("model error"), move |point| {
+        .cells("model error", Format::Plain, move |point| {
             let words = or_nothing(point.bias_sigmas.map(|bias| format!("{bias:.2}")));
             amber_if(point.bias_sigmas > Some(LARGEST_BIAS_SIGMAS), words)
         })
-        .cells(Column::numbers("failed"), move |point| match point.asked {
+        .cells("failed", Format::Plain, move |point| match point.asked {
             0 => Cell::plain(NOTHING),
             _ if point.failed == 0 => Cell::plain("0"),
             asked => amber_if(true, format!("{} of {asked}", point.failed)),

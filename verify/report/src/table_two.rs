@@ -5,7 +5,7 @@ mod rows;
 pub mod words;
 
 use super::drawings::error_bars;
-use super::format::{NOTHING, error, error_as, share_of_counts, share_refused, span_in_words};
+use super::format::{NOTHING, error, error_as, share_of_counts, span_in_words};
 use crate::prelude::*;
 use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded};
 use finray_studies::experiments::networks::records::RecipeRow;
@@ -144,7 +144,8 @@ fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     }
     let line = |truth: TruthId, estimator: EstimatorId, name: &str| {
         let cells = by_group(|group, of| error_or_rounding(estimated(two, (truth, noise_mm, estimator), group, of)));
-        (name.to_owned(), cells, share_refused(two.of(truth, noise_mm, estimator)))
+        let counts = two.of(truth, noise_mm, estimator).map(|row| [row.refused, row.cases]);
+        (name.to_owned(), cells, share_of_counts(counts))
     };
     let here = settings(two).into_iter().filter(|(of, noise, _)| (*of, *noise) == (truth, noise_mm));
     lines.extend(here.map(|(.., estimator)| line(truth, estimator, estimator.label())));
@@ -164,7 +165,7 @@ fn by_estimator(title: &str, csv: &'static str, lines: Vec<Line>) -> Table {
     Columns::<Line>::new()
         .page("sensed by", Format::Words, |(name, ..)| name.clone())
         .each(headings.into_iter().enumerate(), |columns, (i, heading)| {
-            columns.cells(Column::numbers(heading), move |(_, cells, _)| cells[i].clone())
+            columns.cells(heading, Format::Plain, move |(_, cells, _)| cells[i].clone())
         })
         .page("refused", Format::Plain, |(.., refused)| refused.clone())
         .table(title, csv, lines)

@@ -1,6 +1,6 @@
 //! Recorded trainings: comparison of recipes, and error by number of cases and by network size.
 
-use super::format::{NOTHING, Span, error_as, list, share_of_counts, span_in_words};
+use super::format::{NOTHING, Span, error_as, list, percent_with, share_of_counts, span_in_words};
 use super::table_two::recorded_settings;
 use crate::prelude::*;
 use finray_studies::experiments::networks::records::{CurveRow, RecipeRow, Records};
@@ -59,7 +59,7 @@ pub fn by_recipe(recorded: &[RecipeRow]) -> Table {
         .page("noise, mm", Format::Plain, |(_, noise_mm, _)| *noise_mm)
         .each(quantities, |columns, (set, quantity, heading)| {
             let nodes = list(set.nodes, " ");
-            columns.cells(Column::numbers(heading), move |(.., rows)| {
+            columns.cells(heading, Format::Plain, move |(.., rows)| {
                 let of_set = rows.iter().filter(|row| row.nodes == nodes && row.quantity == quantity);
                 let errors = Span::of(of_set.filter_map(|row| row.mean_error));
                 errors.map_or(Cell::plain(NOTHING), |errors| error_as(span_in_words(errors), errors.mean))
@@ -82,7 +82,7 @@ pub fn by_size(recorded: &[CurveRow]) -> Table {
         .page("mean error", Format::Plain, |rows| {
             Some(span_in_words(Span::of(rows.iter().filter_map(|row| row.mean_error))?))
         })
-        .page("at the bound", Format::PercentFixed(2), |rows| rows[0].mean_error_bound)
+        .page("at the bound", Format::Plain, |rows| rows[0].mean_error_bound.map(|share| percent_with(share, 2)))
         .table(
             "On the uniform finger with noise: mean error over the seeds (least to greatest)",
             CURVES_CSV,

@@ -35,6 +35,6 @@ fn what_has_no_equilibrium_or_does_not_settle_is_said() {
     let file = data(Some(&study))[1].csv().expect("text").expect("a file").1;
     assert_eq!(file.lines().filter(|line| line.ends_with(',')).count(), 2);
     study.settling[4].error = None;
-    let single = settled(study.settling.iter()).table("").rows.pop().expect("single precision");
+    let single = settled().table("", "", &study.settling).rows.pop().expect("single precision");
     assert_eq!(single.iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(), ["32", "single", "-"]);
 }

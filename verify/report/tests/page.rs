@@ -39,7 +39,9 @@ fn figure(csv: Option<&str>) -> Figure {
 fn section() -> Section {
     let table = Table {
         caption: "Errors".into(),
-        columns: vec![Column::words("node"), Column::numbers("error, %")],
+        columns: [("node", false), ("error, %", true)]
+            .map(|(name, numeric)| Column { name: name.into(), numeric })
+            .into(),
         rows: vec![
             vec![Cell::file("24.csv"), Cell::shaded("12 < 25", Shade::Amber)],
             vec![Cell::plain("linear finger"), Cell::plain("0")],

@@ -23,8 +23,8 @@ pub(super) fn by_cell(study: &Study) -> Dataset<'_> {
         map.causes.iter().position(|other| *other == cause).and_then(|i| cell.shares[i])
     };
     let columns = Columns::<Row>::new()
-        .file("truth", |(map, _)| map.truth)
-        .file("estimator", |(map, _)| map.practice.estimator())
+        .file("truth", |(map, _)| map.truth.name())
+        .file("estimator", |(map, _)| map.practice.estimator().name())
         .file("contact", |(map, _)| map.contact.name())
         .file("s_mm", |(_, cell)| cell.s_mm)
         .file("angle_deg", |(_, cell)| cell.angle_deg)
@@ -56,8 +56,8 @@ pub(super) fn by_region(study: &Study) -> Dataset<'_> {
         },
     );
     let columns = Columns::<Row>::new()
-        .file("truth", |row| row.map.truth)
-        .file("estimator", |row| row.map.practice.estimator())
+        .file("truth", |row| row.map.truth.name())
+        .file("estimator", |row| row.map.practice.estimator().name())
         .file("contact", |row| row.map.contact.name())
         .file("force_n", |row| row.force_n)
         .file("region", |row| row.region.name())

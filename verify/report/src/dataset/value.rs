@@ -1,12 +1,10 @@
 //! A value of a table, as written in files and as shown on the page.
 
-use crate::format::{NOTHING, error, percent, percent_two_digits, percent_with};
+use crate::format::{NOTHING, error, percent, percent_two_digits};
 use crate::page::Cell;
-use finray_model::estimators::EstimatorId;
-use finray_studies::truths::TruthId;
 use serde::Serialize;
 
-/// A value in a file. CSV has numbers in their shortest exact form, an empty field for a missing value, and lists separated by spaces.
+/// A value in a file. CSV has numbers in their shortest exact form, and an empty field for a missing value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value {
@@ -18,8 +16,6 @@ pub enum Value {
     Number(f64),
     /// True or false.
     Bool(bool),
-    /// Several values in one field.
-    List(Vec<Value>),
     /// No value.
     None,
 }
@@ -35,18 +31,6 @@ macro_rules! value_from {
 }
 value_from!(String => Value::Text, usize => Value::Integer, f64 => Value::Number, bool => Value::Bool);
 
-impl From<TruthId> for Value {
-    fn from(truth: TruthId) -> Value {
-        truth.name().into()
-    }
-}
-
-impl From<EstimatorId> for Value {
-    fn from(estimator: EstimatorId) -> Value {
-        estimator.name().into()
-    }
-}
-
 impl From<&str> for Value {
     fn from(text: &str) -> Value {
         Value::Text(text.to_owned())
@@ -59,12 +43,6 @@ impl<V: Into<Value>> From<Option<V>> for Value {
     }
 }
 
-impl<V: Into<Value>> From<Vec<V>> for Value {
-    fn from(values: Vec<V>) -> Value {
-        Value::List(values.into_iter().map(V::into).collect())
-    }
-}
-
 impl Value {
     /// The value as plain text.
     pub(super) fn in_words(&self) -> String {
@@ -73,7 +51,6 @@ impl Value {
             Value::Integer(integer) => integer.to_string(),
             Value::Number(number) => number.to_string(),
             Value::Bool(holds) => holds.to_string(),
-            Value::List(values) => values.iter().map(Value::in_words).collect::<Vec<_>>().join(" "),
             Value::None => NOTHING.to_owned(),
         }
     }
@@ -90,8 +67,6 @@ pub enum Format {
     Fixed(usize),
     /// A share in percent.
     Percent,
-    /// A share in percent with this number of decimals.
-    PercentFixed(usize),
     /// A share in percent with two significant digits, however small.
     PercentTwoDigits,
     /// An error: a share in percent, amber above 10 % and red above 25 %.
@@ -106,7 +81,6 @@ impl Format {
             Format::Words | Format::Plain => Cell::plain(value.in_words()),
             Format::Fixed(decimals) => Cell::plain(format!("{number:.decimals$}")),
             Format::Percent => Cell::plain(percent(number)),
-            Format::PercentFixed(decimals) => Cell::plain(percent_with(number, decimals)),
             Format::PercentTwoDigits => Cell::plain(percent_two_digits(number)),
             Format::Error => error(number),
         }

@@ -1,7 +1,6 @@
 //! Files and tables of the maps: cells and key figures of each map, cells of the overview, and explaining quantities.
 
 use super::{ExplainedQuantity, small};
-use crate::page::{Cell as TableCell, Column, Table};
 use crate::prelude::*;
 use finray_studies::sampling::map::MapSummary;
 use finray_studies::sampling::worst::WorstCell;
@@ -76,7 +75,7 @@ pub(super) fn figures(study: &Study) -> Table {
         .page("above 10 %", Format::Percent, |map| map.figures.share_above_10)
         .page("above 25 %", Format::Percent, |map| map.figures.share_above_25)
         .page("samples refused", Format::Percent, |map| map.figures.share_of_samples_refused)
-        .cells(Column::words("data"), |map| TableCell::file(map.csv.clone()))
+        .cells("data", Format::Words, |map| Cell::file(map.csv.clone()))
         .table(
             "Mean and largest error over the answered cells; shares of all cells with an equilibrium, refused ones above both limits",
             MAPS,
@@ -98,8 +97,8 @@ fn overview(study: &Study) -> Dataset<'static> {
         map.worst().into_iter().map(move |cell| (truth, estimator, noise_mm, cell))
     });
     let columns = Columns::<Row>::new()
-        .file("truth", |(truth, ..)| *truth)
-        .file("estimator", |(_, estimator, ..)| *estimator)
+        .file("truth", |(truth, ..)| truth.name())
+        .file("estimator", |(_, estimator, ..)| estimator.name())
         .file("noise_mm", |(_, _, noise_mm, _)| *noise_mm)
         .file("s_mm", |(.., cell)| cell.s_mm)
         .file("angle_deg", |(.., cell)| cell.angle_deg)

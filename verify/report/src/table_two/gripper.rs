@@ -1,7 +1,7 @@
 //! Table II on the moving gripper: a table, curves over the motor angle as in the paper's Figs. 9 to 11, and a file.
 
 use super::{Line as TableLine, by_estimator, by_group, error_or_rounding, of_paper, of_quantity};
-use crate::format::{nodes_in_words, share_of_counts};
+use crate::format::{list, share_of_counts};
 use crate::prelude::*;
 use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Marker, Series};
 use finray_studies::experiments::grasp::modules::{ModuleStudy, ModuleTest};
@@ -25,7 +25,7 @@ struct Line {
 
 pub(super) fn dataset(study: &Study) -> Dataset<'static> {
     let columns = Columns::<Line>::new()
-        .file("nodes", |line| line.nodes.to_vec())
+        .file("nodes", |line| list(line.nodes, " "))
         .file("turned_deg", |line| line.turned_deg)
         .file("axis_deg", |line| line.axis_deg)
         .file("sample", |line| line.sample)
@@ -92,7 +92,7 @@ fn drawing(test: &ModuleTest) -> Result<String, FigureError> {
         }
     }
     let plural = if test.nodes.len() > 1 { "s" } else { "" };
-    let title = format!("The gripper closes on sensors at node{plural} {}", nodes_in_words(test.nodes));
+    let title = format!("The gripper closes on sensors at node{plural} {}", list(test.nodes, " and "));
     let alt = format!("{title}: true and sensed forces over the motor's angle.");
     let axes = [Axis::linear("motor angle closed, deg"), Axis::linear("force, N")];
     Chart::new(Frame::third(title, alt), axes, series).svg()

@@ -28,7 +28,7 @@ struct Line {
 /// Rows of all sets, then of the groups, then of the records. Each has one row for the mean of its forces, and one for their sum if it has several.
 pub(super) fn dataset(study: &Study) -> Dataset<'static> {
     let columns = Columns::<Line>::new()
-        .file("truth", |line| line.truth)
+        .file("truth", |line| line.truth.name())
         .file("noise_mm", |line| line.noise_mm)
         .file("estimator", |line| line.estimator.clone())
         .file("group", |line| line.group.name)

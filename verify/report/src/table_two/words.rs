@@ -1,7 +1,7 @@
 //! Sentences on Table II: least squares, the nonlinear estimator, and the paper's network.
 
 use super::scaling;
-use crate::format::{list, nodes_in_words, percent};
+use crate::format::{list, percent};
 use crate::prelude::*;
 use finray_studies::experiments::networks::paper::{Figure, PAPER_RECIPES, SAME_FACTOR, figures};
 use finray_studies::experiments::networks::records::RecipeRow;
@@ -13,7 +13,7 @@ const MINOR: f64 = 0.5;
 /// Contacts, cases and forces of the table.
 pub(super) fn about(cases: usize) -> String {
     let of_group = |ContactGroup { name, sets, .. }| {
-        format!("{name} ({})", list(sets.iter().map(|set| nodes_in_words(set)), "; "))
+        format!("{name} ({})", list(sets.iter().map(|set| list(*set, " and ")), "; "))
     };
     let (groups, fits) = (list(CONTACT_GROUPS.map(of_group), ", "), cases.min(MOST_FITS));
     let forces_n = list(FORCES_N, " to ");
