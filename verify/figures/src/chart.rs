@@ -84,7 +84,7 @@ impl Chart {
         self.bars.iter().try_for_each(|bars| bars.check(&self.x))?;
         let outlines = self.patches.iter().map(|patch| &patch.outline);
         let points = || self.series.iter().map(|series| &series.points).chain(outlines.clone()).flatten();
-        let ends = self.series.iter().flat_map(Series::ends).flatten().copied();
+        let ends = self.series.iter().flat_map(|series| &series.spread).flatten().copied();
         // On a logarithmic axis, an error bar whose lower end is zero or less is drawn from the lower end of the axis.
         let ends = ends.filter(|end| self.y.scale == Scale::Linear || *end > 0.0);
         let of_bars = self.bars.iter().flat_map(Bars::heights);

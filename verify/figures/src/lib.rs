@@ -39,6 +39,6 @@ pub use map::Map;
 pub use marks::Marker;
 pub use panels::Frame;
 pub use patch::Patch;
-pub use series::{Series, Spread};
+pub use series::Series;
 pub use shades::{Class, Paint};
 pub use sheet::Dash;

@@ -51,33 +51,20 @@ const OVERLAP: f64 = 1.0;
 const REST: f64 = 0.1;
 
 impl Map {
-    /// A map with a single plot, without values in the cells and without a second axis.
-    pub fn new(frame: Frame, axes: [Axis; 2], classes: Vec<Class>, cells: Cells) -> Self {
-        Self::grid(frame, axes, classes, Vec::new(), vec![Some(cells)])
-    }
-
-    /// Small plots, row by row, with names for the rows.
-    pub fn grid(
-        frame: Frame,
-        [x, y]: [Axis; 2],
-        classes: Vec<Class>,
-        rows: Vec<String>,
-        plots: Vec<Option<Cells>>,
-    ) -> Self {
-        let (columns, missing_label, rest_label) = (Vec::new(), String::new(), String::new());
-        let (top, written) = (None, None);
+    /// Plots without names of rows and columns, without values in the cells and without a second axis.
+    pub fn new(frame: Frame, [x, y]: [Axis; 2], classes: Vec<Class>, plots: Vec<Option<Cells>>) -> Self {
         Self {
             frame,
             x,
             y,
             classes,
             plots,
-            rows,
-            columns,
-            missing_label,
-            rest_label,
-            top,
-            written,
+            rows: Vec::new(),
+            columns: Vec::new(),
+            missing_label: String::new(),
+            rest_label: String::new(),
+            top: None,
+            written: None,
             blank: |_, _| false,
         }
     }

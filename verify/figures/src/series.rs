@@ -24,26 +24,16 @@ pub struct Series {
     pub width: f64,
     /// Symbol at each point.
     pub marker: Option<Marker>,
-    /// Uncertainty at each point.
-    pub spread: Spread,
+    /// Uncertainty at each point: a vertical bar from the first value to the second; an empty list for a series without such bars.
+    pub spread: Vec<[f64; 2]>,
     /// Text at each point; an empty list for a series without such texts.
     pub labels: Vec<String>,
-}
-
-/// Uncertainty of a series.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub enum Spread {
-    /// The uncertainty is unknown and not drawn.
-    #[default]
-    None,
-    /// A vertical bar at each point, from the first value to the second.
-    Bars(Vec<[f64; 2]>),
 }
 
 impl Series {
     /// The n-th series of a chart: a solid line with symbols, in the n-th colour.
     pub fn nth(n: usize, label: impl Into<String>, points: Vec<Point>) -> Self {
-        let (marker, spread, labels) = (Some(Marker::nth(n)), Spread::None, Vec::new());
+        let (marker, spread, labels) = (Some(Marker::nth(n)), Vec::new(), Vec::new());
         Self { label: label.into(), points, hue: Hue::nth(n), dash: Dash::Solid, width: 2.6, marker, spread, labels }
     }
 
@@ -72,18 +62,11 @@ impl Series {
         Self { hue, dash: Dash::Arrow, marker: None, labels, ..Self::nth(0, "", ends.into()) }
     }
 
-    pub(super) fn ends(&self) -> &[[f64; 2]] {
-        match &self.spread {
-            Spread::None => &[],
-            Spread::Bars(ends) => ends,
-        }
-    }
-
     pub(super) fn check(&self) -> Result<(), FigureError> {
         require(!self.points.is_empty(), FigureError::Empty, &self.label)?;
-        require_finite(&self.label, self.points.iter().chain(self.ends()).flatten())?;
-        if self.spread != Spread::None {
-            require_len(&self.label, self.ends(), self.points.len())?;
+        require_finite(&self.label, self.points.iter().chain(&self.spread).flatten())?;
+        if !self.spread.is_empty() {
+            require_len(&self.label, &self.spread, self.points.len())?;
         }
         if self.labels.is_empty() { Ok(()) } else { require_len(&self.label, &self.labels, self.points.len()) }
     }
@@ -100,7 +83,7 @@ impl Series {
     /// Draws the error bars, then the line and the symbols above them.
     pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
         let (points, ink) = (plot.line(&self.points), self.hue.ink());
-        let spread = self.points.iter().zip(self.ends()).map(|([x, _], ends)| ends.map(|end| plot.at([*x, end])));
+        let spread = self.points.iter().zip(&self.spread).map(|([x, _], ends)| ends.map(|end| plot.at([*x, end])));
         for ends in spread {
             sheet.line(&ends, pen(ink, 1.6))?;
             ends.iter().try_for_each(|[x, y]| sheet.line(&[[x - 5.0, *y], [x + 5.0, *y]], pen(ink, 1.6)))?;

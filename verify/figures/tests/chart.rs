@@ -1,6 +1,6 @@
 //! Charts and drawings to scale: all series, symbols and labels are drawn, and numbers without a position are refused.
 
-use finray_figures::{Axis, Chart, FigureError, Frame, Hue, Marker, Series, Spread};
+use finray_figures::{Axis, Chart, FigureError, Frame, Hue, Marker, Series};
 
 fn chart() -> Chart {
     let points = vec![[1.0, 0.5], [2.0, 3.0], [3.0, 40.0]];
@@ -23,7 +23,7 @@ fn every_series_has_its_line_its_markers_and_its_words() {
 #[test]
 fn a_spread_reaching_zero_on_a_log_axis_is_cut_at_its_foot() {
     let mut chart = chart();
-    chart.series[0].spread = Spread::Bars(vec![[0.0, 1.0], [2.0, 4.0], [30.0, 50.0]]);
+    chart.series[0].spread = vec![[0.0, 1.0], [2.0, 4.0], [30.0, 50.0]];
     let svg = chart.svg().unwrap();
     assert!(!svg.contains("NaN") && !svg.contains("inf") && !svg.contains("-2147483648"), "{svg}");
 }
@@ -40,7 +40,7 @@ fn what_has_no_position_on_the_axes_is_refused() {
     assert!(matches!(broken(|chart| chart.series[0].points.clear()), FigureError::Empty(_)));
     assert!(matches!(broken(|chart| chart.series.clear()), FigureError::Empty(_)));
     assert!(matches!(broken(|chart| chart.series[0].labels.push(String::new())), FigureError::Mismatch(_, 3, 1)));
-    let short = |chart: &mut Chart| chart.series[0].spread = Spread::Bars(vec![[0.4, 1.0]]);
+    let short = |chart: &mut Chart| chart.series[0].spread = vec![[0.4, 1.0]];
     assert!(matches!(broken(short), FigureError::Mismatch(_, 3, 1)));
 }
 

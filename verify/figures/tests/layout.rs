@@ -215,7 +215,7 @@ fn cells_meet_halfway_and_reach_as_far_beyond_the_ends() {
     let values = vec![vec![Some(1.0), Some(2.0), Some(3.0)]];
     let class =
         |up_to: f64| Class { up_to, label: String::new(), sign: String::new(), fill: Paint::Colour([up_to as u8; 3]) };
-    let cells = Cells::new(&[10.0, 20.0, 35.0], &[0.0], values);
+    let cells = vec![Some(Cells::new(&[10.0, 20.0, 35.0], &[0.0], values))];
     let axes = [Axis::linear("x"), Axis::linear("y").within(-1.0, 1.0)];
     let svg = Map::new(Frame::full("", "cells"), axes, [1.0, 2.0, 3.0].map(class).into(), cells).svg().unwrap();
     let lefts = svg.lines().filter(|line| line.starts_with("<rect"));

@@ -20,16 +20,15 @@ fn classes(plots: Vec<Option<Cells>>) -> Map {
     };
     let classes = vec![class(10.0, "clear", "", 9), class(25.0, "grey", "G", 8), class(99.0, "dark", "D", 7)];
     let rows = vec!["linear".to_owned(); plots.len()];
-    Map {
-        missing_label: "refused".to_owned(),
-        ..Map::grid(Frame::full("Errors", "errors"), axes(), classes, rows, plots)
-    }
+    let map = Map::new(Frame::full("Errors", "errors"), axes(), classes, plots);
+    Map { missing_label: "refused".to_owned(), rows, ..map }
 }
 
 fn map(values: [[f64; 3]; 2]) -> Map {
     let top = Some(Axis::linear("node").named(vec![(20.0, "n24".to_owned())]));
     let classes = classes(Vec::new()).classes;
-    let lone = Map::new(Frame::half("Error", "error"), axes(), classes, cells(values.map(|row| row.map(Some))));
+    let plots = vec![Some(cells(values.map(|row| row.map(Some))))];
+    let lone = Map::new(Frame::half("Error", "error"), axes(), classes, plots);
     Map { missing_label: "no equilibrium".to_owned(), top, ..lone }
 }
 

@@ -5,7 +5,6 @@ mod in_full;
 pub(super) use in_full::answers;
 
 use super::format::{list, percent, percent_two_digits};
-use super::page::Answer;
 use super::trust::{Situation, situations};
 use super::{checks, measured};
 use crate::prelude::*;
@@ -16,7 +15,7 @@ use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::experiments::direction::DirectionStudy;
 
 /// The verdict in a few lines: where, why not elsewhere, what to use then, how sure, and what of it is real.
-pub(super) fn verdict(study: &Study) -> Vec<Answer> {
+pub(super) fn verdict(study: &Study) -> Vec<[String; 2]> {
     let situations = situations(study);
     given([
         ("Where", places(study, &situations)),
@@ -29,9 +28,8 @@ pub(super) fn verdict(study: &Study) -> Vec<Answer> {
 }
 
 /// The questions that have an answer.
-fn given<const N: usize>(all: [(&str, Option<String>); N]) -> Vec<Answer> {
-    let given =
-        |(question, answer): (&str, Option<String>)| Some(Answer { question: question.to_owned(), answer: answer? });
+fn given<const N: usize>(all: [(&str, Option<String>); N]) -> Vec<[String; 2]> {
+    let given = |(question, answer): (&str, Option<String>)| Some([question.to_owned(), answer?]);
     all.into_iter().filter_map(given).collect()
 }
 

@@ -34,7 +34,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             figures.push(Figure::narrow(svg, format!("{title}, one row per condition of the camera."), CSV));
         }
     }
-    blocks.push(Block::Figures { figures });
+    blocks.push(Block::Figures(figures));
     let columns = Columns::<&CameraRow>::new()
         .page("what differs", Format::Words, |row| row.item)
         .page("setting", Format::Words, |row| setting(row))

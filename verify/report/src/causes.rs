@@ -77,7 +77,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.push(Block::Table(by_region(study)));
     let figures: Vec<Figure> =
         drawn(study).take(DRAWN).map(|map| map_figure(map, study.forces.drawn_n())).collect::<Result<_, _>>()?;
-    blocks.push(Block::Figures { figures });
+    blocks.push(Block::Figures(figures));
     Ok(Some(Section::new("causes", "Causes of errors, and remedies", blocks)))
 }
 

@@ -2,9 +2,8 @@
 
 mod words;
 
-use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point, side_by_side};
+use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point, side_by_side, true_and_sensed};
 use crate::prelude::*;
-use finray_figures::Spread;
 use finray_model::finger::FingerPoint;
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::ContactPosition;
@@ -68,7 +67,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     }
     let mut blocks = vec![text(words::ABOUT)];
     for scene in &study.contact_scenes {
-        blocks.push(Block::Figures { figures: figures(&study.finger, scene)? });
+        blocks.push(Block::Figures(figures(&study.finger, scene)?));
     }
     let stopped = study.contact_scenes.iter().filter_map(|scene| Some((scene, scene.stopped.as_ref()?)));
     blocks.extend(stopped.map(|(scene, error)| {
@@ -147,14 +146,6 @@ fn drawing(press: &DrawnPress) -> Result<String, FigureError> {
     Chart::to_scale(Frame::half(press.name, alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
-/// Forces of one contact over the steps in which the contact exists: points of travel (mm) and force (N).
-#[derive(Default)]
-struct Course {
-    truth: Vec<[f64; 2]>,
-    sensed: Vec<[f64; 2]>,
-    intervals: Vec<[f64; 2]>,
-}
-
 /// Text that names the two nodes between which the position `s_mm` on the front plate lies; empty if there are none.
 fn between(finger: &Finger, s_mm: f64) -> String {
     let (nodes, places) = (finger.plate_nodes(Plate::Front), finger.plate_positions_mm(Plate::Front));
@@ -185,7 +176,8 @@ fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> 
 /// Series of true forces (lines) and sensed forces (symbols), for each contact and for the total. The line of a contact that exists in one step only is
 /// twice `half_mm` long.
 fn courses(finger: &Finger, rows: &[ForceRow], half_mm: f64) -> Vec<Series> {
-    let mut courses: BTreeMap<(usize, String), Course> = BTreeMap::new();
+    // For each contact: points of travel and true force, points of travel and sensed force, and intervals.
+    let mut courses: BTreeMap<(usize, String), [Vec<Point>; 3]> = BTreeMap::new();
     for row in rows {
         let name = match row.contact.as_str() {
             "total" => (0, "total".to_owned()),
@@ -193,26 +185,20 @@ fn courses(finger: &Finger, rows: &[ForceRow], half_mm: f64) -> Vec<Series> {
             "clamp" => (3, "clamp (not sensed)".to_owned()),
             node => (1, format!("node {node}")),
         };
-        let course = courses.entry(name).or_default();
-        course.truth.push([row.travel_mm, row.force_n]);
+        let [truth, sensed, intervals] = courses.entry(name).or_default();
+        truth.push([row.travel_mm, row.force_n]);
         if let (Some(sensed_n), Some(sigma_n)) = (row.sensed_n, row.sigma_n) {
-            course.sensed.push([row.travel_mm, sensed_n]);
-            course.intervals.push([sensed_n - TWO_SIDED_95 * sigma_n, sensed_n + TWO_SIDED_95 * sigma_n]);
+            sensed.push([row.travel_mm, sensed_n]);
+            intervals.push([sensed_n - TWO_SIDED_95 * sigma_n, sensed_n + TWO_SIDED_95 * sigma_n]);
         }
     }
     let mut series = Vec::new();
-    for (n, ((_, name), course)) in courses.into_iter().enumerate() {
-        let truth = match course.truth[..] {
+    for (n, ((_, name), [truth, sensed, intervals])) in courses.into_iter().enumerate() {
+        let truth = match truth[..] {
             [[travel_mm, force_n]] => vec![[travel_mm - half_mm, force_n], [travel_mm + half_mm, force_n]],
-            _ => course.truth,
+            _ => truth,
         };
-        let truth = Series::nth(n, name, truth);
-        let marker = truth.marker;
-        series.push(Series { marker: None, ..truth });
-        if !course.sensed.is_empty() {
-            let sensed = Series::nth(n, "", course.sensed);
-            series.push(Series { marker, dash: Dash::None, spread: Spread::Bars(course.intervals), ..sensed });
-        }
+        series.extend(true_and_sensed(n, name, truth, (sensed, intervals)));
     }
     series
 }

@@ -1,6 +1,6 @@
 //! Forces of unknown direction: positions and directions at which they are identifiable.
 
-use super::drawings::{ALONG_THE_PLATE, percent_classes, percent_line, plate_map};
+use super::drawings::{ALONG_THE_PLATE, by_direction, percent_classes, percent_line, plate_map};
 use super::format::{list, percent};
 use crate::prelude::*;
 use finray_studies::experiments::direction::{
@@ -43,19 +43,10 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(directions) = &study.directions else { return Ok(None) };
-    let finger = &study.finger;
     let mut blocks = vec![text(about(directions))];
     blocks.extend(where_identifiable(directions).map(text));
-    let identified = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
-    let all = |map: &DirectionMap| -> Result<Block, FigureError> {
-        let figures = directions.forces_n.map(|force_n| map.figure(finger, directions, force_n));
-        Ok(Block::Figures { figures: figures.into_iter().collect::<Result<_, _>>()? })
-    };
-    blocks.push(all(&DirectionMap {
-        what: "error of the direction, deg",
-        missing: "not identifiable",
-        value: &identified,
-    })?);
+    let figures = directions.forces_n.map(|force_n| map(&study.finger, directions, force_n));
+    blocks.push(Block::Figures(figures.into_iter().collect::<Result<_, _>>()?));
     blocks.extend(without_friction(directions).map(text));
     blocks.push(Block::Figure(frictionless_chart(directions, directions.forces_n[0])?));
     Ok(Some(Section::new("directions", "Unknown directions", blocks)))
@@ -71,37 +62,20 @@ fn about(DirectionStudy { noise_mm, samples, .. }: &DirectionStudy) -> String {
     )
 }
 
-/// Reads one quantity of a cell.
-type Quantity<'v> = &'v dyn Fn(&DirectionCell) -> Option<f64>;
-
-/// A map of one quantity by position and direction.
-struct DirectionMap<'v> {
-    what: &'v str,
-    missing: &'v str,
-    value: Quantity<'v>,
-}
-
-impl DirectionMap<'_> {
-    fn figure(&self, finger: &Finger, directions: &DirectionStudy, force_n: f64) -> Result<Figure, FigureError> {
-        let DirectionMap { what, missing, value } = *self;
-        let cells: Vec<&DirectionCell> = directions.cells.iter().filter(|cell| cell.force_n == force_n).collect();
-        let mut places: Vec<f64> = cells.iter().map(|cell| cell.s_mm).collect();
-        places.dedup();
-        let angles: Vec<f64> =
-            cells.iter().take_while(|cell| Some(&cell.s_mm) == places.first()).map(|cell| cell.angle_deg).collect();
-        // Cells are ordered by position, then direction; the map needs rows by direction.
-        let row = |angle| cells.iter().skip(angle).step_by(angles.len().max(1)).map(|cell| value(cell)).collect();
-        let title = format!("{force_n} N");
-        let frame = Frame::third(&title, format!("{title}: {what}, by position and true direction of the force."));
-        let values = (0..angles.len()).map(row).collect();
-        let cells = Cells::new(&places, &angles, values);
-        let map = Map { missing_label: missing.to_owned(), ..plate_map(finger, frame, degree_classes(), cells) };
-        Ok(Figure::narrow(
-            map.svg()?,
-            format!("{force_n} N: {what}, by position and true direction; hatched: {missing}."),
-            CSV,
-        ))
-    }
+/// Map of the error of the direction under one force.
+fn map(finger: &Finger, directions: &DirectionStudy, force_n: f64) -> Result<Figure, FigureError> {
+    let cells: Vec<&DirectionCell> = directions.cells.iter().filter(|cell| cell.force_n == force_n).collect();
+    let mut places: Vec<f64> = cells.iter().map(|cell| cell.s_mm).collect();
+    places.dedup();
+    let angles: Vec<f64> =
+        cells.iter().take_while(|cell| Some(&cell.s_mm) == places.first()).map(|cell| cell.angle_deg).collect();
+    let identified = |cell: &&DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
+    let cells = by_direction(&places, &angles, cells.iter().map(identified));
+    let what = "error of the direction, deg, by position and true direction";
+    let frame = Frame::third(format!("{force_n} N"), format!("{force_n} N: {what} of the force."));
+    let drawn = plate_map(finger, frame, degree_classes(), cells);
+    let svg = Map { missing_label: "not identifiable".to_owned(), ..drawn }.svg()?;
+    Ok(Figure::narrow(svg, format!("{force_n} N: {what}; hatched: not identifiable."), CSV))
 }
 
 /// Colour classes of the error of a direction, degrees.

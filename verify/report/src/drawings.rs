@@ -76,17 +76,17 @@ pub(super) fn error_classes() -> Vec<Class> {
     all.enumerate().map(|(rank, class)| Class { up_to: rank as f64, ..class }).collect()
 }
 
-/// Cells of a map, one row per direction, from `ranks` that are ordered by position, then direction.
-pub(super) fn ranked(positions_mm: &[f64], angles_deg: &[f64], ranks: &[usize]) -> Cells {
-    let of_angle =
-        |angle: usize| ranks.iter().skip(angle).step_by(angles_deg.len()).map(|rank| Some(*rank as f64)).collect();
-    Cells::new(positions_mm, angles_deg, (0..angles_deg.len()).map(of_angle).collect())
+/// Cells of a map, one row per direction, from values that are ordered by position, then direction.
+pub(super) fn by_direction(s_mm: &[f64], angles_deg: &[f64], values: impl Iterator<Item = Option<f64>>) -> Cells {
+    let values: Vec<Option<f64>> = values.collect();
+    let of_angle = |angle: usize| values.iter().skip(angle).step_by(angles_deg.len()).copied().collect();
+    Cells::new(s_mm, angles_deg, (0..angles_deg.len()).map(of_angle).collect())
 }
 
 /// Cells of a map with their error under one force, or under the worst force of each cell.
 pub(super) fn error_cells(map: &AccuracyMap, force_n: Option<f64>) -> Cells {
-    let ranks: Vec<usize> = map.worst_of(force_n).iter().map(|cell| rank_of(cell.state, cell.worst_error)).collect();
-    ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks)
+    let ranks = map.worst_of(force_n).into_iter().map(|cell| Some(rank_of(cell.state, cell.worst_error) as f64));
+    by_direction(&map.request.positions_mm, &map.request.angles_deg, ranks)
 }
 
 /// Combines drawings into one, in rows of `columns` drawings.
@@ -147,8 +147,9 @@ pub fn map_figure_svg(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) 
 
 /// A map over position along the plate and direction, with node numbers along its top.
 pub(super) fn plate_map(finger: &Finger, frame: Frame, classes: Vec<Class>, cells: Cells) -> Map {
+    let x = Axis::linear(ALONG_IN_SHORT);
     let y = Axis::linear(DIRECTION_AXIS).with_ticks((-4..=4).map(|i| f64::from(i) * 20.0));
-    Map { top: Some(node_axis(finger)), ..Map::new(frame, [Axis::linear(ALONG_IN_SHORT), y], classes, cells) }
+    Map { top: Some(node_axis(finger)), ..Map::new(frame, [x, y], classes, vec![Some(cells)]) }
 }
 
 /// Small maps of ranked errors over the whole plate and all directions; `columns` and `rows` name them.
@@ -165,7 +166,7 @@ pub(super) fn small_maps(
     let x = Axis::linear(ALONG_THE_PLATE).within(0.0, length_mm).with_ticks(ticks);
     let y = Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks([-60.0, 0.0, 60.0]);
     let rest_label = "not computed".to_owned();
-    Map { columns, rest_label, ..Map::grid(frame, [x, y], error_classes(), rows, plots.concat()) }
+    Map { rows, columns, rest_label, ..Map::new(frame, [x, y], error_classes(), plots.concat()) }
 }
 
 /// Round positions along a plate, mm, from 0: multiples of the largest round length that fits `times` into the plate.
@@ -262,6 +263,18 @@ pub(super) fn error_bars(label: impl Into<String>, hue: Hue, errors: impl IntoIt
     Bars { label: label.into(), hue, values: errors.into_iter().map(|error| error.map(percent)).collect() }
 }
 
+/// Series of true values as a line, and of sensed values, with their intervals, as symbols; one without points is left out.
+pub(super) fn true_and_sensed(
+    n: usize,
+    name: impl Into<String>,
+    truth: Vec<Point>,
+    (sensed, spread): (Vec<Point>, Vec<[f64; 2]>),
+) -> Vec<Series> {
+    let truth = Series { marker: None, ..Series::nth(n, name, truth) };
+    let sensed = Series { dash: Dash::None, spread, ..Series::nth(n, "", sensed) };
+    [truth, sensed].into_iter().filter(|series| !series.points.is_empty()).collect()
+}
+
 /// A quantity of a row of a chart by contact: its text in the legend, and its value; `None` where it is missing.
 pub(super) type Line<'l, R> = (&'l str, fn(&R) -> Option<f64>);
 
@@ -300,7 +313,7 @@ pub(super) fn one_and_two<R>(
         let drawn = by_contact(Frame::half(title, alt), axis, &rows, lines)?;
         figures.extend(drawn.map(|svg| Figure::narrow(svg, "By contact node, from base to tip.", csv)));
     }
-    Ok(Block::Figures { figures })
+    Ok(Block::Figures(figures))
 }
 
 /// Chart of Table I: the paper's mean errors and the computed ones, as bars, base to tip.

@@ -32,7 +32,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             "Key nodes from the back base over the tip to the front base; a positive force pushes along its arrow.",
             CSV,
         )),
-        Block::List { items: facts },
+        Block::List(facts),
     ];
     Ok(Some(Section::new("finger", "The finger", blocks)))
 }

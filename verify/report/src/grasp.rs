@@ -75,7 +75,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         SCENES_CSV,
         &study.grasps,
     );
-    let blocks = vec![Block::Figures { figures }, Block::Table(table)];
+    let blocks = vec![Block::Figures(figures), Block::Table(table)];
     Ok(Some(Section::new("grasp", "Grasping an object", blocks).saying(says(first))))
 }
 
@@ -85,7 +85,7 @@ pub(super) fn all(Results { study, .. }: Results) -> Result<Option<Section>, Rep
     for (n, grasp) in study.grasps.iter().enumerate() {
         // The whole course of the first grasp is on the first page.
         let moving = if n == 0 { None } else { Some(moving(grasp)?) };
-        blocks.push(Block::Figures { figures: moving.into_iter().chain(courses(grasp)?).collect() });
+        blocks.push(Block::Figures(moving.into_iter().chain(courses(grasp)?).collect()));
     }
     Ok((!study.grasps.is_empty()).then(|| Section::new("grasps", "Grasps step by step", blocks)))
 }
@@ -114,5 +114,5 @@ fn moving(grasp: &GraspStudy) -> Result<Figure, ReportError> {
 /// Charts of the forces of a grasp.
 fn courses(grasp: &GraspStudy) -> Result<Vec<Figure>, ReportError> {
     let charts = drawings::courses(&grasp.name, &grasp.steps)?.into_iter();
-    Ok(charts.map(|it| Figure::narrow(it.svg, it.caption, CSV)).collect())
+    Ok(charts.map(|(svg, caption)| Figure::narrow(svg, caption, CSV)).collect())
 }

@@ -78,8 +78,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         "Worst difference of the lattice's equilibrium from converged beams, by force.",
         CSV,
     )));
-    blocks.push(Block::List { items: words::findings(lattice) });
-    blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
+    blocks.push(Block::List(words::findings(lattice)));
+    blocks.push(Block::Figures(vec![map_figure(study, lattice)?, sensing_figure(lattice)?]));
     let mut folded = vec![text(words::SPRINGS), Block::Table(axial(lattice))];
     if !lattice.settling.is_empty() {
         let caption = "The settled lattice against its equilibrium; single: positions and rotations rounded (the engine's own such build was not run)";

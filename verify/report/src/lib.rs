@@ -95,7 +95,7 @@ pub fn report(study: &Study, claims: &[Claim]) -> Result<Report, ReportError> {
     let pages = sections::pages(results)?;
     let data = sections::datasets(results);
     let first = pages.iter().find_map(|(_, page)| page.first.as_ref());
-    let answers = first.iter().flat_map(|first| &first.answers).map(|it| format!("{} {}", it.question, it.answer));
+    let answers = first.iter().flat_map(|first| &first.answers).map(|it| it.join(" "));
     let says = pages.iter().flat_map(|(_, page)| &page.sections).flat_map(|section| &section.says);
     let caveat = first.map(|first| first.caveat.clone());
     let verdict: Vec<String> = answers.chain(says.cloned()).chain(caveat).collect();

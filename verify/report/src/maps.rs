@@ -35,7 +35,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let all = Block::Figure(overview(study, |_, _| true)?);
     blocks.push(details("The same with ridge and the linear finger", vec![all]));
     blocks.push(details("Least squares and the nonlinear estimator in full", in_full(study)?));
-    blocks.push(details("What limits any estimator", vec![Block::Figures { figures: drawings::explanations(study)? }]));
+    blocks.push(details("What limits any estimator", vec![Block::Figures(drawings::explanations(study)?)]));
     blocks.push(details("Key figures and cells of every map", vec![Block::Table(tables::figures(study))]));
     Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study))))
 }
@@ -58,5 +58,5 @@ fn in_full(study: &Study) -> Result<Vec<Block>, ReportError> {
             map_csv_name(map),
         ))
     };
-    Ok(vec![Block::Figures { figures: maps.map(figure).collect::<Result<_, _>>()? }])
+    Ok(vec![Block::Figures(maps.map(figure).collect::<Result<_, _>>()?)])
 }

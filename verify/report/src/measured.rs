@@ -4,7 +4,6 @@ pub mod picture;
 
 use super::format::percent_two_digits;
 use crate::prelude::*;
-use finray_figures::Spread;
 use finray_studies::experiments::measured::picture::Picture;
 use finray_studies::experiments::measured::{MarkerResidual, MeasuredForce, MeasuredStudy};
 use finray_studies::statistics::{mean, rms};
@@ -51,7 +50,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             Figure::narrow(picture::svg(shown, magnified), caption, RESIDUALS_CSV)
         };
         let figures = measured.pictures.iter().map(figure).collect();
-        blocks.push(Block::Figures { figures });
+        blocks.push(Block::Figures(figures));
     }
     let caption = "Error of the force relative to the measured force, by known quantities: all that the scene states, then all but one";
     let of_all = coverages(measured).into_iter().filter(|coverage| coverage.object.is_none());
@@ -188,7 +187,7 @@ fn forces(measured: &MeasuredStudy) -> Result<Option<String>, FigureError> {
         let ends = answered()
             .map(|(_, sensed_n, sigma_n)| [sensed_n - TWO_SIDED_95 * sigma_n, sensed_n + TWO_SIDED_95 * sigma_n]);
         largest = points.iter().flatten().fold(largest, |m, x| m.max(*x));
-        series.push(Series { dash: Dash::None, spread: Spread::Bars(ends.collect()), ..Series::nth(n, known, points) });
+        series.push(Series { dash: Dash::None, spread: ends.collect(), ..Series::nth(n, known, points) });
     }
     if series.is_empty() {
         return Ok(None);

@@ -42,10 +42,10 @@ pub struct Page {
 /// First screen of the report, and what rests on it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct First {
-    /// Short verdict, beside the picture.
-    pub verdict: Vec<Answer>,
+    /// Short verdict, beside the picture: questions in the reader's words, each with its answer.
+    pub verdict: Vec<[String; 2]>,
     /// The reader's questions with their full answers.
-    pub answers: Vec<Answer>,
+    pub answers: Vec<[String; 2]>,
     /// Assumptions behind the answers.
     pub caveat: String,
     /// Drawings of the trusted cells.
@@ -63,15 +63,6 @@ pub struct Pushable {
     pub data: String,
     /// Whether the reader can change the scene.
     pub is_edited: bool,
-}
-
-/// A question with a short answer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Answer {
-    /// Question in the reader's words.
-    pub question: String,
-    /// Short answer to the question.
-    pub answer: String,
 }
 
 /// A page of the report as others link to it.
@@ -102,34 +93,20 @@ pub struct Section {
 
 /// One element of a section.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+#[serde(tag = "kind", content = "of", rename_all = "snake_case")]
 pub enum Block {
     /// A paragraph.
-    Text {
-        /// Text of the paragraph.
-        paragraph: String,
-    },
+    Text(String),
     /// A bulleted list.
-    List {
-        /// Text of each item.
-        items: Vec<String>,
-    },
+    List(Vec<String>),
     /// A single figure.
     Figure(Figure),
     /// Figures side by side, or one below the other on a narrow screen.
-    Figures {
-        /// The figures.
-        figures: Vec<Figure>,
-    },
+    Figures(Vec<Figure>),
     /// A table.
     Table(Table),
-    /// Blocks that are shown if the reader opens them, and in print.
-    Details {
-        /// Line that is visible before the reader opens the blocks.
-        summary: String,
-        /// Blocks that are hidden until the reader opens them.
-        blocks: Vec<Block>,
-    },
+    /// A visible line, and blocks that are shown if the reader opens it, and in print.
+    Details(String, Vec<Block>),
 }
 
 /// A drawing with a caption.
@@ -206,12 +183,12 @@ pub enum Shade {
 
 /// A paragraph.
 pub fn text(paragraph: impl Into<String>) -> Block {
-    Block::Text { paragraph: paragraph.into() }
+    Block::Text(paragraph.into())
 }
 
 /// Blocks that are hidden until the reader opens their summary line.
 pub fn details(summary: impl Into<String>, blocks: Vec<Block>) -> Block {
-    Block::Details { summary: summary.into(), blocks }
+    Block::Details(summary.into(), blocks)
 }
 
 impl Section {

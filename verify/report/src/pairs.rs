@@ -52,7 +52,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             CSV,
         )
     });
-    blocks.push(Block::Figures { figures: figures.into() });
+    blocks.push(Block::Figures(figures.into()));
     Ok(Some(Section::new("pairs", "Two contacts at once", blocks)))
 }
 
@@ -86,7 +86,7 @@ fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option
     // Reversed, because rows of a map are numbered from the bottom.
     let down: Vec<f64> = at.iter().rev().copied().collect();
     let values = (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect();
-    let cells = Cells::new(&at, &down, values);
+    let cells = vec![Some(Cells::new(&at, &down, values))];
     let alt = format!("{title}, for every pair of contact nodes, by the nonlinear estimator and by least squares.");
     let (above, below) = (
         Axis::categories("nonlinear, by contact nodes", names.iter().rev().cloned().collect()),

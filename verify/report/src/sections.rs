@@ -11,8 +11,8 @@ use super::{
 /// A section: its page, its part of that page (`None` if the scene has no such study), and its data.
 struct Entry(On, fn(Results) -> Result<Option<Section>, ReportError>, for<'s> fn(Results<'s>) -> Vec<Dataset<'s>>);
 
-/// Pages of the report, in the order of their navigation.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A page of the report.
+#[derive(Clone, Copy, PartialEq)]
 enum On {
     Index,
     Measured,
@@ -28,43 +28,21 @@ enum On {
     Own,
 }
 
-impl On {
-    const ALL: [On; 12] = [
-        On::Index,
-        On::Measured,
-        On::Maps,
-        On::Objects,
-        On::Camera,
-        On::Speed,
-        On::Networks,
-        On::Checks,
-        On::Lattice,
-        On::HardCases,
-        On::Paper,
-        On::Own,
-    ];
-
-    /// File of the page, and its heading.
-    fn names(self) -> [&'static str; 2] {
-        match self {
-            On::Index => [INDEX, "Summary"],
-            On::Measured => ["measured.html", "Photographs"],
-            On::Maps => ["maps.html", "Maps"],
-            On::Objects => ["objects.html", "Objects"],
-            On::Camera => ["camera.html", "Camera"],
-            On::Speed => ["speed.html", "Meshes and speed"],
-            On::Networks => ["networks.html", "Networks"],
-            On::Checks => ["checks.html", "Checks"],
-            On::Lattice => ["lattice.html", "Spring lattice"],
-            On::HardCases => ["hard-cases.html", "Hard cases"],
-            On::Paper => ["paper.html", "The paper"],
-            On::Own => ["your-finger.html", "Your finger"],
-        }
-    }
-}
-
-/// File of the first page.
-const INDEX: &str = "index.html";
+/// Pages in the order of their navigation, each with its file and its heading.
+const PAGES: [(On, &str, &str); 12] = [
+    (On::Index, "index.html", "Summary"),
+    (On::Measured, "measured.html", "Photographs"),
+    (On::Maps, "maps.html", "Maps"),
+    (On::Objects, "objects.html", "Objects"),
+    (On::Camera, "camera.html", "Camera"),
+    (On::Speed, "speed.html", "Meshes and speed"),
+    (On::Networks, "networks.html", "Networks"),
+    (On::Checks, "checks.html", "Checks"),
+    (On::Lattice, "lattice.html", "Spring lattice"),
+    (On::HardCases, "hard-cases.html", "Hard cases"),
+    (On::Paper, "paper.html", "The paper"),
+    (On::Own, "your-finger.html", "Your finger"),
+];
 
 /// Every section, in the order of the page. A new section needs its experiment, its file in this folder, and a row here.
 const SECTIONS: &[Entry] = &[
@@ -106,24 +84,22 @@ pub(super) fn datasets(results: Results) -> Vec<Dataset> {
 pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, ReportError> {
     let study = results.study;
     let mut filled = Vec::new();
-    for on in On::ALL {
+    for (on, file, heading) in PAGES {
         let of_page = SECTIONS.iter().filter(|Entry(of, ..)| *of == on);
         let sections = of_page.filter_map(|Entry(_, section, _)| section(results).transpose());
         let sections = sections.collect::<Result<Vec<_>, _>>()?;
         // A page of results is left out if the scene has no study for it.
         if matches!(on, On::Index | On::Own) || !sections.is_empty() {
-            filled.push((on, sections));
+            filled.push((on, file, heading, sections));
         }
     }
-    let link = |(on, sections): &(On, Vec<Section>)| {
-        let [file, heading] = on.names().map(str::to_owned);
+    let link = |(_, file, heading, sections): &(On, &str, &str, Vec<Section>)| {
         let sections = sections.iter().map(|section| [section.id.clone(), section.heading.clone()]).collect();
-        PageLink { file, heading, is_this: false, sections }
+        PageLink { file: (*file).to_owned(), heading: (*heading).to_owned(), is_this: false, sections }
     };
     let links: Vec<PageLink> = filled.iter().map(link).collect();
     let pushed = push::of(study)?;
-    let page = |(on, sections): (On, Vec<Section>)| {
-        let [file, heading] = on.names();
+    let page = |(on, file, heading, sections): (On, &'static str, &str, Vec<Section>)| {
         let is_first = on == On::Index;
         let pages = links.iter().map(|link| PageLink { is_this: link.file == file, ..link.clone() }).collect();
         let page = Page {

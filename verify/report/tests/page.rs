@@ -1,6 +1,6 @@
 //! The page: text is escaped, every block is shown, nothing is loaded from elsewhere.
 
-use finray_report::page::{Answer, Block, Cell, Column, Figure, First, Page, PageLink, Section, Shade, Table, render};
+use finray_report::page::{Block, Cell, Column, Figure, First, Page, PageLink, Section, Shade, Table, render};
 
 fn page() -> Page {
     let link = |file: &str, heading: &str, is_this| PageLink {
@@ -12,8 +12,8 @@ fn page() -> Page {
     Page {
         title: "Truth <b>".into(),
         first: Some(First {
-            verdict: vec![Answer { question: "In short?".into(), answer: "So & so.".into() }],
-            answers: vec![Answer { question: "Does it?".into(), answer: "It <em>works</em>.".into() }],
+            verdict: vec![["In short?".into(), "So & so.".into()]],
+            answers: vec![["Does it?".into(), "It <em>works</em>.".into()]],
             caveat: "all of it simulated".into(),
             lead: vec![figure(Some("lead.csv"))],
             lead_caption: "what the colours say".into(),
@@ -53,13 +53,10 @@ fn section() -> Section {
         heading: "Maps".into(),
         says: vec!["It <fails>.".into()],
         blocks: vec![
-            Block::Text { paragraph: "a <script> b".into() },
+            Block::Text("a <script> b".into()),
             Block::Figure(figure(Some("map.csv"))),
-            Block::Figures { figures: vec![figure(None), figure(None)] },
-            Block::Details {
-                summary: "More".into(),
-                blocks: vec![Block::Table(table), Block::List { items: vec!["one point".into()] }],
-            },
+            Block::Figures(vec![figure(None), figure(None)]),
+            Block::Details("More".into(), vec![Block::Table(table), Block::List(vec!["one point".into()])]),
         ],
     }
 }

@@ -3,7 +3,6 @@
 use super::{Failures, coverage, failures, given};
 use crate::format::{capitalised, list, percent, time};
 use crate::maps::small;
-use crate::page::Answer;
 use crate::prelude::*;
 use crate::speed_error::setting;
 use crate::trust::{Situation, situations};
@@ -17,7 +16,7 @@ use finray_studies::settings::{CAMERA_FRAME_S, TWO_FORCES_N};
 const MOSTLY: f64 = 0.9;
 
 /// The five answers; an answer is left out if the scene has no numbers for it.
-pub(crate) fn answers(study: &Study) -> Vec<Answer> {
+pub(crate) fn answers(study: &Study) -> Vec<[String; 2]> {
     let situations = situations(study);
     given([
         ("Where can a force be trusted?", trusted(study, &situations)),

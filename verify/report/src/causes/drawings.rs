@@ -1,7 +1,7 @@
 //! Drawings of causes: maps of the largest cause, and the error at the nodes as remedies are added.
 
 use super::{CSV, OWN, at_nodes, own_first, practice_in_words};
-use crate::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, error_bars, rank_of, ranked, small_maps};
+use crate::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, by_direction, error_bars, rank_of, small_maps};
 use crate::format::percent;
 use crate::prelude::*;
 use finray_figures::Paint;
@@ -32,14 +32,11 @@ fn class_of(n: usize, cause: Cause) -> Class {
 
 /// Map of the largest cause by position and direction, for one force in N.
 pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportError> {
-    let (angles, places) = (map.request.angles_deg.len(), map.request.positions_mm.len());
     let (small, hidden) = (map.causes.len(), map.causes.len() + 1);
     let mut classes: Vec<Class> = map.causes.iter().enumerate().map(|(n, cause)| class_of(n, *cause)).collect();
     classes.push(class(small, &format!("error below {}", percent(SMALL_ERROR)), "", [0xd9, 0xdd, 0xe2]));
     classes.push(class(hidden, "causes cancel each other", "-", [0xa9, 0xae, 0xb5]));
-    let of_cell = |place: usize, angle: usize| {
-        let mut at = map.cells.iter().filter(|cell| cell.force_n == force_n);
-        let cell = at.nth(place * angles + angle)?;
+    let of_cell = |cell: &CauseCell| {
         Some(match cell.rms_error? {
             rms if rms < SMALL_ERROR => small as f64,
             _ => cell.largest().map_or(hidden, |(cause, _)| cause) as f64,
@@ -48,10 +45,10 @@ pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportE
     let title = format!("Largest cause at {force_n} N, {}; {}", map.truth.label(), practice_in_words(map));
     let frame = Frame::half(&title, format!("{title}: by position along the front plate and direction."));
     let y = Axis::linear(DIRECTION_AXIS).with_ticks((-2..=2).map(|i| f64::from(i) * 40.0));
-    let values = (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect();
-    let cells = Cells::new(&map.request.positions_mm, &map.request.angles_deg, values);
+    let causes = map.cells.iter().filter(|cell| cell.force_n == force_n).map(of_cell);
+    let cells = by_direction(&map.request.positions_mm, &map.request.angles_deg, causes);
     let missing_label = "no equilibrium or no answer".to_owned();
-    let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], classes, cells);
+    let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], classes, vec![Some(cells)]);
     let svg = Map { missing_label, ..drawn }.svg()?;
     Ok(Figure::narrow(svg, "The cause without which the error is smallest.", CSV))
 }
@@ -129,10 +126,10 @@ fn clearing_row(study: &Study, map: &CauseMap) -> (String, Vec<Option<Cells>>) {
     let small = |error: &dyn Fn(&CauseCell) -> Option<f64>| {
         let errors: Vec<Option<f64>> = cells.iter().map(|cell| error(cell)).collect();
         let trusted = errors.iter().filter(|error| error.is_some_and(|error| error <= TRUSTED_ERROR)).count();
-        let ranks: Vec<usize> = states.iter().zip(&errors).map(|(state, error)| rank_of(*state, *error)).collect();
+        let ranks = states.iter().zip(&errors).map(|(state, error)| Some(rank_of(*state, *error) as f64));
         let note =
             format!("{:.0} % of {bent} within {}", 100.0 * trusted as f64 / bent.max(1) as f64, percent(TRUSTED_ERROR));
-        Cells { note, ..ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks) }
+        Cells { note, ..by_direction(&map.request.positions_mm, &map.request.angles_deg, ranks) }
     };
     let remedied = (0..REMEDIES.len()).map(|taken| small(&|cell| cell.remedied.get(taken).copied().flatten()));
     let maps = std::iter::once(small(&|cell| cell.rms_error)).chain(remedied).map(Some).collect();

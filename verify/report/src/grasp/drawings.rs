@@ -1,8 +1,8 @@
 //! Drawings of a grasp: fingers, object and forces at selected steps, and the forces over all steps.
 
-use crate::drawings::side_by_side;
+use crate::drawings::{side_by_side, true_and_sensed};
 use crate::prelude::*;
-use finray_figures::{Lines, Spread};
+use finray_figures::Lines;
 use finray_model::finger::FingerPoint;
 use finray_model::scene::Support;
 use finray_studies::experiments::grasp::{GraspScene, GraspStep, Phase, finger_name};
@@ -13,24 +13,11 @@ const LONGEST_ARROW: f64 = 0.2;
 /// Largest number of steps that are drawn.
 const MOMENTS: usize = 4;
 
-/// A chart of a grasp with its caption.
-pub(super) struct Drawing {
-    /// The chart as SVG.
-    pub(super) svg: String,
-    /// Caption of the chart.
-    pub(super) caption: String,
-}
-
-/// Charts of the forces over the steps and over the motor angle.
-///
-/// # Errors
-/// [`FigureError`] if there is nothing to draw. The other functions of this file have the same error.
-pub(super) fn courses(name: &str, steps: &[GraspStep]) -> Result<Vec<Drawing>, FigureError> {
+/// Charts of the forces over the steps and over the motor angle, each with its caption.
+pub(super) fn courses(name: &str, steps: &[GraspStep]) -> Result<Vec<(String, &'static str)>, FigureError> {
     let over_steps = over(steps, |step| step.step as f64);
-    let mut drawings = vec![Drawing {
-        svg: forces(format!("{name}: true (lines), sensed (symbols)"), "step", over_steps)?,
-        caption: "Across the gripper, equal for both fingers; 95 % intervals.".to_owned(),
-    }];
+    let svg = forces(format!("{name}: true (lines), sensed (symbols)"), "step", over_steps)?;
+    let mut drawings = vec![(svg, "Across the gripper, equal for both fingers; 95 % intervals.")];
     let in_phases = |phases: &[Phase]| -> Vec<GraspStep> {
         steps.iter().filter(|step| phases.contains(&step.phase)).cloned().collect()
     };
@@ -38,14 +25,14 @@ pub(super) fn courses(name: &str, steps: &[GraspStep]) -> Result<Vec<Drawing>, F
     if closing.len() > 1 {
         let mut series = over(&closing, |step| step.motor_deg);
         let opening = in_phases(&[Phase::Open]);
-        let mut caption = "While the gripper closes.".to_owned();
+        let mut caption = "While the gripper closes.";
         if !opening.is_empty() {
             let points = opening.iter().map(|step| [step.motor_deg, step.fingers[0].total_n]).collect();
             series.push(Series::guide("left, opening again", points));
-            caption += " Dotted: while it opens; friction makes the difference.";
+            caption = "While the gripper closes. Dotted: while it opens; friction makes the difference.";
         }
         let svg = forces(format!("{name}: over the motor's angle"), "motor angle, deg", series)?;
-        drawings.push(Drawing { svg, caption });
+        drawings.push((svg, caption));
     }
     Ok(drawings)
 }
@@ -56,7 +43,7 @@ pub(super) fn courses(name: &str, steps: &[GraspStep]) -> Result<Vec<Drawing>, F
 /// [`FigureError`] if there is nothing to draw.
 pub fn grasp_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<String, FigureError> {
     let moments = moments(steps).into_iter().map(|step| moment(scene, step));
-    let courses = courses(name, steps)?.into_iter().map(|drawing| Ok(drawing.svg));
+    let courses = courses(name, steps)?.into_iter().map(|(svg, _)| Ok(svg));
     Ok(side_by_side(&moments.chain(courses).collect::<Result<Vec<_>, FigureError>>()?, 2))
 }
 
@@ -180,21 +167,15 @@ fn over(steps: &[GraspStep], at: impl Fn(&GraspStep) -> f64) -> Vec<Series> {
     let mut series = Vec::new();
     for finger in 0..2 {
         let truth = steps.iter().map(|step| [at(step), step.fingers[finger].total_n]).collect();
-        let truth = Series::nth(finger, finger_name(finger), truth);
-        let marker = truth.marker;
-        // The lines have different widths, so that both are visible if they coincide.
-        let width = if finger == 0 { 4.5 } else { 2.0 };
-        series.push(Series { marker: None, width, ..truth });
         let sensed = steps.iter().filter_map(|step| {
             let total = step.fingers[finger].sensed.as_ref().ok()?.as_ref()?.total;
             let half = TWO_SIDED_95 * total.sigma_n;
             Some(([at(step), total.sensed_n], [total.sensed_n - half, total.sensed_n + half]))
         });
-        let (points, intervals): (Vec<_>, Vec<_>) = sensed.unzip();
-        if !points.is_empty() {
-            let sensed = Series::nth(finger, "", points);
-            series.push(Series { marker, dash: Dash::None, spread: Spread::Bars(intervals), ..sensed });
-        }
+        let mut both = true_and_sensed(finger, finger_name(finger), truth, sensed.unzip());
+        // The lines have different widths, so that both are visible if they coincide.
+        both.iter_mut().take(1).for_each(|truth| truth.width = if finger == 0 { 4.5 } else { 2.0 });
+        series.extend(both);
     }
     series
 }

@@ -75,8 +75,7 @@ fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureE
         if !points.is_empty() {
             let bars = held.map(|(_, overshoot)| [overshoot.least, overshoot.most].map(|end| 100.0 * end)).collect();
             let of = Series::nth(series.len(), format!("{noise_mm} mm noise, sensed {late}"), points);
-            let spread =
-                if realisations > 1 { finray_figures::Spread::Bars(bars) } else { finray_figures::Spread::None };
+            let spread = if realisations > 1 { bars } else { Vec::new() };
             series.push(Series { spread, ..of });
         }
     }

@@ -1,7 +1,7 @@
 //! Drawings of the overview, and of maps that explain where sensing fails.
 
 use super::{EXPLANATIONS_CSV, ExplainedQuantity, small};
-use crate::drawings::{error_cells, percent_classes, plate_map, small_maps};
+use crate::drawings::{by_direction, error_cells, percent_classes, plate_map, small_maps};
 use crate::prelude::*;
 
 /// Selects the true fingers and estimators of an overview.
@@ -97,7 +97,7 @@ fn explanation(study: &Study, kind: &Kind) -> Result<String, FigureError> {
     let map = &study.explanations;
     let title = format!("{}, {} N", kind.title, map.force_n);
     let alt = format!("{title}: {} by position along the front plate and direction.", kind.value_label);
-    let cells = Cells::new(&map.positions_mm, &map.angles_deg, map.values(kind.of));
+    let cells = by_direction(&map.positions_mm, &map.angles_deg, map.cells.iter().map(kind.of));
     let drawn = plate_map(&study.finger, Frame::half(title, alt), percent_classes(), cells);
     Map { missing_label: kind.missing_label.to_owned(), ..drawn }.svg()
 }

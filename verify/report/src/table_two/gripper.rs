@@ -1,9 +1,9 @@
 //! Table II on the moving gripper: a table, curves over the motor angle as in the paper's Figs. 9 to 11, and a file.
 
 use super::{Line as TableLine, by_estimator, by_group, error_or_rounding, of_paper, of_quantity};
+use crate::drawings::true_and_sensed;
 use crate::format::{list, share_of_counts};
 use crate::prelude::*;
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Marker, Series};
 use finray_studies::experiments::grasp::modules::{ModuleStudy, ModuleTest};
 
 const CSV: &str = "gripper_tests.csv";
@@ -63,7 +63,7 @@ pub(super) fn blocks(modules: &ModuleStudy) -> Result<Vec<Block>, FigureError> {
         let caption = "Lines: true forces; symbols: forces sensed by the nonlinear estimator.";
         figures.push(Figure::narrow(drawing(test)?, caption, CSV));
     }
-    Ok(vec![text(about(modules.noise_mm)), Block::Table(table(modules)), Block::Figures { figures }])
+    Ok(vec![text(about(modules.noise_mm)), Block::Table(table(modules)), Block::Figures(figures)])
 }
 
 /// How the gripper closes, and how its forces are sensed.
@@ -80,16 +80,11 @@ fn drawing(test: &ModuleTest) -> Result<String, FigureError> {
     let mut series = Vec::new();
     for (i, node) in test.nodes.iter().enumerate() {
         let truth = test.steps.iter().map(|step| [step.turned_deg, step.true_n[i]]).collect();
-        series.push(Series { marker: None, ..Series::nth(i, format!("node {node}"), truth) });
         let sensed = test.steps.iter().filter_map(|step| {
             let first = step.of(EstimatorId::Nonlinear).first()?.as_ref()?;
             Some([step.turned_deg, first[i]])
         });
-        let sensed: Vec<_> = sensed.collect();
-        if !sensed.is_empty() {
-            let signs = Series { dash: Dash::None, marker: Some(Marker::nth(i)), ..Series::nth(i, "", sensed) };
-            series.push(signs);
-        }
+        series.extend(true_and_sensed(i, format!("node {node}"), truth, (sensed.collect(), Vec::new())));
     }
     let plural = if test.nodes.len() > 1 { "s" } else { "" };
     let title = format!("The gripper closes on sensors at node{plural} {}", list(test.nodes, " and "));

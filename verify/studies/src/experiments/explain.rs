@@ -97,13 +97,6 @@ impl ExplanationMap {
             cells: cells.concat(),
         })
     }
-
-    /// A quantity of all cells, by direction, then position.
-    pub fn values(&self, of: impl Fn(&Explanation) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
-        let directions = self.angles_deg.len();
-        let row = |angle: usize| self.cells.iter().skip(angle).step_by(directions).map(&of).collect();
-        (0..directions).map(row).collect()
-    }
 }
 
 /// Derivatives of the markers' displacements, by coordinate.
