@@ -235,7 +235,8 @@ pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;
-    let scripts = context! { explore => SCRIPT, push => PUSH[0], own => PUSH[2], film => include_str!("film.js") };
+    let [page_script, film] = [include_str!("page.js"), include_str!("film.js")];
+    let scripts = context! { page => page_script, explore => SCRIPT, push => PUSH[0], own => PUSH[2], film };
     let styles = context! { page => include_str!("page.css"), explore => STYLE, push => PUSH[1] };
     let page = context! { page => Serde(page), about => about(), scripts, styles };
     environment.get_template("page.html")?.render(page)

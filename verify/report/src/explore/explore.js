@@ -21,7 +21,6 @@
 
   // ---- words ----
 
-  const NBSP = '\u00a0'; // keeps number and unit on one line
   const some = (x) => typeof x === 'number' && Number.isFinite(x);
   const number = (x) => String(Number(x.toPrecision(3)));
   const mm = (x) => `${number(x)}${NBSP}mm`;
@@ -45,17 +44,9 @@
 
   // ---- the document ----
 
-  /** Creates an element without the attributes that are null. Data becomes attributes and text, never markup. */
-  const make = (space) => (tag, attributes = {}, ...children) => {
-    const made = document.createElementNS(space, tag);
-    for (const [name, value] of Object.entries(attributes)) if (value !== null) made.setAttribute(name, value);
-    made.append(...children);
-    return made;
-  };
   /** Explanations of the names of fingers and estimators. */
   const about = {};
 
-  const html = make('http://www.w3.org/1999/xhtml'), svg = make('http://www.w3.org/2000/svg');
   const text = (x, y, words, anchor = 'middle') => svg('text', { x, y, 'text-anchor': anchor }, words);
   const line = ([x1, y1], [x2, y2], kind) => svg('line', { x1, y1, x2, y2, class: kind });
   const canvas = (width, height, ...children) => svg('svg', { width, height, 'aria-hidden': 'true' }, ...children);
@@ -101,11 +92,6 @@
     host.replaceChildren(...entries.map(([swatch, words]) => html('li', {}, canvas(28, 16, swatch), words)));
 
   // ---- grids of cells ----
-
-  function nearest(values, value) {
-    const away = values.map((each) => Math.abs(each - value));
-    return away.indexOf(Math.min(...away));
-  }
 
   /** Index of the nearest grid value, or -1 if the nearest value is further away than half a step. */
   function within(values, value) {

@@ -1,7 +1,7 @@
 // The page that edits a scene: the finger of the text, its stiffness along the plate, and a map of one force. The text can be saved.
 function edit(root, data, ask) {
   'use strict';
-  const { start, plate, add, number, html, svg, path, CLASSES, colourOf } = finray;
+  const { start, plate, add, path, CLASSES, colourOf } = finray;
   const WAIT_MS = 300; // after the last key
   const PLACES = 14, ANGLES_DEG = [-80, -60, -40, -20, 0, 20, 40, 60, 80];
   const FARTHEST = 0.1; // largest motion of the contact under the largest force, as a share of the plate

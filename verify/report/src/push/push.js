@@ -9,17 +9,8 @@ const finray = (() => {
   const STEPS = 450; // of the force, up to the largest
   const FRAME_MS = 12, PAUSE_MS = 80; // a slower answer waits for a pause of the pointer
   const NOISES_MM = [0.01, 0.02, 0.067, 0.2];
-  const NBSP = '\u00a0';
 
-  const number = (x, digits = 3) => String(Number(x.toPrecision(digits)));
   const clamp = (x, low, high) => Math.min(high, Math.max(low, x));
-  const make = (space) => (tag, attributes = {}, ...children) => {
-    const made = document.createElementNS(space, tag);
-    for (const [name, value] of Object.entries(attributes)) if (value !== null) made.setAttribute(name, value);
-    made.append(...children);
-    return made;
-  };
-  const html = make('http://www.w3.org/1999/xhtml'), svg = make('http://www.w3.org/2000/svg');
 
   // ---- the program ----
 
@@ -76,11 +67,6 @@ const finray = (() => {
 
   // ---- verdict of the map ----
 
-  function nearestIndex(values, value) {
-    const away = values.map((each) => Math.abs(each - value));
-    return away.indexOf(Math.min(...away));
-  }
-
   const CLASSES = [[0.02, '#1f8a57'], [0.05, '#6cbf8b'], [0.1, '#c4e6ca'], [0.25, '#f2b134'], [Infinity, '#b0352b']];
 
   /** Colour of an error, as in the maps of the report; without an error that of the page. */
@@ -89,7 +75,7 @@ const finray = (() => {
   /** The front plate at rest, coloured by the map for the nearest direction: one line for each cell. */
   function band(map, angle_deg, front, front_mm) {
     if (!map) return [];
-    const direction = nearestIndex(map.angle_deg, angle_deg);
+    const direction = nearest(map.angle_deg, angle_deg);
     const edges = [0, ...map.s_mm.slice(1).map((s_mm, i) => (s_mm + map.s_mm[i]) / 2), front_mm];
     return map.s_mm.map((_, place) => {
       const error = map.worst_error[place * map.angle_deg.length + direction];
@@ -100,7 +86,7 @@ const finray = (() => {
   /** What the report's map says of a contact: words and whether its cell is trusted. */
   function cellOf(map, s_mm, angle_deg) {
     if (!map) return ['No map for these choices.', null];
-    const place = nearestIndex(map.s_mm, s_mm), direction = nearestIndex(map.angle_deg, angle_deg);
+    const place = nearest(map.s_mm, s_mm), direction = nearest(map.angle_deg, angle_deg);
     const n = place * map.angle_deg.length + direction, error = map.worst_error[n];
     const where = `nearest cell of the map: ${number(map.s_mm[place])}${NBSP}mm, ${number(map.angle_deg[direction])}${NBSP}deg`;
     if (error === null) return [`Not trusted here (${where}): ${map.state[n]}.`, false];
@@ -268,5 +254,5 @@ const finray = (() => {
   }
 
   run();
-  return { start, plate, add, path, clamp, number, html, svg, CLASSES, colourOf };
+  return { start, plate, add, path, CLASSES, colourOf };
 })();

@@ -69,7 +69,7 @@ pub fn measure(browser: &Path, folder: &Path, html: &str, width: u32, dark: bool
     let page = folder.join("measured.html");
     let mut copy = html.replace("<details>", "<details open>").replace("</body>", MEASURE);
     if dark {
-        copy = copy.replace("(prefers-color-scheme: dark)", "all");
+        copy = copy.replace("color-scheme: light dark;", "color-scheme: dark;");
     }
     std::fs::write(&page, copy).expect("a copy of the page");
     let frame = folder.join("frame.html");
