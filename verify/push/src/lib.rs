@@ -17,7 +17,7 @@ use finray_model::finger::Plate;
 use finray_model::observation::Observation;
 use finray_model::scene::SceneError;
 use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
-use finray_model::sensor::{Refusal, SensedForces, Sensor, SensorContacts, SensorOptions};
+use finray_model::sensor::{Refusal, Sensor, SensorContacts, SensorOptions};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Kinematics, Mesh, Scene, Vector};
 use rand::SeedableRng;
@@ -153,11 +153,6 @@ impl PushedFinger {
         Ok(PushedFinger { mesh, other: other.as_ref().map(drawn_mesh), scene })
     }
 
-    /// The scene of the finger.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
     /// The finger at rest.
     pub fn drawing(&self) -> Drawing {
         Drawing::new(&self.scene, &self.mesh)
@@ -187,15 +182,7 @@ impl PushedFinger {
             at: on_plate(s_mm)?,
             displacements: displacements(&exact),
             seen: displacements(&seen),
-            sensed: match self.question(push).map(|question| self.sensed(&seen, question, push)) {
-                None => Sensed::Unasked,
-                Some(Ok((contact, force))) => {
-                    let s_mm = contact.position_mm(&self.scene.finger);
-                    let at = s_mm.and_then(|s_mm| on_plate(s_mm).ok());
-                    Sensed::Force(Box::new(SensedForce { s_mm, at, ..force }))
-                }
-                Some(Err(refusal)) => Sensed::Refused(refusal),
-            },
+            sensed: self.sensed(&seen, push, |s_mm| on_plate(s_mm).ok()).unwrap_or_else(Sensed::Refused),
         })
     }
 
@@ -216,13 +203,9 @@ impl PushedFinger {
         }
     }
 
-    /// The contact that is known, assumed or found, and its force; or why there is none.
-    fn sensed(
-        &self,
-        seen: &Observation,
-        question: ContactQuestion,
-        push: &Push,
-    ) -> Result<(Contact, SensedForce), String> {
+    /// The force at the contact that is known, assumed or found; or why there is none. `at` gives points of the bent front plate.
+    fn sensed(&self, seen: &Observation, push: &Push, at: impl Fn(f64) -> Option<[f64; 2]>) -> Result<Sensed, String> {
+        let Some(question) = self.question(push) else { return Ok(Sensed::Unasked) };
         let estimator = estimators().find(|estimator| estimator.name() == push.estimator).ok_or_else(|| {
             let names: Vec<&str> = estimators().map(EstimatorId::name).collect();
             format!("expected an estimator of {}, found {:?}", names.join(", "), push.estimator)
@@ -233,28 +216,24 @@ impl PushedFinger {
         let sensor = Sensor::new(&self.scene, contacts, options).map_err(refusal)?;
         let sensed = sensor.sense(seen).map_err(refusal)?;
         let contact = sensed.contacts[0];
-        let force = SensedForce {
+        let s_mm = contact.position_mm(&self.scene.finger);
+        let doubts = sensor.doubts(&sensed).unwrap_or_default();
+        let warnings = sensed.warnings.iter().map(ToString::to_string);
+        Ok(Sensed::Force(Box::new(SensedForce {
             force_n: sensed.forces_n[0],
             sigma_n: sensed.sigmas_n[0],
             interval_n: sensed.interval_n(0),
-            s_mm: None,
-            at: None,
+            s_mm,
+            at: s_mm.and_then(at),
             angle_deg: contact.angle_deg,
-            warnings: warnings(&sensor, &sensed),
-        };
-        Ok((contact, force))
+            warnings: warnings.chain(doubts.iter().map(ToString::to_string)).collect(),
+        })))
     }
 }
 
 /// Estimators that need no files.
-pub fn estimators() -> impl Iterator<Item = EstimatorId> {
+fn estimators() -> impl Iterator<Item = EstimatorId> {
     EstimatorId::ALL.iter().copied().filter(|estimator| *estimator != EstimatorId::Network)
-}
-
-fn warnings(sensor: &Sensor, sensed: &SensedForces) -> Vec<String> {
-    let doubts = sensor.doubts(sensed).unwrap_or_default();
-    let warnings = sensed.warnings.iter().map(ToString::to_string);
-    warnings.chain(doubts.iter().map(ToString::to_string)).collect()
 }
 
 fn drawn_mesh(scene: &Scene) -> Mesh {

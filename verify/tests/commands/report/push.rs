@@ -4,6 +4,7 @@ use super::browsed::{assert_passes, driven};
 use super::shared::*;
 use crate::kit::*;
 use finray_fixtures::PAPER_SCENE;
+use finray_model::Scene;
 use finray_push::{Knowledge, MESH_NODES, Push, Pushed, PushedFinger, Sensed};
 use finray_tests::{case_count, random_stream};
 use rand::RngExt;
@@ -39,7 +40,8 @@ const SAME: f64 = 1e-9;
 #[test]
 fn a_pushed_finger_is_what_solve_and_sense_say() {
     let pushed = PushedFinger::new(PAPER_SCENE, None).expect("a scene");
-    let free: Vec<usize> = pushed.scene().finger.free_nodes().map(|node| node.0).collect();
+    let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;
+    let free: Vec<usize> = finger.free_nodes().map(|node| node.0).collect();
     let folder = Folder::new();
     let scene = folder.put("scene.toml", PAPER_SCENE);
     let mut chance = random_stream(46, 1);
