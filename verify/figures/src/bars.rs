@@ -40,7 +40,7 @@ impl Bars {
 
     /// The legend entry of the bars.
     pub(super) fn entry(&self) -> Entry<'_> {
-        Entry::patch(&self.label, self.hue.ink())
+        Entry::patch(&self.label, self.hue.0)
     }
 
     /// Area of bar number `nth` of the `of` bars in a category; without a value its height is 0.
@@ -52,7 +52,7 @@ impl Bars {
 
     pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot, nth: [usize; 2]) -> Result<(), FigureError> {
         let drawn = self.values.iter().enumerate().filter(|(_, value)| value.is_some());
-        drawn.into_iter().try_for_each(|(i, value)| sheet.cell(Self::area(plot, nth, i, *value), self.hue.ink()))
+        drawn.into_iter().try_for_each(|(i, value)| sheet.cell(Self::area(plot, nth, i, *value), self.hue.0))
     }
 }
 

@@ -113,7 +113,7 @@ impl Shot {
                 format!("M{}", points.collect::<Vec<_>>().join("L"))
             };
             let path: String = alike.iter().map(line).collect();
-            let stroke = paint("stroke", hue.ink().color());
+            let stroke = paint("stroke", hue.0.color());
             sheet.markup(&format!("<path d=\"{path}\" fill=\"none\" {stroke} stroke-width=\"{width}\"/>\n"));
         }
         Ok(())

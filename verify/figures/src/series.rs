@@ -39,7 +39,7 @@ impl Series {
 
     /// A dotted reference line without symbols.
     pub fn guide(label: impl Into<String>, points: Vec<Point>) -> Self {
-        Self { hue: Hue::Neutral, dash: Dash::Dotted, marker: None, ..Self::nth(0, label, points) }
+        Self { hue: Hue::NEUTRAL, dash: Dash::Dotted, marker: None, ..Self::nth(0, label, points) }
     }
 
     /// One series per line, without symbols; all have a common legend entry.
@@ -52,7 +52,7 @@ impl Series {
 
     /// Unconnected points, each with a symbol and a text.
     pub fn marks(label: &str, marker: Marker, (points, labels): (Vec<Point>, Vec<String>)) -> Self {
-        let (hue, marker) = (Hue::Neutral, Some(marker));
+        let (hue, marker) = (Hue::NEUTRAL, Some(marker));
         Self { hue, dash: Dash::None, marker, labels, ..Self::nth(0, label, points) }
     }
 
@@ -74,15 +74,15 @@ impl Series {
     /// Draws the joining line through the points `line`, and the symbols at the points `signs`, px.
     fn stroke(&self, sheet: &Sheet, line: &[Point], signs: &[Point]) -> Result<(), FigureError> {
         match (self.dash, line) {
-            (Dash::Arrow, [from, .., to]) => arrow(sheet, [*from, *to], self.hue.ink())?,
-            _ => sheet.dashed(line, pen(self.hue.ink(), self.width), self.dash)?,
+            (Dash::Arrow, [from, .., to]) => arrow(sheet, [*from, *to], self.hue.0)?,
+            _ => sheet.dashed(line, pen(self.hue.0, self.width), self.dash)?,
         }
-        self.marker.map_or(Ok(()), |marker| signs.iter().try_for_each(|at| marker.draw(sheet, *at, self.hue.ink())))
+        self.marker.map_or(Ok(()), |marker| signs.iter().try_for_each(|at| marker.draw(sheet, *at, self.hue.0)))
     }
 
     /// Draws the error bars, then the line and the symbols above them.
     pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
-        let (points, ink) = (plot.line(&self.points), self.hue.ink());
+        let (points, ink) = (plot.line(&self.points), self.hue.0);
         let spread = self.points.iter().zip(&self.spread).map(|([x, _], ends)| ends.map(|end| plot.at([*x, end])));
         for ends in spread {
             sheet.line(&ends, pen(ink, 1.6))?;

@@ -5,7 +5,7 @@ use finray_figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
 fn chart() -> Chart {
     let bars =
         |label: &str, hue, values: [Option<f64>; 2]| Bars { label: label.to_owned(), hue, values: values.into() };
-    let bars = vec![bars("paper", Hue::Blue, [Some(2.0), Some(4.0)]), bars("ours", Hue::Orange, [Some(1.0), None])];
+    let bars = vec![bars("paper", Hue::BLUE, [Some(2.0), Some(4.0)]), bars("ours", Hue::ORANGE, [Some(1.0), None])];
     let categories = Axis::categories("node", vec!["14".to_owned(), "16".to_owned()]);
     Chart::of_bars(Frame::full("Error by node", "error by node"), [categories, Axis::linear("error, %")], bars)
 }

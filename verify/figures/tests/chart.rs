@@ -50,10 +50,10 @@ fn a_drawing_to_scale_has_its_lines_nodes_clamps_and_arrows_and_its_words() {
     let nodes = |numbers: &[usize]| {
         (numbers.iter().map(|n| plate[*n]).collect(), numbers.iter().map(|n| format!("n{n}")).collect())
     };
-    let mut series = Series::lines("plate", vec![plate.clone(), vec![[75.0, 0.0], [75.0, 40.0]]], Hue::Blue, 4.0);
+    let mut series = Series::lines("plate", vec![plate.clone(), vec![[75.0, 0.0], [75.0, 40.0]]], Hue::BLUE, 4.0);
     series.push(Series::marks("node", Marker::Node, nodes(&[1, 2])));
     series.push(Series::marks("clamped node", Marker::Clamp, nodes(&[0])));
-    series.push(Series::arrow([[40.0, -20.0], [40.0, 0.0]], "3 N", Hue::Vermilion));
+    series.push(Series::arrow([[40.0, -20.0], [40.0, 0.0]], "3 N", Hue::VERMILION));
     let svg = Chart::to_scale(Frame::full("", "a plate"), ["x, mm", "y, mm"], series).svg().unwrap();
     assert!(
         ["plate", "node", "clamped node", "n0", "n1", "n2", "3 N"]

@@ -7,10 +7,10 @@ fn film(count: usize, still: usize) -> Film {
         let line = |y: f64| vec![[0.0, y], [10.0 + i as f64, y]];
         Shot {
             words: vec![format!("step {i}")],
-            series: Series::lines("fingers", vec![line(0.0), line(5.0)], Hue::Blue, 2.0),
+            series: Series::lines("fingers", vec![line(0.0), line(5.0)], Hue::BLUE, 2.0),
         }
     };
-    let fixed = Series::lines("support", vec![vec![[0.0, -5.0], [30.0, -5.0]]], Hue::Neutral, 3.0);
+    let fixed = Series::lines("support", vec![vec![[0.0, -5.0], [30.0, -5.0]]], Hue::NEUTRAL, 3.0);
     let (frame, labels) = (Frame::half("a film", "lines that grow"), ["across, mm", "up, mm"]);
     Film { frame, labels, fixed, shots: (0..count).map(shot).collect(), still, shot_s: 0.2 }
 }

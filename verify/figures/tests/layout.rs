@@ -75,7 +75,7 @@ fn neutral_ink_is_the_page_s_and_words_are_escaped() {
 #[test]
 fn a_line_ends_where_its_axes_do() {
     let axes = [Axis::linear("x").within(0.0, 1.0), Axis::linear("y").within(0.0, 1.0)];
-    let series = Series::lines("line", vec![vec![[0.0, 0.0], [1.0, 1.0]]], Hue::Blue, 2.0);
+    let series = Series::lines("line", vec![vec![[0.0, 0.0], [1.0, 1.0]]], Hue::BLUE, 2.0);
     let svg = Chart::new(Frame::full("", "ends"), axes, series).svg().unwrap();
     let drawn = &lines(&svg, "#1f82c4")[0];
     // The outline of the plot is closed.
@@ -111,7 +111,7 @@ fn names_that_would_touch_are_left_out_and_their_ticks_stay() {
 #[test]
 fn a_log_axis_has_its_geometric_mean_in_the_middle() {
     let axes = [Axis::linear("x"), Axis::log("y").within(0.1, 10.0)];
-    let series = Series::lines("line", vec![vec![[0.0, 0.1], [1.0, 1.0], [2.0, 10.0]]], Hue::Blue, 2.0);
+    let series = Series::lines("line", vec![vec![[0.0, 0.1], [1.0, 1.0], [2.0, 10.0]]], Hue::BLUE, 2.0);
     let svg = Chart::new(Frame::full("", "log"), axes, series).svg().unwrap();
     let [low, middle, high] = lines(&svg, "#1f82c4")[0][..] else { panic!("three points") };
     assert!((2.0 * middle[1] - low[1] - high[1]).abs() < 0.3, "{low:?} {middle:?} {high:?}");
@@ -185,7 +185,7 @@ fn crowded_labels_hide_neither_each_other_nor_the_line() {
     let labels = points.iter().enumerate().map(|(i, _)| format!("{}", 120 + i)).collect();
     let marks = Series { marker: None, ..Series::marks("", Marker::Node, (points, labels)) };
     let axes = [Axis::linear("x").within(0.0, 1.0), Axis::linear("y").within(0.0, 1.0)];
-    let series = vec![Series::lines("", vec![line], Hue::Blue, 2.0).remove(0), marks];
+    let series = vec![Series::lines("", vec![line], Hue::BLUE, 2.0).remove(0), marks];
     let svg = Chart::new(Frame::full("", "labels"), axes, series).svg().unwrap();
     let level = lines(&svg, "#1f82c4")[0][0][1];
     let at: Vec<Point> = (120..128).map(|label| anchor(&svg, &label.to_string())).collect();
@@ -201,7 +201,7 @@ fn crowded_labels_hide_neither_each_other_nor_the_line() {
 fn words_of_a_drawing_stand_outside_its_lines() {
     let plate = |from: Point, to: Point| vec![from, [75.0, (from[1] + to[1]) / 2.0], to];
     let plates = vec![plate([0.0, 0.0], [150.0, 20.0]), plate([0.0, 58.0], [150.0, 20.0])];
-    let mut series = Series::lines("plates", plates, Hue::Blue, 4.0);
+    let mut series = Series::lines("plates", plates, Hue::BLUE, 4.0);
     let nodes = vec![[75.0, 10.0], [75.0, 39.0]];
     series.push(Series::marks("", Marker::Node, (nodes, vec!["lower".to_owned(), "upper".to_owned()])));
     let svg = Chart::to_scale(Frame::full("", "two plates"), ["x", "y"], series).svg().unwrap();

@@ -49,7 +49,7 @@ fn places(study: &Study, situations: &[Situation]) -> Option<String> {
 /// Main reasons of failures, with the contact known and assumed.
 fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     let known = situations.first()?;
-    let Failures { failed, by_noise } = failures(known);
+    let (failed, by_noise) = failures(known);
     let (failed, by_model) = (failed.len(), failed.len() - by_noise);
     let known = match failed {
         0 => "Contact known: nothing fails.",
@@ -139,16 +139,10 @@ pub(super) fn caveat(study: &Study) -> String {
     )
 }
 
-/// Cells of a map that answer with an error above the trusted one.
-struct Failures<'s> {
-    failed: Vec<&'s MapCell>,
-    /// How many of them fail by camera noise rather than by a wrong model.
-    by_noise: usize,
-}
-
-fn failures<'s>(situation: &Situation<'s>) -> Failures<'s> {
+/// Cells of a map that answer with an error above the trusted one, and how many of them fail by camera noise rather than by a wrong model.
+fn failures<'s>(situation: &Situation<'s>) -> (Vec<&'s MapCell>, usize) {
     let is_wrong = |cell: &&MapCell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
     let failed: Vec<&MapCell> = situation.map.cells.iter().filter(is_wrong).collect();
     let by_noise = failed.iter().filter(|cell| cell.spread > cell.bias.map(f64::abs)).count();
-    Failures { failed, by_noise }
+    (failed, by_noise)
 }

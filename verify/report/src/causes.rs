@@ -40,7 +40,8 @@ pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactK
 
 /// Regions in which the nonlinear estimator fails for forces along the normal, each with its largest cause; `None` without a map of causes.
 fn failing(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<Vec<(Region, Cause)>> {
-    let map = find(study, truth, Practice::Nonlinear, contact)?;
+    let is = |map: &&CauseMap| (map.truth, map.practice, map.contact) == (truth, Practice::Nonlinear, contact);
+    let map = study.causes.iter().find(is)?;
     let of_region = |region: Region| {
         let shares = Shares::of(&study.finger, map, study.forces.drawn_n(), region)?;
         let largest = shares.largest().filter(|_| shares.rms_error > TRUSTED_ERROR)?;
@@ -75,9 +76,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.extend(remedies(study)?.map(Block::Figure));
     blocks.push(text(about(study)));
     blocks.push(Block::Table(by_region(study)));
-    let figures: Vec<Figure> =
-        drawn(study).take(DRAWN).map(|map| map_figure(map, study.forces.drawn_n())).collect::<Result<_, _>>()?;
-    blocks.push(Block::Figures(figures));
+    // Maps that have every position and direction.
+    let full = own_first(study).filter(|map| map.request.angles_deg.len() > 1);
+    let figures = full.take(DRAWN).map(|map| map_figure(map, study.forces.drawn_n()));
+    blocks.push(Block::Figures(figures.collect::<Result<_, _>>()?));
     Ok(Some(Section::new("causes", "Causes of errors, and remedies", blocks)))
 }
 
@@ -94,20 +96,10 @@ fn about(study: &Study) -> String {
     )
 }
 
-fn find(study: &Study, truth: TruthId, practice: Practice, contact: ContactKnowledge) -> Option<&CauseMap> {
-    let is = |map: &&CauseMap| map.truth == truth && map.practice == practice && map.contact == contact;
-    study.causes.iter().find(is)
-}
-
 /// All maps of causes; the maps of the scene's finger come first.
 fn own_first(study: &Study) -> impl Iterator<Item = &CauseMap> {
     let (own, others): (Vec<_>, Vec<_>) = study.causes.iter().partition(|map| map.truth == OWN);
     own.into_iter().chain(others)
-}
-
-/// Maps of causes that have every position and direction; the maps of the scene's finger come first.
-fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
-    own_first(study).filter(|map| map.request.angles_deg.len() > 1)
 }
 
 /// Name of a map's estimator as part of a sentence.
@@ -117,10 +109,6 @@ pub(super) fn estimator_in_words(map: &CauseMap) -> &'static str {
         Practice::Nonlinear => "nonlinear",
         Practice::Network => "network",
     }
-}
-
-fn practice_in_words(map: &CauseMap) -> String {
-    format!("{}, contact {}", estimator_in_words(map), map.contact.name())
 }
 
 /// Table of the largest cause in each region.

@@ -2,10 +2,8 @@
 
 mod words;
 
-use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point, side_by_side, true_and_sensed};
+use super::drawings::{ACROSS_AXIS, ALONG_AXIS, lines_of, point, side_by_side, true_and_sensed};
 use crate::prelude::*;
-use finray_model::finger::FingerPoint;
-use finray_model::mesh::FingerShape;
 use finray_model::sensing::ContactPosition;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::SceneStudy;
@@ -117,15 +115,9 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
     Ok(figures)
 }
 
-fn lines_of(finger: &Finger, at: impl Fn(FingerPoint) -> Vector) -> Vec<Vec<[f64; 2]>> {
-    let drawn = |points: Vec<FingerPoint>| points.into_iter().map(|named| point(&at(named))).collect();
-    finger.outline().into_iter().map(|(_, points)| drawn(points)).collect()
-}
-
 fn drawing(press: &DrawnPress) -> Result<String, FigureError> {
     let DrawnPress { finger, last, .. } = press;
     let pressed = &last.pressed;
-    let deformed = |shape: &FingerShape| lines_of(finger, |at| shape.point(at));
     let outline = press.outline.iter().map(|corner| point(&(corner + pressed.object))).collect();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
     let largest_n = worst(last.contacts.iter().map(|seen| seen.force.norm()));
@@ -133,14 +125,15 @@ fn drawing(press: &DrawnPress) -> Result<String, FigureError> {
     let length_mm = |force_n: f64| longest_mm * (0.3 + 0.7 * force_n / largest_n);
     let arrows = last.contacts.iter().map(|seen| {
         let foot = seen.point - seen.force.normalize() * length_mm(seen.force.norm());
-        Series::arrow([point(&foot), point(&seen.point)], format!("{:.2} N", seen.force.norm()), Hue::Vermilion)
+        Series::arrow([point(&foot), point(&seen.point)], format!("{:.2} N", seen.force.norm()), Hue::VERMILION)
     });
     let alt = format!("The finger bent by the object of the scene {}, with the contact forces.", press.name);
-    let at_rest = lines_of(finger, |at| finger.point(at));
+    let at_rest = lines_of(finger, |at| point(&finger.point(at)));
+    let deformed = lines_of(finger, |at| point(&pressed.shape.point(at)));
     let lines = [
-        Series::lines("at rest", at_rest, Hue::Faint, 3.0),
-        Series::lines("pressed", deformed(&pressed.shape), Hue::Blue, 2.4),
-        Series::lines("object", vec![outline], Hue::Green, 2.4),
+        Series::lines("at rest", at_rest, Hue::FAINT, 3.0),
+        Series::lines("pressed", deformed, Hue::BLUE, 2.4),
+        Series::lines("object", vec![outline], Hue::GREEN, 2.4),
     ];
     let series = lines.into_iter().flatten().chain(arrows).collect();
     Chart::to_scale(Frame::half(press.name, alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()

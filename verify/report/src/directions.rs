@@ -1,6 +1,6 @@
 //! Forces of unknown direction: positions and directions at which they are identifiable.
 
-use super::drawings::{ALONG_THE_PLATE, by_direction, percent_classes, percent_line, plate_map};
+use super::drawings::{ALONG_THE_PLATE, by_direction, percent_classes, plate_map};
 use super::format::{list, percent};
 use crate::prelude::*;
 use finray_studies::experiments::direction::{
@@ -172,7 +172,7 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
     let axes = [Axis::linear(ALONG_THE_PLATE), Axis::log("root mean square error of the force, %")];
     let chart = Chart::new(Frame::half(title, alt), axes, series.collect());
     Ok(Figure::narrow(
-        chart.compared([percent_line(100.0 * IDENTIFIED_FORCE)]).svg()?,
+        chart.compared([(100.0 * IDENTIFIED_FORCE, percent(IDENTIFIED_FORCE))]).svg()?,
         format!("{force_n} N along the deformed normal: error of the force by assumed direction."),
         FRICTIONLESS_CSV,
     ))

@@ -1,13 +1,12 @@
 //! Drawings of a study, made with [`figures`](finray_figures).
 
-use super::format::list;
+use super::format::{list, percent};
 use crate::prelude::*;
 use finray_figures::{Bars, Lines, Marker, Paint};
-use finray_model::finger::Part;
+use finray_model::finger::{FingerPoint, Part};
 use finray_studies::experiments::table_one::TableOne;
+use finray_studies::settings::GROSS_ERROR;
 
-/// Limits of the two shades of the paper's Table I, %.
-pub(super) const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
 /// Palette of errors: largest error of each class, %, and its colour (red, green, blue). Two shades of green mean trusted; amber and red do not.
 /// Lightness decreases on both sides of the 10 % threshold, so that colour-blind readers and grey prints show the order.
 const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
@@ -32,17 +31,11 @@ pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 const REFUSED: usize = ERROR_CLASSES.len();
 const NO_EQUILIBRIUM: usize = REFUSED + 1;
 
-/// Index of the class to which an error (a share) belongs.
-pub(super) fn error_rank(error: f64) -> usize {
-    let finite = &ERROR_CLASSES[..ERROR_CLASSES.len() - 1];
-    finite.iter().take_while(|(up_to, _)| 100.0 * error > *up_to).count()
-}
-
 /// Rank of a cell: by its error if the cell was answered, otherwise by its state.
 pub(super) fn rank_of(state: CellState, error: Option<f64>) -> usize {
     match (state, error) {
         (CellState::WithoutEquilibrium, _) => NO_EQUILIBRIUM,
-        (CellState::Answered, Some(error)) => error_rank(error),
+        (CellState::Answered, Some(error)) => ERROR_CLASSES.iter().take_while(|class| 100.0 * error > class.0).count(),
         _ => REFUSED,
     }
 }
@@ -185,9 +178,9 @@ fn node_axis(finger: &Finger) -> Axis {
         .named(marks.filter_map(|node| Some((finger.front_position_mm(node)?, node.to_string()))).collect())
 }
 
-/// A horizontal reference line at a value in percent, with its label.
-pub(super) fn percent_line(value: f64) -> (f64, String) {
-    (value, format!("{value} %"))
+/// Lines of the finger; `at` gives the position of a point of the finger in the drawing.
+pub(super) fn lines_of(finger: &Finger, at: impl Fn(FingerPoint) -> Point) -> Lines {
+    finger.outline().into_iter().map(|(_, points)| points.into_iter().map(&at).collect()).collect()
 }
 
 /// Lines of the undeformed front plate, back plate and ribs, mm.
@@ -214,27 +207,27 @@ pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
         let foot = middle - finger.direction(angle_deg) * (0.14 * length);
         Series::arrow([point(&foot), point(&middle)], label, hue)
     };
-    let plates = Series::lines("front plate", front, Hue::Blue, 4.0).into_iter().chain(Series::lines(
+    let plates = Series::lines("front plate", front, Hue::BLUE, 4.0).into_iter().chain(Series::lines(
         "back plate",
         back,
-        Hue::Vermilion,
+        Hue::VERMILION,
         4.0,
     ));
     let marks = [
         Series::marks("node", Marker::Node, numbered(free)),
         Series::marks("clamped node", Marker::Clamp, numbered(clamps.to_vec())),
-        arrow(0.0, "0 deg", Hue::Blue),
-        arrow(40.0, "+40 deg", Hue::Vermilion),
+        arrow(0.0, "0 deg", Hue::BLUE),
+        arrow(40.0, "+40 deg", Hue::VERMILION),
     ];
     let alt = "The finger with its numbered key nodes; the base is on the left, the tip on the right.";
-    let series = plates.chain(Series::lines("ribs", ribs, Hue::Green, 2.6)).chain(marks).collect();
+    let series = plates.chain(Series::lines("ribs", ribs, Hue::GREEN, 2.6)).chain(marks).collect();
     Chart::to_scale(Frame::full("Numbers of the key nodes", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
 /// Drawing of the finger, undeformed and under load.
 pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
     let finger = &study.finger;
-    let mut series = Series::lines("at rest", at_rest(finger).concat(), Hue::Faint, 3.0);
+    let mut series = Series::lines("at rest", at_rest(finger).concat(), Hue::FAINT, 3.0);
     for (n, bent) in study.bent.iter().enumerate() {
         let lines = bent.lines.iter().map(|line| line.iter().map(point).collect()).collect();
         let dash = if bent.kinematics == Kinematics::Linear { Dash::Dotted } else { Dash::Solid };
@@ -319,7 +312,7 @@ pub(super) fn one_and_two<R>(
 /// Chart of Table I: the paper's mean errors and the computed ones, as bars, base to tip.
 pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
     let rows = tables.first().map_or(&[][..], |table| &table.rows[..]);
-    let paper = error_bars("paper", Hue::Neutral, rows.iter().rev().map(|row| Some(row.paper_mean_error)));
+    let paper = error_bars("paper", Hue::NEUTRAL, rows.iter().rev().map(|row| Some(row.paper_mean_error)));
     let ours = tables.iter().take(2).enumerate().map(|(n, table)| {
         let label = format!("uniform finger, weights at {} deg", table.angle_deg);
         error_bars(label, Hue::nth(n), table.rows.iter().rev().map(|row| Some(row.mean_error)))
@@ -332,5 +325,5 @@ pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
         Axis::categories("loaded node, base to tip", rows.iter().rev().map(|row| row.node.to_string()).collect());
     let bars = std::iter::once(paper).chain(ours).collect();
     let chart = Chart::of_bars(frame, [nodes, Axis::linear("mean error, %")], bars);
-    chart.compared(PAPER_SHADES_PERCENT.map(percent_line)).svg()
+    chart.compared([TRUSTED_ERROR, GROSS_ERROR].map(|limit| (100.0 * limit, percent(limit)))).svg()
 }

@@ -210,7 +210,7 @@ fn residuals(residuals: &[MarkerResidual]) -> Result<Option<String>, FigureError
     };
     let seen: Vec<Point> = residuals.iter().map(|left| [left.x_mm, left.y_mm]).collect();
     let mut series = Series::lines("residual", residuals.iter().map(line).collect(), Hue::nth(1), 2.0);
-    series.push(Series { dash: Dash::None, hue: Hue::Neutral, ..Series::nth(0, "markers seen", seen) });
+    series.push(Series { dash: Dash::None, hue: Hue::NEUTRAL, ..Series::nth(0, "markers seen", seen) });
     let title = format!("Residuals, {scale:.0} times as long ({longest_mm:.3} mm at most)");
     let alt = "Markers of all images in the finger frame with the residual of each";
     Chart::to_scale(Frame::half(title, alt), ["x, mm", "y, mm"], series).svg().map(Some)

@@ -50,7 +50,7 @@ fn drawing(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Result<Strin
             Some(recorded(records, recipe, truth, noise_mm, group, quantity)?.errors.mean)
         })
     });
-    let paper = bars("paper, measured".to_owned(), Hue::Neutral, &of_paper);
+    let paper = bars("paper, measured".to_owned(), Hue::NEUTRAL, &of_paper);
     let ours = [estimated(2, EstimatorId::LeastSquares), estimated(3, EstimatorId::Nonlinear)];
     let names = by_group(|group, quantity| match group.paper_sum {
         Some(_) => format!("{}: {}", group.name, quantity.trim_end_matches(" force")),

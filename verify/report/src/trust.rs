@@ -172,7 +172,7 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     let title =
         format!("{}: {share} of {carried} cells within {}", capitalised(situation.name), percent(TRUSTED_ERROR));
     let [front, back, ribs] = at_rest(finger);
-    let series = Series::lines("", [back, ribs, front].concat(), Hue::Faint, 2.2);
+    let series = Series::lines("", [back, ribs, front].concat(), Hue::FAINT, 2.2);
     let alt = format!(
         "{title}. The finger, base on the left; its front plate coloured by the error along the normal, fans by the error in every direction."
     );

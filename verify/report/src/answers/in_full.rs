@@ -1,6 +1,6 @@
 //! The reader's five questions with their full answers.
 
-use super::{Failures, coverage, failures, given};
+use super::{coverage, failures, given};
 use crate::format::{capitalised, list, percent, time};
 use crate::maps::small;
 use crate::prelude::*;
@@ -85,7 +85,7 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<String> {
 
 /// Whether noise or the model outweighs in the failing cells, contact and finger known.
 fn failing_if_known(known: &Situation) -> String {
-    let Failures { failed, by_noise } = failures(known);
+    let (failed, by_noise) = failures(known);
     if failed.is_empty() {
         return "With contact and finger known, no sensed force fails.".to_owned();
     }
@@ -138,7 +138,8 @@ fn use_what(study: &Study) -> Option<String> {
         true => "so time does not limit the choice",
         false => "which is too short",
     };
-    let linear = linear(study).map_or_else(String::new, |linear| {
+    let linear = small(study, TruthId::Corotational, EstimatorId::LeastSquares, study.noise_mm > 0.0);
+    let linear = linear.and_then(|map| TrustCounts::of(&map.worst()).share()).map_or_else(String::new, |linear| {
         let [trusted, linear] = [TRUSTED_ERROR, linear].map(percent);
         format!(" Least squares: within {trusted} in {linear} of the cells with an equilibrium.")
     });
@@ -147,12 +148,6 @@ fn use_what(study: &Study) -> Option<String> {
          an image lasts {:.0} ms, {fast}.{linear}",
         1e3 * CAMERA_FRAME_S
     ))
-}
-
-/// Share of the cells in which least squares is trusted.
-fn linear(study: &Study) -> Option<f64> {
-    let map = small(study, TruthId::Corotational, EstimatorId::LeastSquares, study.noise_mm > 0.0)?;
-    TrustCounts::of(&map.worst()).share()
 }
 
 /// Coverage of the stated 95 % intervals, on the uniform finger and on the finger with softer ends.

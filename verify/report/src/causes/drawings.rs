@@ -1,6 +1,6 @@
 //! Drawings of causes: maps of the largest cause, and the error at the nodes as remedies are added.
 
-use super::{CSV, OWN, at_nodes, own_first, practice_in_words};
+use super::{CSV, OWN, at_nodes, estimator_in_words, own_first};
 use crate::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, by_direction, error_bars, rank_of, small_maps};
 use crate::format::percent;
 use crate::prelude::*;
@@ -42,7 +42,8 @@ pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportE
             _ => cell.largest().map_or(hidden, |(cause, _)| cause) as f64,
         })
     };
-    let title = format!("Largest cause at {force_n} N, {}; {}", map.truth.label(), practice_in_words(map));
+    let (truth, practice, contact) = (map.truth.label(), estimator_in_words(map), map.contact.name());
+    let title = format!("Largest cause at {force_n} N, {truth}; {practice}, contact {contact}");
     let frame = Frame::half(&title, format!("{title}: by position along the front plate and direction."));
     let y = Axis::linear(DIRECTION_AXIS).with_ticks((-2..=2).map(|i| f64::from(i) * 40.0));
     let causes = map.cells.iter().filter(|cell| cell.force_n == force_n).map(of_cell);
@@ -86,7 +87,7 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
         return Ok(None);
     }
     let bars = |nth: usize, label: String, error: &dyn Fn(&CauseCell) -> Option<f64>| {
-        let hue = if nth == 0 { Hue::Neutral } else { Hue::nth(nth - 1) };
+        let hue = if nth == 0 { Hue::NEUTRAL } else { Hue::nth(nth - 1) };
         error_bars(label, hue, cells.iter().map(|(_, cell)| error(cell)))
     };
     let taken = REMEDIES.iter().enumerate().map(|(taken, (name, _))| {

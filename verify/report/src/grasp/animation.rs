@@ -1,7 +1,7 @@
 //! A grasp as an animated drawing.
 
-use super::drawings::{arrows, bent, key, object, support};
-use finray_figures::{Dash, FigureError, Film, Frame, Hue, Series, Shot};
+use super::drawings::{arrows, bent, keys, object, support};
+use finray_figures::{FigureError, Film, Frame, Series, Shot};
 use finray_studies::experiments::grasp::{GraspScene, GraspStep, Phase, finger_name};
 
 /// Largest number of shots; of a longer grasp only every n-th step is shown.
@@ -37,8 +37,7 @@ pub fn grasp_animation_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) 
     };
     let mut fixed = support(scene, steps);
     let at = steps.first().map_or([0.0; 2], |step| [step.object[0], -step.object[1]]);
-    fixed.extend(key("true force along the normal", Hue::Vermilion, Dash::Solid, at));
-    fixed.extend(key("sensed along the normal", Hue::Purple, Dash::Dashed, at));
+    fixed.extend(keys(at));
     let title = format!("{name}: the whole grasp");
     let alt = format!("{title} in {} moving pictures: fingers, object, true and sensed forces.", shown.len());
     let frame = Frame::half(title, alt).with_plot_height(560.0);

@@ -1,6 +1,6 @@
 //! Drawings of a grasp: fingers, object and forces at selected steps, and the forces over all steps.
 
-use crate::drawings::{side_by_side, true_and_sensed};
+use crate::drawings::{lines_of, side_by_side, true_and_sensed};
 use crate::prelude::*;
 use finray_figures::Lines;
 use finray_model::finger::FingerPoint;
@@ -10,8 +10,6 @@ use nalgebra::Rotation2;
 
 /// Length of the arrow of the largest force, as a share of the front plate's length.
 const LONGEST_ARROW: f64 = 0.2;
-/// Largest number of steps that are drawn.
-const MOMENTS: usize = 4;
 
 /// Charts of the forces over the steps and over the motor angle, each with its caption.
 pub(super) fn courses(name: &str, steps: &[GraspStep]) -> Result<Vec<(String, &'static str)>, FigureError> {
@@ -60,7 +58,6 @@ fn moments(steps: &[GraspStep]) -> Vec<&GraspStep> {
     ];
     let mut chosen: Vec<&GraspStep> = chosen.into_iter().flatten().collect();
     chosen.dedup_by_key(|step| step.step);
-    chosen.truncate(MOMENTS);
     chosen
 }
 
@@ -73,43 +70,36 @@ fn drawn(at: Vector) -> Point {
 fn moment(scene: &GraspScene, step: &GraspStep) -> Result<String, FigureError> {
     let title = format!("step {}, {}: motor at {:.1} deg", step.step, step.phase, step.motor_deg);
     let at_rest = outlines(scene, step, |_, named| scene.finger().point(named));
-    let mut series = Series::lines("undeformed", at_rest, Hue::Faint, 2.0);
+    let mut series = Series::lines("undeformed", at_rest, Hue::FAINT, 2.0);
     series.extend(bent(scene, step));
     series.extend(object(scene, step));
     series.extend(support(scene, std::slice::from_ref(step)));
     let largest_n = step.fingers.iter().flat_map(|of| &of.contacts).map(|seen| seen.force.norm()).fold(0.0, f64::max);
     series.extend(arrows(scene, step, largest_n));
     let at = drawn(Vector::new(step.object[0], step.object[1]));
-    series.extend(key("true force along the normal", Hue::Vermilion, Dash::Solid, at));
-    series.extend(key("sensed along the normal", Hue::Purple, Dash::Dashed, at));
+    series.extend(keys(at));
     let alt = format!("Two fingers and the object of the grasp at {title}.");
     Chart::to_scale(Frame::half(title, alt), ["across the gripper, mm", "up, mm"], series).svg()
 }
 
 /// Lines of both fingers; `at` gives the position of a finger's point in the finger's frame, mm.
 fn outlines(scene: &GraspScene, step: &GraspStep, at: impl Fn(usize, FingerPoint) -> Vector) -> Lines {
-    let each = |finger: usize| {
-        let placement = step.fingers[finger].placement;
-        let at = &at;
-        let parts = scene.finger().outline().into_iter();
-        parts.map(move |(_, points)| {
-            points.into_iter().map(|named| drawn(placement.outwards(at(finger, named)))).collect()
-        })
-    };
+    let placement = |finger: usize| step.fingers[finger].placement;
+    let each = |finger| lines_of(scene.finger(), |named| drawn(placement(finger).outwards(at(finger, named))));
     (0..step.fingers.len()).flat_map(each).collect()
 }
 
 /// Series of both deformed fingers.
 pub(super) fn bent(scene: &GraspScene, step: &GraspStep) -> Vec<Series> {
     let lines = outlines(scene, step, |finger, named| step.fingers[finger].shape.point(named));
-    Series::lines("fingers", lines, Hue::Blue, 2.0)
+    Series::lines("fingers", lines, Hue::BLUE, 2.0)
 }
 
 /// Series of the object's outline.
 pub(super) fn object(scene: &GraspScene, step: &GraspStep) -> Vec<Series> {
     let (turn, at) = (Rotation2::new(step.object[2]), Vector::new(step.object[0], step.object[1]));
     let outline = scene.outline().iter().map(|corner| drawn(at + turn * corner)).collect();
-    Series::lines("object", vec![outline], Hue::Green, 2.4)
+    Series::lines("object", vec![outline], Hue::GREEN, 2.4)
 }
 
 /// Series of the support, if any. The drawn support spans the positions of all given steps.
@@ -124,7 +114,7 @@ pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
         Some(Support::Table) => ("table", Dash::Solid),
         _ => ("rails before and behind the fingers", Dash::Dashed),
     };
-    let lines = Series::lines(label, vec![ends.to_vec()], Hue::Neutral, 3.0).into_iter();
+    let lines = Series::lines(label, vec![ends.to_vec()], Hue::NEUTRAL, 3.0).into_iter();
     lines.map(|line| Series { dash, ..line }).collect()
 }
 
@@ -144,11 +134,11 @@ pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Ve
             };
             if seen.normal_n > 0.0 {
                 let along = finger.direction(seen.contact.angle_deg) * seen.normal_n;
-                series.push(Series::arrow(arrow(along), format!("{:.2} N", seen.normal_n), Hue::Vermilion));
+                series.push(Series::arrow(arrow(along), format!("{:.2} N", seen.normal_n), Hue::VERMILION));
             }
             if let Some(sensed) = sensed.filter(|sensed| sensed.force.sensed_n > 0.0) {
                 let along = finger.direction(sensed.read.contact.angle_deg) * sensed.force.sensed_n;
-                let arrow = Series::arrow(arrow(along), "", Hue::Purple);
+                let arrow = Series::arrow(arrow(along), "", Hue::PURPLE);
                 series.push(Series { labels: Vec::new(), dash: Dash::Dashed, ..arrow });
             }
         }
@@ -156,10 +146,11 @@ pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Ve
     series
 }
 
-/// Series without visible points that adds an entry for arrows to the legend.
-pub(super) fn key(label: &str, hue: Hue, dash: Dash, at: Point) -> Option<Series> {
-    let line = Series::lines(label, vec![vec![at; 2]], hue, 2.4).pop();
-    line.map(|line| Series { dash, ..line })
+/// Series without visible points that add entries for the arrows to the legend.
+pub(super) fn keys(at: Point) -> [Series; 2] {
+    let key = |label: &str, hue, dash| Series { hue, dash, width: 2.4, ..Series::guide(label, vec![at; 2]) };
+    let truth = key("true force along the normal", Hue::VERMILION, Dash::Solid);
+    [truth, key("sensed along the normal", Hue::PURPLE, Dash::Dashed)]
 }
 
 /// Series of the true and sensed total of each finger, over the quantity that `at` gives.
