@@ -107,7 +107,6 @@ impl Axis {
 #[derive(Debug, Clone)]
 pub(super) struct Ruler {
     pub(super) scale: Scale,
-    /// Lower and upper limit of the axis.
     pub(super) span: [f64; 2],
     /// Values of the ticks with their names; a tick with an empty name has no label.
     pub(super) ticks: Vec<(f64, String)>,

@@ -38,7 +38,6 @@ impl Bars {
         self.values.iter().flatten().copied().chain([0.0])
     }
 
-    /// The legend entry of the bars.
     pub(super) fn entry(&self) -> Entry<'_> {
         Entry::patch(&self.label, self.hue.0)
     }

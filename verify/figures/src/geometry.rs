@@ -6,16 +6,12 @@ pub type Point = [f64; 2];
 /// Several lines, each given by its points in order.
 pub type Lines = Vec<Vec<Point>>;
 
-/// A rectangle on the sheet with horizontal and vertical sides, px.
+/// A rectangle on the sheet with horizontal and vertical sides, px; y grows downwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
-    /// Left edge, px.
     pub(super) left: f64,
-    /// Upper edge, px; y grows downwards.
     pub(super) top: f64,
-    /// Right edge, px.
     pub(super) right: f64,
-    /// Lower edge, px.
     pub(super) bottom: f64,
 }
 

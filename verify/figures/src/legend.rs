@@ -17,7 +17,6 @@ pub(super) struct Entry<'a> {
 }
 
 impl<'a> Entry<'a> {
-    /// An entry with its text and a function that draws the sample.
     pub(super) fn new(text: impl Into<String>, sample: impl Fn(&Sheet, Area) -> Result<(), FigureError> + 'a) -> Self {
         Self { text: text.into(), sample: Box::new(sample) }
     }

@@ -70,7 +70,6 @@ impl Frame {
 /// A plot with its two axes.
 pub(super) struct Plot {
     chart: ChartContext<'static, Svg, Cartesian2d<Ruler, Ruler>>,
-    /// Rectangle of the plot on the sheet, px.
     pub(super) area: Area,
 }
 
@@ -116,9 +115,7 @@ impl Plot {
 
 /// Everything that a figure has around its plots.
 pub(super) struct Panels<'a> {
-    /// Heading, description and size of the figure.
     pub(super) frame: &'a Frame,
-    /// Horizontal and vertical axis.
     pub(super) axes: [&'a Axis; 2],
     /// Values in x and y that the axes must include if their limits are not given.
     pub(super) data: [Vec<f64>; 2],
@@ -138,7 +135,6 @@ pub(super) struct Panels<'a> {
     pub(super) columns: &'a [String],
     /// Space above each plot for its note, px.
     pub(super) above: f64,
-    /// Entries of the legend.
     pub(super) legend: Vec<Entry<'a>>,
 }
 

@@ -91,7 +91,6 @@ impl Series {
         self.stroke(sheet, &points, &points)
     }
 
-    /// The legend entry of the series.
     pub(super) fn entry(&self) -> Entry<'_> {
         Entry::new(&self.label, |sheet, area| {
             let [x, y] = area.centre();

@@ -24,7 +24,6 @@ type Done = Result<(), DrawingErrorKind<Error>>;
 /// A drawing in progress; its clones write to the same SVG text.
 #[derive(Clone, Default)]
 pub(super) struct Svg {
-    /// The SVG text written so far.
     pub(super) text: Rc<RefCell<String>>,
     /// Width and height in drawing units.
     pub(super) size: (u32, u32),

@@ -128,20 +128,17 @@ fn by_region(study: &Study) -> Table {
         };
         error_as(format!("{}: {why}{refused}", percent(shares.rms_error)), shares.rms_error)
     };
+    let caption = format!(
+        "Root mean square error at {force_n} N along the normal, its largest cause, and the error without it. Near an end: within a sixth of the plate. Amber: \
+         above 10 %, red: above 25 %"
+    );
     Columns::<&CauseMap>::new()
         .page("finger, contact", Format::Words, |map| format!("{}, {}", map.truth.label(), map.contact.name()))
         .page("sensed by", Format::Words, |map| estimator_in_words(map))
         .each(Region::ENDS_AND_MIDDLE, |columns, region| {
             columns.cells(region.name(), Format::Words, move |map| cell(map, region))
         })
-        .table(
-            format!(
-                "Root mean square error at {force_n} N along the normal, its largest cause, and the error without it. Near an end: within a \
-                 sixth of the plate. Amber: above 10 %, red: above 25 %"
-            ),
-            CSV,
-            own_first(study),
-        )
+        .table(caption, CSV, own_first(study))
 }
 
 /// Contact nodes from base to tip, each with its cells for forces along the normal.

@@ -25,26 +25,18 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     }
     blocks.push(text(ABOUT));
     blocks.extend(disagreements(study)?.map(Block::Figure));
-    blocks.push(details(
-        "Checks by source",
-        vec![Block::Table(by_source(&study.all_checks().collect::<Vec<_>>())), Block::Table(files())],
-    ));
+    let tables = [by_source(&study.all_checks().collect::<Vec<_>>()), files()];
+    blocks.push(details("Checks by source", tables.map(Block::Table).into()));
     Ok(Some(Section::new("checks", "Cross-checks", blocks).saying([in_words(study)])))
 }
 
 /// Table of the files that contain each check with its numbers.
 fn files() -> Table {
+    let checks = [CSV, "every check: reference, our figure, tolerance"];
     Columns::<[&str; 2]>::new()
         .cells("file", Format::Words, |[file, _]| Cell::file(*file))
         .page("holds", Format::Words, |[_, holds]| *holds)
-        .table(
-            "One by one",
-            CSV,
-            [
-                [CSV, "every check: reference, our figure, tolerance"],
-                [COMPARISONS_CSV, "where a difference is expected"],
-            ],
-        )
+        .table("One by one", CSV, [checks, [COMPARISONS_CSV, "where a difference is expected"]])
 }
 
 /// Sentence with the numbers of passed checks by kind of reference, first those against other programs.
@@ -98,10 +90,9 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
         Axis::log("difference / reference").within(LAST_BIT / 2.0, 1.0),
         Axis::categories("reference", sources.iter().map(|source| (*source).to_owned()).collect()),
     ];
-    let frame = Frame::full(
-        "Disagreement with each independent reference",
-        "Relative disagreement of every external and analytical check, one row per reference, on a logarithmic axis.",
-    );
+    let alt =
+        "Relative disagreement of every external and analytical check, one row per reference, on a logarithmic axis.";
+    let frame = Frame::full("Disagreement with each independent reference", alt);
     let height = 30.0 * sources.len() as f64;
     let svg = Chart::new(frame.with_plot_height(height), axes, series.collect()).svg()?;
     let caption = "One symbol per check. Where the reference is 0, the difference is over the largest displacement or in radians; error terms are \

@@ -25,11 +25,8 @@ pub(super) fn section(Results { claims, .. }: Results) -> Result<Option<Section>
         .page("ours", Format::Words, |claim| claim.ours.clone())
         .page("criterion", Format::Words, |claim| claim.criterion.clone());
     let refuted = claims.iter().filter(|claim| claim.verdict == ClaimVerdict::Refuted);
-    let short = Columns::<&Claim>::new().page("refuted", Format::Words, |claim| claim.claim.clone()).page(
-        "ours",
-        Format::Words,
-        |claim| claim.ours.clone(),
-    );
+    let short = Columns::<&Claim>::new().page("refuted", Format::Words, |claim| claim.claim.clone());
+    let short = short.page("ours", Format::Words, |claim| claim.ours.clone());
     let mut blocks = vec![text(ABOUT)];
     let short = short.table("Claims that the model contradicts", CSV, refuted);
     blocks.extend((!short.rows.is_empty()).then_some(Block::Table(short)));

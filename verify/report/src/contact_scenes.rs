@@ -153,14 +153,9 @@ fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> 
     if series.is_empty() {
         return Ok(None);
     }
-    let title = format!("{}: true (lines), sensed (symbols)", press.name);
-    let frame = Frame::half(
-        title,
-        format!(
-            "True forces of the scene {} over the travel, and forces sensed with {} mm noise.",
-            press.name, press.noise_mm
-        ),
-    );
+    let DrawnPress { name, noise_mm, .. } = press;
+    let alt = format!("True forces of the scene {name} over the travel, and forces sensed with {noise_mm} mm noise.");
+    let frame = Frame::half(format!("{name}: true (lines), sensed (symbols)"), alt);
     // The axis extends beyond the last point, so that its symbol does not touch the edge of the plot.
     let axes = [Axis::linear("travel of the object, mm").within(0.0, 1.06 * end_mm), Axis::linear("force, N")];
     Ok(Some(Chart::new(frame, axes, series).svg()?))

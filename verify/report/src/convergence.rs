@@ -21,11 +21,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let mut blocks = vec![text(ABOUT)];
     let series = error_by_nodes(convergence);
     if !series.is_empty() {
-        blocks.push(Block::Figure(Figure::wide(
-            drawing(series)?,
-            "Worst error by nodes of the mesh, for each force.",
-            CSV,
-        )));
+        let caption = "Worst error by nodes of the mesh, for each force.";
+        blocks.push(Block::Figure(Figure::wide(drawing(series)?, caption, CSV)));
     }
     blocks.push(details("By mesh and force", vec![Block::Table(table(convergence))]));
     Ok(Some(Section::new("convergence", "How fine a mesh must be", blocks)))

@@ -171,9 +171,7 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
     let alt = format!("{title}: error of the force by position, a line for each assumption.");
     let axes = [Axis::linear(ALONG_THE_PLATE), Axis::log("root mean square error of the force, %")];
     let chart = Chart::new(Frame::half(title, alt), axes, series.collect());
-    Ok(Figure::narrow(
-        chart.compared([(100.0 * IDENTIFIED_FORCE, percent(IDENTIFIED_FORCE))]).svg()?,
-        format!("{force_n} N along the deformed normal: error of the force by assumed direction."),
-        FRICTIONLESS_CSV,
-    ))
+    let svg = chart.compared([(100.0 * IDENTIFIED_FORCE, percent(IDENTIFIED_FORCE))]).svg()?;
+    let caption = format!("{force_n} N along the deformed normal: error of the force by assumed direction.");
+    Ok(Figure::narrow(svg, caption, FRICTIONLESS_CSV))
 }

@@ -207,20 +207,16 @@ pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
         let foot = middle - finger.direction(angle_deg) * (0.14 * length);
         Series::arrow([point(&foot), point(&middle)], label, hue)
     };
-    let plates = Series::lines("front plate", front, Hue::BLUE, 4.0).into_iter().chain(Series::lines(
-        "back plate",
-        back,
-        Hue::VERMILION,
-        4.0,
-    ));
-    let marks = [
+    let mut series = Series::lines("front plate", front, Hue::BLUE, 4.0);
+    series.extend(Series::lines("back plate", back, Hue::VERMILION, 4.0));
+    series.extend(Series::lines("ribs", ribs, Hue::GREEN, 2.6));
+    series.extend([
         Series::marks("node", Marker::Node, numbered(free)),
         Series::marks("clamped node", Marker::Clamp, numbered(clamps.to_vec())),
         arrow(0.0, "0 deg", Hue::BLUE),
         arrow(40.0, "+40 deg", Hue::VERMILION),
-    ];
+    ]);
     let alt = "The finger with its numbered key nodes; the base is on the left, the tip on the right.";
-    let series = plates.chain(Series::lines("ribs", ribs, Hue::GREEN, 2.6)).chain(marks).collect();
     Chart::to_scale(Frame::full("Numbers of the key nodes", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
@@ -239,12 +235,8 @@ pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
         series.push(Series::arrow([point(&(bent.at - reach)), point(&bent.at)], "", Hue::nth(n / 2)));
     }
     let alt = "The finger at rest and bent by a force at three nodes, linear and co-rotational.";
-    Chart::to_scale(
-        Frame::full(format!("At rest and under {} N", study.forces.drawn_n()), alt),
-        [ALONG_AXIS, ACROSS_AXIS],
-        series,
-    )
-    .svg()
+    let frame = Frame::full(format!("At rest and under {} N", study.forces.drawn_n()), alt);
+    Chart::to_scale(frame, [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
 /// Bars of errors in percent; `errors` are shares.
@@ -317,12 +309,10 @@ pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
         let label = format!("uniform finger, weights at {} deg", table.angle_deg);
         error_bars(label, Hue::nth(n), table.rows.iter().rev().map(|row| Some(row.mean_error)))
     });
-    let frame = Frame::full(
-        "Table I and geometric nonlinearity",
-        "Mean error of the sensed force at six nodes: the paper's Table I and ours.",
-    );
-    let nodes =
-        Axis::categories("loaded node, base to tip", rows.iter().rev().map(|row| row.node.to_string()).collect());
+    let alt = "Mean error of the sensed force at six nodes: the paper's Table I and ours.";
+    let frame = Frame::full("Table I and geometric nonlinearity", alt);
+    let nodes = rows.iter().rev().map(|row| row.node.to_string()).collect();
+    let nodes = Axis::categories("loaded node, base to tip", nodes);
     let bars = std::iter::once(paper).chain(ours).collect();
     let chart = Chart::of_bars(frame, [nodes, Axis::linear("mean error, %")], bars);
     chart.compared([TRUSTED_ERROR, GROSS_ERROR].map(|limit| (100.0 * limit, percent(limit)))).svg()

@@ -20,7 +20,6 @@ struct Row<'s> {
     estimator: EstimatorId,
     /// Counts of trusted cells in the estimator's map with known contact.
     cells: Option<TrustCounts>,
-    /// Coverage of the estimator's stated intervals.
     coverage: Option<&'s CoverageRow>,
     /// Time to compute one force from the displacements in an image, s.
     seconds: Option<f64>,
@@ -113,10 +112,6 @@ fn intervals(study: &Study) -> Vec<Block> {
         .page("covered", Format::Percent, |row| row.covered_with_warning)
         .page("refused", Format::Percent, |row| of_samples(row, row.refused))
         .page("samples", Format::Plain, |row| row.samples);
-    let table = columns.table(
-        "Share of noise samples answered without and with a warning, and of these the share with the true force within 1.96 sigma",
-        CSV,
-        &study.coverage,
-    );
-    vec![Block::Table(table), text(INTERVALS)]
+    let caption = "Share of noise samples answered without and with a warning, and of these the share with the true force within 1.96 sigma";
+    vec![Block::Table(columns.table(caption, CSV, &study.coverage)), text(INTERVALS)]
 }

@@ -26,14 +26,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if study.is_paper {
         facts.push(ASSUMED.to_owned());
     }
-    let blocks = vec![
-        Block::Figure(Figure::wide(
-            drawings::finger(study)?,
-            "Key nodes from the back base over the tip to the front base; a positive force pushes along its arrow.",
-            CSV,
-        )),
-        Block::List(facts),
-    ];
+    let caption =
+        "Key nodes from the back base over the tip to the front base; a positive force pushes along its arrow.";
+    let figure = Figure::wide(drawings::finger(study)?, caption, CSV);
+    let blocks = vec![Block::Figure(figure), Block::List(facts)];
     Ok(Some(Section::new("finger", "The finger", blocks)))
 }
 

@@ -30,13 +30,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         return Ok(None);
     }
     let broken = study.hard_cases.iter().filter(|case| !case.passes()).map(|case| unbroken(&outcome(case)));
-    let mut blocks = vec![
-        text(about()),
-        details(
-            "The cases",
-            vec![Block::Table(columns().table("Kept: answered or refused as demanded", CSV, &study.hard_cases))],
-        ),
-    ];
+    let table = columns().table("Kept: answered or refused as demanded", CSV, &study.hard_cases);
+    let mut blocks = vec![text(about()), details("The cases", vec![Block::Table(table)])];
     blocks.extend(broken.map(text));
     Ok(Some(Section::new("hard-cases", "Hard cases", blocks).saying([in_words(&study.hard_cases)])))
 }

@@ -73,11 +73,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if lattice.settling.is_empty() {
         blocks.push(text("This quick report compares equilibria alone, under fewer loads."));
     }
-    blocks.push(Block::Figure(Figure::wide(
-        drawing(&lattice.rows)?,
-        "Worst difference of the lattice's equilibrium from converged beams, by force.",
-        CSV,
-    )));
+    let caption = "Worst difference of the lattice's equilibrium from converged beams, by force.";
+    blocks.push(Block::Figure(Figure::wide(drawing(&lattice.rows)?, caption, CSV)));
     blocks.push(Block::List(words::findings(lattice)));
     blocks.push(Block::Figures(vec![map_figure(study, lattice)?, sensing_figure(lattice)?]));
     let mut folded = vec![text(words::SPRINGS), Block::Table(axial(lattice))];
@@ -97,25 +94,20 @@ pub fn axial(lattice: &LatticeStudy) -> Table {
         Some(errors) => error_as(percent_two_digits(errors[force]), errors[force]),
         None => Cell::plain("no equilibrium"),
     };
+    let caption = format!("Difference from converged beams, {FINENESS} segments per plate member");
     Columns::<&AxialRow>::new()
         .page("axial springs", Format::Words, |row| row.name)
         .each(lattice.axial_forces_n.iter().enumerate(), |columns, (i, force_n)| {
             columns.cells(format!("{force_n} N"), Format::Plain, move |row| cell(row, i))
         })
-        .table(
-            format!("Difference from converged beams, {FINENESS} segments per plate member"),
-            AXIAL_CSV,
-            &lattice.axial,
-        )
+        .table(caption, AXIAL_CSV, &lattice.axial)
 }
 
 fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let (map, force_n) = (&lattice.sensing.least_squares, lattice.sensing.largest_n());
-    Ok(Figure::narrow(
-        drawings::map_figure_svg(&study.finger, map, Some(force_n))?,
-        format!("Least squares; {}.", map.summary(Some(force_n)).counts()),
-        map_csv_name(map),
-    ))
+    let svg = drawings::map_figure_svg(&study.finger, map, Some(force_n))?;
+    let caption = format!("Least squares; {}.", map.summary(Some(force_n)).counts());
+    Ok(Figure::narrow(svg, caption, map_csv_name(map)))
 }
 
 /// Chart of each estimator's error on the lattice, by position.
@@ -133,11 +125,9 @@ pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let alt = format!("{title}: error of the sensed force by position, one line per estimator.");
     let axes = [Axis::linear(drawings::ALONG_THE_PLATE), Axis::log("error |sensed / true - 1|, %")];
     let series = series.filter(|series| !series.points.is_empty()).collect();
-    Ok(Figure::narrow(
-        Chart::new(Frame::half(title, alt), axes, series).svg()?,
-        format!("At the worst direction; nonlinear: {}.", lattice.sensing.nonlinear.summary(Some(force_n)).counts()),
-        map_csv_name(&lattice.sensing.nonlinear),
-    ))
+    let (svg, nonlinear) = (Chart::new(Frame::half(title, alt), axes, series).svg()?, &lattice.sensing.nonlinear);
+    let caption = format!("At the worst direction; nonlinear: {}.", nonlinear.summary(Some(force_n)).counts());
+    Ok(Figure::narrow(svg, caption, map_csv_name(nonlinear)))
 }
 
 /// Chart of the difference from beams over the fineness, one series per force.

@@ -10,7 +10,7 @@ use drawings::MapFilter;
 use finray_studies::experiments::explain::Explanation;
 use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 
-pub(super) use tables::map_csv_name;
+pub(super) use tables::{datasets, map_csv_name};
 
 /// A map of the overview. It has only the cells of the coarse grid, to keep the page small.
 pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy: bool) -> Option<AccuracyMap> {
@@ -24,10 +24,6 @@ pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy
 
 /// Reads one explaining quantity of a cell.
 type ExplainedQuantity = fn(&Explanation) -> Option<f64>;
-
-pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    tables::datasets(study)
-}
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let first: MapFilter = |truth, estimator| truth != TruthId::Linear && estimator != EstimatorId::Ridge;
@@ -52,11 +48,8 @@ fn in_full(study: &Study) -> Result<Vec<Block>, ReportError> {
     let figure = |map: &AccuracyMap| -> Result<Figure, ReportError> {
         let samples =
             if noisy { format!(", {} noise samples per cell", map.request.noise_samples) } else { String::new() };
-        Ok(Figure::narrow(
-            map_figure_svg(&study.finger, map, None)?,
-            format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map)),
-            map_csv_name(map),
-        ))
+        let caption = format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map));
+        Ok(Figure::narrow(map_figure_svg(&study.finger, map, None)?, caption, map_csv_name(map)))
     };
     Ok(vec![Block::Figures(maps.map(figure).collect::<Result<_, _>>()?)])
 }

@@ -150,15 +150,12 @@ fn image_columns<'s>() -> Columns<'s, &'s MeasuredForce> {
 
 /// What measured images show, sensed with one knowledge of the contact.
 pub(super) struct Outcome {
-    /// Number of images.
     pub images: usize,
-    /// What is known of the contact.
     pub known: &'static str,
     /// Mean relative error, dimensionless.
     pub error: f64,
     /// Number of 95 % intervals that contain the measured force.
     pub within: usize,
-    /// Number of measured forces.
     pub forces: usize,
     /// Names of the objects, if the file of forces has them.
     pub objects: Vec<String>,

@@ -45,13 +45,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let each = |row: &ScatterRow| row.mean_error().map(|error| 100.0 * error);
     let sum = |row: &ScatterRow| row.sum.map(|sum| 100.0 * sum.mean_error);
     let figures = [(EACH, matrix(noise, EACH, each)?), (SUM, matrix(noise, SUM, sum)?)];
-    let figures = figures.map(|(what, svg)| {
-        Figure::narrow(
-            svg,
-            format!("{what}, by the two contact nodes: nonlinear above, least squares below the diagonal."),
-            CSV,
-        )
-    });
+    let caption = "by the two contact nodes: nonlinear above, least squares below the diagonal.";
+    let figures = figures.map(|(what, svg)| Figure::narrow(svg, format!("{what}, {caption}"), CSV));
     blocks.push(Block::Figures(figures.into()));
     Ok(Some(Section::new("pairs", "Two contacts at once", blocks)))
 }
@@ -88,16 +83,14 @@ fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option
     let values = (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect();
     let cells = vec![Some(Cells::new(&at, &down, values))];
     let alt = format!("{title}, for every pair of contact nodes, by the nonlinear estimator and by least squares.");
-    let (above, below) = (
-        Axis::categories("nonlinear, by contact nodes", names.iter().rev().cloned().collect()),
-        "least squares, by contact nodes",
-    );
+    let y = Axis::categories("nonlinear, by contact nodes", names.iter().rev().cloned().collect());
+    let x = Axis::linear("least squares, by contact nodes").with_ticks([]);
     let frame = Frame::half(title, alt).with_plot_height(MATRIX_HEIGHT);
     Map {
         top: Some(Axis::categories("", names)),
         written: Some(two_digits),
         blank: |row, column| row == column,
-        ..Map::new(frame, [Axis::linear(below).with_ticks([]), above], percent_classes(), cells)
+        ..Map::new(frame, [x, y], percent_classes(), cells)
     }
     .svg()
 }

@@ -15,9 +15,6 @@ const SITUATIONS: [(&str, &str); 3] =
     [("known", "contact known"), ("off", "contact assumed"), ("other", "softer ends")];
 
 /// Program and data of the picture.
-///
-/// # Errors
-/// [`ReportError`] if the program cannot be compressed.
 pub(super) fn of(study: &Study) -> Result<Pushable, ReportError> {
     let mut packed = GzEncoder::new(Vec::new(), Compression::best());
     packed.write_all(finray_push::PROGRAM)?;

@@ -42,17 +42,12 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if study.bent.is_empty() {
         blocks.push(text(format!("The finger cannot carry {force_n} N at any of the tested nodes.")));
     } else {
-        blocks.push(Block::Figure(Figure::wide(
-            drawings::bent(study)?,
-            format!("At rest and under {force_n} N along the normal: linear (dotted) and co-rotational (solid)."),
-            CSV,
-        )));
+        let caption =
+            format!("At rest and under {force_n} N along the normal: linear (dotted) and co-rotational (solid).");
+        blocks.push(Block::Figure(Figure::wide(drawings::bent(study)?, caption, CSV)));
         blocks.extend(validity(study).map(text));
-        let table = validity_columns(study.strain_limits).table(
-            "Of each co-rotational shape",
-            VALIDITY_CSV,
-            corotational(study),
-        );
+        let columns = validity_columns(study.strain_limits);
+        let table = columns.table("Of each co-rotational shape", VALIDITY_CSV, corotational(study));
         blocks.push(details("Strain and shear", vec![Block::Table(table)]));
     }
     Ok(Some(Section::new("shapes", "How the finger bends", blocks)))

@@ -36,18 +36,13 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         // An error of 0 has no position on a logarithmic axis.
         if points.iter().any(|point| point.error > 0.0) {
             let floor = if task == Task::Solve { floor } else { None };
-            blocks.push(Block::Figure(Figure::wide(
-                drawing(task, &points, title, floor)?,
-                format!("Time and error of {title}."),
-                CSV,
-            )));
+            let svg = drawing(task, &points, title, floor)?;
+            blocks.push(Block::Figure(Figure::wide(svg, format!("Time and error of {title}."), CSV)));
         }
     }
     blocks.push(details(format!("All {} points", points.len()), vec![Block::Table(table(points))]));
-    Ok(Some(
-        Section::new("speed-error", "What an answer costs", blocks)
-            .saying(says(study).into_iter().chain(sensing(points))),
-    ))
+    let section = Section::new("speed-error", "What an answer costs", blocks);
+    Ok(Some(section.saying(says(study).into_iter().chain(sensing(points)))))
 }
 
 /// Forces and noise of the timed tasks, and which times are included.
@@ -84,25 +79,12 @@ fn says(study: &Study) -> Option<String> {
 /// Sentence on the times of sensing one force: the recommended estimator, and the fastest one.
 fn sensing(points: &[SpeedErrorPoint]) -> Option<String> {
     let of = |point: &SpeedErrorPoint| {
-        format!(
-            "{} ({}) takes {}, mean error {}",
-            name(point),
-            setting(point),
-            time(point.seconds),
-            percent(point.error)
-        )
+        let (name, setting, seconds, error) = (name(point), setting(point), time(point.seconds), percent(point.error));
+        format!("{name} ({setting}) takes {seconds}, mean error {error}")
     };
     let (way, all) = (recommended(points)?, ways(points));
     let fastest = all.iter().min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))?;
     Some(format!("Sensing one force: the recommended {}; the fastest, {}.", of(way.one), of(fastest.one)))
-}
-
-fn answer(task: Task) -> &'static str {
-    match task {
-        Task::Solve => "shape",
-        Task::SenseOne => "one force",
-        Task::SenseNeighbours => "two neighbours",
-    }
 }
 
 fn is_peer(point: &SpeedErrorPoint) -> bool {
@@ -166,7 +148,11 @@ pub fn table(points: &[SpeedErrorPoint]) -> Table {
     // Amber marks a value that is a disadvantage.
     let amber_if = |amber: bool, words: String| Cell { shade: amber.then_some(Shade::Amber), ..Cell::plain(words) };
     Columns::<&SpeedErrorPoint>::new()
-        .page("answer", Format::Words, |point| answer(point.task))
+        .page("answer", Format::Words, |point| match point.task {
+            Task::Solve => "shape",
+            Task::SenseOne => "one force",
+            Task::SenseNeighbours => "two neighbours",
+        })
         .page("model", Format::Words, |point| name(point))
         .page("setting", Format::Words, |point| setting(point))
         .page("time", Format::Plain, |point| time(point.seconds))

@@ -35,18 +35,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             let heading = format!("ours, {} deg", table.angle_deg);
             columns.page(heading, Format::Error, |i| table.rows[*i].mean_error)
         });
-    let blocks = vec![
-        text(about(factors.ends())),
-        Block::Figure(Figure::wide(
-            drawings::table_one(tables)?,
-            "Mean error over six weights: measured in the paper, and by geometric nonlinearity alone.",
-            CSV,
-        )),
-        details(
-            "Every direction",
-            vec![Block::Table(columns.table("Mean error by loaded node", CSV, 0..first.rows.len()))],
-        ),
-    ];
+    let caption = "Mean error over six weights: measured in the paper, and by geometric nonlinearity alone.";
+    let figure = Block::Figure(Figure::wide(drawings::table_one(tables)?, caption, CSV));
+    let table = Block::Table(columns.table("Mean error by loaded node", CSV, 0..first.rows.len()));
+    let blocks = vec![text(about(factors.ends())), figure, details("Every direction", vec![table])];
     Ok(Some(Section::new("table-one", "The paper's Table I", blocks).saying([says(tables)])))
 }
 

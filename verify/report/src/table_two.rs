@@ -23,11 +23,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let Some(two) = &study.table_two else { return Ok(None) };
     let records = &study.records.recipes;
     let mut blocks = vec![text(words::about(two.cases))];
-    blocks.push(Block::Figure(Figure::wide(
-        drawing(two, records, study.noise_mm)?,
-        format!("Measured in the paper, and in simulation with {} mm noise.", study.noise_mm),
-        CSV,
-    )));
+    let caption = format!("Measured in the paper, and in simulation with {} mm noise.", study.noise_mm);
+    blocks.push(Block::Figure(Figure::wide(drawing(two, records, study.noise_mm)?, caption, CSV)));
     blocks.extend(words::linearisation(two, study.noise_mm).map(text));
     blocks.push(details("By estimator", vec![Block::Table(table(two, records, study.noise_mm))]));
     blocks.extend(study.modules.as_ref().map(gripper::blocks).transpose()?.into_iter().flatten());
@@ -128,11 +125,7 @@ type Line = (String, Vec<Cell>, String);
 /// all other rows.
 fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     let truth = TruthId::Corotational;
-    let mut lines: Vec<Line> = vec![(
-        "the paper, measured".to_owned(),
-        by_group(|group, of| error_or_rounding(of_paper(group, of))),
-        String::new(),
-    )];
+    let mut lines = Vec::new();
     for recipe in PAPER_RECIPES {
         let of = |group: &ContactGroup, quantity| recorded(records, recipe, truth, noise_mm, group, quantity);
         let cells = by_group(|group, quantity| match of(group, quantity) {
@@ -159,8 +152,10 @@ fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     by_estimator("Mean error of each force and of the sum", CSV, lines)
 }
 
-/// Table of each estimator's errors by group, in the paper's order.
+/// Table of the paper's errors and those of each estimator by group, in the paper's order.
 fn by_estimator(title: &str, csv: &'static str, lines: Vec<Line>) -> Table {
+    let measured = by_group(|group, of| error_or_rounding(of_paper(group, of)));
+    let paper = ("the paper, measured".to_owned(), measured, String::new());
     let headings = by_group(|group, quantity| if quantity == "sum" { quantity } else { group.name });
     Columns::<Line>::new()
         .page("sensed by", Format::Words, |(name, ..)| name.clone())
@@ -168,7 +163,7 @@ fn by_estimator(title: &str, csv: &'static str, lines: Vec<Line>) -> Table {
             columns.cells(heading, Format::Plain, move |(_, cells, _)| cells[i].clone())
         })
         .page("refused", Format::Plain, |(.., refused)| refused.clone())
-        .table(title, csv, lines)
+        .table(title, csv, std::iter::once(paper).chain(lines))
 }
 
 /// Cell of an error that may be missing, or that is only rounding.

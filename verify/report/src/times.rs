@@ -10,11 +10,8 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 }
 
 fn columns<'s>() -> Columns<'s, &'s PartTime> {
-    Columns::<&PartTime>::new().both("part", "part", Format::Words, |of| of.part).file("seconds", |of| of.seconds).page(
-        "s",
-        Format::Fixed(1),
-        |of| of.seconds,
-    )
+    let parts = Columns::<&PartTime>::new().both("part", "part", Format::Words, |of| of.part);
+    parts.both("seconds", "s", Format::Fixed(1), |of| of.seconds)
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {

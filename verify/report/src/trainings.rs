@@ -74,6 +74,7 @@ pub fn by_size(recorded: &[CurveRow]) -> Table {
     let alike = |a: &CurveRow, b: &CurveRow| {
         (&a.curve, &a.nodes, a.samples, &a.hidden_layers) == (&b.curve, &b.nodes, b.samples, &b.hidden_layers)
     };
+    let caption = "On the uniform finger with noise: mean error over the seeds (least to greatest)";
     Columns::<&[CurveRow]>::new()
         .page("nodes", Format::Words, |rows| rows[0].nodes.clone())
         .page("training cases", Format::Plain, |rows| rows[0].samples)
@@ -83,9 +84,5 @@ pub fn by_size(recorded: &[CurveRow]) -> Table {
             Some(span_in_words(Span::of(rows.iter().filter_map(|row| row.mean_error))?))
         })
         .page("at the bound", Format::Plain, |rows| rows[0].mean_error_bound.map(|share| percent_with(share, 2)))
-        .table(
-            "On the uniform finger with noise: mean error over the seeds (least to greatest)",
-            CURVES_CSV,
-            recorded.chunk_by(alike),
-        )
+        .table(caption, CURVES_CSV, recorded.chunk_by(alike))
 }

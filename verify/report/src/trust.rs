@@ -30,7 +30,6 @@ pub(super) struct Situation<'s> {
     pub in_short: String,
     /// Whether the contact is known exactly, or assumed with an error of position and direction.
     pub contact: ContactKnowledge,
-    /// Name of the CSV file with the cells.
     csv: &'static str,
     /// Map of the errors by position, direction and force.
     pub map: &'s AccuracyMap,
@@ -178,11 +177,8 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     );
     // The situation with everything known is drawn larger, above the others.
     let frame = if is_first { Frame::full(&title, alt) } else { Frame::half(&title, alt) };
-    let drawn = Chart::to_scale(
-        frame.with_plot_height(if is_first { 400.0 } else { 250.0 }),
-        [ALONG_THE_PLATE, ACROSS_AXIS],
-        series,
-    );
+    let frame = frame.with_plot_height(if is_first { 400.0 } else { 250.0 });
+    let drawn = Chart::to_scale(frame, [ALONG_THE_PLATE, ACROSS_AXIS], series);
     let [x, top] = along_the_plate(finger);
     let chart = Chart { patches: patches(finger, situation), x, top: Some(top), ..drawn };
     Ok(Figure { wide: is_first, ..Figure::wide(chart.svg()?, counted(situation), situation.csv) })

@@ -68,14 +68,11 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     let added = REMEDIES.map(|(name, _)| format!("+ {name}"));
     let columns = std::iter::once("no remedy".to_owned()).chain(added).collect();
     let map = small_maps(&study.finger, Frame::full(title, alt), columns, rows);
-    Ok(Some(Figure::wide(
-        map.svg()?,
-        format!(
-            "Root mean square error of {force_n} N: by least squares with an assumed contact; with modulus and zones (softer base and tip) known; with the contact \
-             known too; by the nonlinear estimator."
-        ),
-        CSV,
-    )))
+    let caption = format!(
+        "Root mean square error of {force_n} N: by least squares with an assumed contact; with modulus and zones (softer base and tip) known; with the contact \
+         known too; by the nonlinear estimator."
+    );
+    Ok(Some(Figure::wide(map.svg()?, caption, CSV)))
 }
 
 /// Bars of the error at the nodes as remedies (removals of a cause) are added one after the other. Each bar shows a remaining error, so the bars do not add up.
@@ -98,11 +95,9 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     let title = format!("Remaining error of {force_n} N along the normal, {}", OWN.label());
     let alt = "Root mean square error by contact node: with all causes, and as remedies are added one after the other.";
     let axes = [nodes, Axis::linear("root mean square error, %")];
-    Ok(Some(Figure::wide(
-        Chart::of_bars(Frame::full(title, alt), axes, all).svg()?,
-        "Each bar is the remaining error. Causes may cancel each other, so a remedy can also make the error larger.",
-        CSV,
-    )))
+    let caption =
+        "Each bar is the remaining error. Causes may cancel each other, so a remedy can also make the error larger.";
+    Ok(Some(Figure::wide(Chart::of_bars(Frame::full(title, alt), axes, all).svg()?, caption, CSV)))
 }
 
 /// Whether a map belongs to least squares and an assumed contact, and has this force, N.

@@ -23,10 +23,8 @@ pub(crate) enum Region {
 impl Region {
     /// The regions that have only cells along the normal.
     pub(super) const ENDS_AND_MIDDLE: [Region; 3] = [Region::Base, Region::Middle, Region::Tip];
-    /// All regions.
     pub(super) const ALL: [Region; 4] = [Region::Base, Region::Middle, Region::Tip, Region::All];
 
-    /// Name of the region for tables and files.
     pub(super) fn name(self) -> &'static str {
         match self {
             Region::Base => "near the base",
@@ -58,9 +56,7 @@ impl Region {
 pub(super) struct Shares {
     /// Root mean square of sensed / true - 1 with all causes, over the answered cells.
     pub rms_error: f64,
-    /// Number of answered cells.
     pub answered: usize,
-    /// Number of all cells.
     pub cells: usize,
     /// Causes, the one with the largest share first.
     pub by_cause: Vec<CauseShare>,
@@ -69,7 +65,6 @@ pub(super) struct Shares {
 /// Effect of one cause on the error in a region.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CauseShare {
-    /// Cause of sensing error that the other fields describe.
     pub cause: Cause,
     /// Share of the mean square error that disappears without the cause. Cells that the estimator does not answer without the cause count as no reduction.
     pub share: f64,

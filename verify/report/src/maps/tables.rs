@@ -22,7 +22,7 @@ pub(crate) fn map_csv_name(map: &AccuracyMap) -> String {
     }
 }
 
-pub(super) fn datasets(study: &Study) -> Vec<Dataset<'_>> {
+pub(crate) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     let mut all = vec![
         Dataset::records(MAPS, entries(study)).summary_alone(),
         explained(study),
@@ -61,6 +61,7 @@ pub(super) fn figures(study: &Study) -> Table {
         [one] => format!("{one} N"),
         _ => "mean over all".to_owned(),
     };
+    let caption = "Mean and largest error over the answered cells; shares of all cells with an equilibrium, refused ones above both limits";
     let table = Columns::<Entry>::new()
         .page("truth", Format::Words, |map| map.figures.truth.label())
         .page("sensed by", Format::Words, |map| map.figures.estimator.label())
@@ -76,11 +77,7 @@ pub(super) fn figures(study: &Study) -> Table {
         .page("above 25 %", Format::Percent, |map| map.figures.share_above_25)
         .page("samples refused", Format::Percent, |map| map.figures.share_of_samples_refused)
         .cells("data", Format::Words, |map| Cell::file(map.csv.clone()))
-        .table(
-            "Mean and largest error over the answered cells; shares of all cells with an equilibrium, refused ones above both limits",
-            MAPS,
-            entries(study),
-        );
+        .table(caption, MAPS, entries(study));
     // Each row links to its own file.
     Table { csv: None, ..table }
 }

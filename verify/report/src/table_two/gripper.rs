@@ -1,6 +1,6 @@
 //! Table II on the moving gripper: a table, curves over the motor angle as in the paper's Figs. 9 to 11, and a file.
 
-use super::{Line as TableLine, by_estimator, by_group, error_or_rounding, of_paper, of_quantity};
+use super::{by_estimator, by_group, error_or_rounding, of_quantity};
 use crate::drawings::true_and_sensed;
 use crate::format::{list, share_of_counts};
 use crate::prelude::*;
@@ -95,12 +95,7 @@ fn drawing(test: &ModuleTest) -> Result<String, FigureError> {
 
 /// Table of the mean errors, in the rows and columns of the paper's Table II.
 fn table(modules: &ModuleStudy) -> Table {
-    let mut lines: Vec<TableLine> = vec![(
-        "the paper, measured".to_owned(),
-        by_group(|group, of| error_or_rounding(of_paper(group, of))),
-        String::new(),
-    )];
-    lines.extend(ESTIMATORS.map(|estimator| {
+    let lines = ESTIMATORS.map(|estimator| {
         let cells = by_group(|group, quantity| {
             let errors = modules.group(group, estimator);
             error_or_rounding(errors.and_then(|errors| of_quantity(quantity, errors.force, errors.sum)))
@@ -109,6 +104,6 @@ fn table(modules: &ModuleStudy) -> Table {
         let counts = groups.iter().filter_map(|group| modules.group(group, estimator));
         let refused = share_of_counts(counts.map(|errors| [errors.refused, errors.answered]));
         (estimator.label().to_owned(), cells, refused)
-    }));
-    by_estimator("On the closing gripper: mean error of each force and of the sum", CSV, lines)
+    });
+    by_estimator("On the closing gripper: mean error of each force and of the sum", CSV, lines.into())
 }
