@@ -9,3 +9,15 @@ pub mod lens_fit;
 pub mod locate;
 pub mod plane_pose;
 pub mod render;
+
+/// Light at a position between pixels by bilinear interpolation, grey levels; `None` outside the image.
+fn light(grey: &image::GrayImage, at: &finray_model::camera::Pixel) -> Option<f64> {
+    let (u, v) = (at.x.floor(), at.y.floor());
+    let (width, height) = grey.dimensions();
+    if !(u >= 0.0 && v >= 0.0 && u + 1.0 < f64::from(width) && v + 1.0 < f64::from(height)) {
+        return None;
+    }
+    let (x, y) = (at.x - u, at.y - v);
+    let light = |i: u32, j: u32| f64::from(grey.get_pixel(u as u32 + i, v as u32 + j).0[0]);
+    Some((light(0, 0) * (1.0 - x) + light(1, 0) * x) * (1.0 - y) + (light(0, 1) * (1.0 - x) + light(1, 1) * x) * y)
+}

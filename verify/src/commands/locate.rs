@@ -223,7 +223,7 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
 
 /// Warns if markers in the unloaded image are far from those of the scene's unloaded finger.
 fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
-    if let (Some(residual_px), Some(path)) = (observer.rest_residual_px(), &arguments.rest)
+    if let (Some(residual_px), Some(path)) = (observer.rest_residual_px, &arguments.rest)
         && residual_px > SURE_REST_PX
     {
         print_message(format_args!(
@@ -260,7 +260,7 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
 
 fn observed(observer: &mut Observer, path: &Path) -> Result<SeenImage, Failure> {
     let observation = observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?;
-    Ok(SeenImage { observation, radii: observer.radii().clone(), motion_blur_px: observer.motion_blur_px() })
+    Ok(SeenImage { observation, radii: observer.radii.clone(), motion_blur_px: observer.motion_blur_px() })
 }
 
 fn warn_of_motion(path: &Path, motion_blur_px: Option<f64>) {

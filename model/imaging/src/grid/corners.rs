@@ -11,6 +11,7 @@
 use super::lattice::{self, Lattice, Seed};
 use super::patches::Dot;
 use super::ring::{Corner, LEAST_CONTRAST, Shrunk};
+use crate::light;
 use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::Matrix2;
@@ -188,17 +189,4 @@ fn centre(grey: &GrayImage, from: Pixel, window: f64) -> Option<Pixel> {
         }
     }
     Some(centre)
-}
-
-/// Light at a position between pixels by bilinear interpolation, grey levels; `None` outside the image.
-fn light(grey: &GrayImage, at: &Pixel) -> Option<f64> {
-    let inside = at.x >= 0.0 && at.y >= 0.0;
-    let (u, v) = (at.x as u32, at.y as u32);
-    if !inside || u + 1 >= grey.width() || v + 1 >= grey.height() {
-        return None;
-    }
-    let (x, y) = (at.x.fract(), at.y.fract());
-    let value = |u: u32, v: u32| f64::from(grey.get_pixel(u, v).0[0]);
-    let row = |v: u32| value(u, v) * (1.0 - x) + value(u + 1, v) * x;
-    Some(row(v) * (1.0 - y) + row(v + 1) * y)
 }

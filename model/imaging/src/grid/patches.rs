@@ -68,7 +68,7 @@ pub(super) fn patches(grey: &GrayImage, block_px: u32, are_dark: bool) -> Patche
         if patches.len() < number {
             patches.resize(number, Moments::default());
         }
-        patches[number - 1].add(f64::from(u), f64::from(v));
+        patches[number - 1].add(Pixel::new(f64::from(u), f64::from(v)));
     }
     let largest = LARGEST_SHARE * f64::from(grey.width()) * f64::from(grey.height());
     patches.retain(|patch| (LEAST_AREA..=largest).contains(&patch.area));
@@ -79,55 +79,39 @@ pub(super) fn patches(grey: &GrayImage, block_px: u32, are_dark: bool) -> Patche
     Patches { dots, others }
 }
 
-/// Area (px^2) and first and second moments of a patch, in px.
+/// Area (px^2) and sums of the positions and of their squares over the pixels of a patch.
 #[derive(Debug, Clone, Copy, Default)]
 struct Moments {
     area: f64,
-    first: [f64; 2],
-    second: [f64; 3],
+    first: Pixel,
+    second: Matrix2<f64>,
 }
 
 impl Moments {
-    fn add(&mut self, u: f64, v: f64) {
+    fn add(&mut self, at: Pixel) {
         self.area += 1.0;
-        self.first = [self.first[0] + u, self.first[1] + v];
-        self.second = [self.second[0] + u * u, self.second[1] + u * v, self.second[2] + v * v];
+        self.first += at;
+        self.second += at * at.transpose();
     }
 
-    fn middle(&self) -> Pixel {
-        Pixel::from(self.first) / self.area
-    }
-
-    /// Second moments about the centre (uu, uv, vv), px^2, including those of the pixels themselves (1/12).
-    fn about_middle(&self) -> [f64; 3] {
-        let m = self.middle();
-        let of = |sum: f64, product: f64, own: f64| sum / self.area - product + own / 12.0;
-        [of(self.second[0], m.x * m.x, 1.0), of(self.second[1], m.x * m.y, 0.0), of(self.second[2], m.y * m.y, 1.0)]
-    }
-
-    /// The transform of [`Dot::upright`].
-    fn upright(&self) -> Matrix2<f64> {
-        let [uu, uv, vv] = self.about_middle();
-        let axes = Matrix2::new(uu, uv, uv, vv).symmetric_eigen();
-        let mean = axes.eigenvalues.product().powf(0.25);
-        let scales = axes.eigenvalues.map(|variance| mean / variance.sqrt());
-        axes.eigenvectors * Matrix2::from_diagonal(&scales) * axes.eigenvectors.transpose()
+    /// Second moments about the centre, px^2, including those of the pixels themselves (1/12).
+    fn about_middle(&self) -> Matrix2<f64> {
+        let middle = self.first / self.area;
+        self.second / self.area - middle * middle.transpose() + Matrix2::<f64>::identity() / 12.0
     }
 
     fn is_round(&self) -> bool {
-        let [uu, uv, vv] = self.about_middle();
-        let determinant = uu * vv - uv * uv;
-        if determinant <= 0.0 {
-            return false;
-        }
-        let fullness = self.area / (4.0 * std::f64::consts::PI * determinant.sqrt());
-        let half = (uu + vv) / 2.0;
-        let spread = (half * half - determinant).max(0.0).sqrt();
-        (FULLNESS[0]..=FULLNESS[1]).contains(&fullness) && half + spread <= LONGEST * LONGEST * (half - spread)
+        let axes = self.about_middle().symmetric_eigenvalues();
+        // Not a number for a patch without extent, which no range contains.
+        let fullness = self.area / (4.0 * std::f64::consts::PI * axes.product().sqrt());
+        (FULLNESS[0]..=FULLNESS[1]).contains(&fullness) && axes.max() <= LONGEST * LONGEST * axes.min()
     }
 
     fn ellipse(&self) -> Dot {
-        let radius_px = (self.area / std::f64::consts::PI).sqrt();
-        Dot { pixel: self.middle(), radius_px, upright: self.upright() }
+        let axes = self.about_middle().symmetric_eigen();
+        let mean = axes.eigenvalues.product().powf(0.25);
+        let scales = axes.eigenvalues.map(|variance| mean / variance.sqrt());
+        let upright = axes.eigenvectors * Matrix2::from_diagonal(&scales) * axes.eigenvectors.transpose();
+        Dot { pixel: self.first / self.area, radius_px: (self.area / std::f64::consts::PI).sqrt(), upright }
     }
 }

@@ -3,25 +3,9 @@
 use finray_model::camera::Pixel;
 use image::GrayImage;
 
-/// Offsets of the ring's pixels from its centre, px.
-const RING: [(i32, i32); 16] = [
-    (5, 0),
-    (5, 2),
-    (3, 3),
-    (2, 5),
-    (0, 5),
-    (-2, 5),
-    (-3, 3),
-    (-5, 2),
-    (-5, 0),
-    (-5, -2),
-    (-3, -3),
-    (-2, -5),
-    (0, -5),
-    (2, -5),
-    (3, -3),
-    (5, -2),
-];
+/// Offsets of the ring's pixels from its centre, px: along u, then along v.
+const RING: [[i32; 16]; 2] =
+    [[5, 5, 3, 2, 0, -2, -3, -5, -5, -5, -3, -2, 0, 2, 3, 5], [0, 2, 3, 5, 5, 5, 3, 2, 0, -2, -3, -5, -5, -5, -3, -2]];
 const REACH: u32 = 5;
 /// A pixel is a corner only if the light on the ring about it has at least this contrast, grey levels.
 pub(super) const LEAST_CONTRAST: f32 = 20.0;
@@ -67,7 +51,8 @@ impl Shrunk {
     }
 
     fn ring(&self, at: usize) -> [f32; 16] {
-        RING.map(|(u, v)| self.light[(at as i64 + i64::from(v) * i64::from(self.width) + i64::from(u)) as usize])
+        let offset = |i: usize| i64::from(RING[1][i]) * i64::from(self.width) + i64::from(RING[0][i]);
+        std::array::from_fn(|i| self.light[(at as i64 + offset(i)) as usize])
     }
 
     /// Response of the corner detector at a pixel: the changes of light around the ring, minus the differences between opposite pixels and between ring and
@@ -116,7 +101,7 @@ impl Shrunk {
             return None;
         }
         let above = ring.map(|light| f64::from(light - (least + most) / 2.0));
-        let point = |i: usize| Pixel::new(f64::from(RING[i].0), f64::from(RING[i].1));
+        let point = |i: usize| Pixel::from(RING.map(|offsets| f64::from(offsets[i])));
         let change = |i: usize| {
             let (from, to) = (above[i], above[(i + 1) % 16]);
             ((from > 0.0) != (to > 0.0)).then(|| (point(i) * to - point((i + 1) % 16) * from) / (to - from))

@@ -1,7 +1,8 @@
 //! Candidates for coloured markers: patches of the markers' colours, found on a coarse grid of pixels and refined in the full image.
 
-use super::colour::{Colours, Side};
+use super::colour::Colours;
 use finray_model::camera::Pixel;
+use finray_model::finger::Plate;
 use image::{GrayImage, Luma, RgbImage};
 use imageproc::region_labelling::{Connectivity, connected_components};
 
@@ -21,7 +22,7 @@ const ALIKE: f64 = 1.4;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Blob {
     /// Plate to which the colour belongs.
-    pub side: Side,
+    pub side: Plate,
     /// Centre of the patch's pixels, px.
     pub centre: Pixel,
 }
@@ -37,8 +38,8 @@ pub(super) fn blobs(image: &RgbImage, colours: &Colours, radius_px: f64) -> Vec<
     };
     let mut blobs: Vec<(u32, Blob)> = Vec::new();
     for patch in patches(image, colours, stride).iter().filter(|patch| fits(patch)) {
-        let rough = patch.middle() * f64::from(stride);
-        let side = patch.side();
+        let rough = patch.sum / f64::from(patch.cells) * f64::from(stride);
+        let side = if patch.value == 1 { Plate::Front } else { Plate::Back };
         if let Some(centre) = middle_of_colour(image, colours, side, &rough, 1.5 * radius_px) {
             blobs.push((patch.cells, Blob { side, centre }));
         }
@@ -82,7 +83,10 @@ fn patches(image: &RgbImage, colours: &Colours, stride: u32) -> Vec<Patch> {
         if patches.len() < number {
             patches.resize(number, Patch::default());
         }
-        patches[number - 1].add(x, y, grid.get_pixel(x, y).0[0]);
+        let patch = &mut patches[number - 1];
+        patch.value = grid.get_pixel(x, y).0[0];
+        patch.cells += 1;
+        patch.sum += Pixel::new(f64::from(x), f64::from(y));
     }
     patches
 }
@@ -91,7 +95,7 @@ fn patches(image: &RgbImage, colours: &Colours, stride: u32) -> Vec<Patch> {
 pub(super) fn middle_of_colour(
     image: &RgbImage,
     colours: &Colours,
-    side: Side,
+    side: Plate,
     about: &Pixel,
     reach: f64,
 ) -> Option<Pixel> {
@@ -125,22 +129,5 @@ struct Patch {
     /// Number of cells in the patch.
     cells: u32,
     /// Sums of the cells' x and y coordinates in the grid.
-    sum: [f64; 2],
-}
-
-impl Patch {
-    fn add(&mut self, x: u32, y: u32, value: u8) {
-        self.value = value;
-        self.cells += 1;
-        self.sum[0] += f64::from(x);
-        self.sum[1] += f64::from(y);
-    }
-
-    fn side(&self) -> Side {
-        if self.value == 1 { Side::Front } else { Side::Back }
-    }
-
-    fn middle(&self) -> Pixel {
-        Pixel::from(self.sum) / f64::from(self.cells)
-    }
+    sum: Pixel,
 }

@@ -1,5 +1,6 @@
 //! Classification of pixels by the markers' colours, independent of their brightness.
 
+use finray_model::finger::Plate;
 use finray_model::scene::Rgb;
 
 /// A marker's colour must differ from grey by at least this angle in RGB space, degrees. With a smaller angle, brightness alone would decide whether a pixel
@@ -11,15 +12,6 @@ const ALIKE_DEG: f64 = 6.0;
 const SHARE: f64 = 0.5;
 /// Range of a marker's brightness relative to the colour that the scene states.
 const LIGHT: [f64; 2] = [0.2, 1.5];
-
-/// Plate to which a marker belongs, by the marker's colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
-    /// The front plate, including the tip and the clamped node.
-    Front,
-    /// The back plate.
-    Back,
-}
 
 /// Error for a marker colour that cannot be distinguished from grey.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -88,13 +80,14 @@ impl Colours {
         self.back.is_none()
     }
 
-    /// The plate whose marker colour a pixel has; [`Side::Front`] if both plates have the same colour, `None` for any other colour.
+    /// The plate whose marker colour a pixel has; the front plate, to which tip and clamped node belong, if both plates have the same colour. `None` for any
+    /// other colour.
     #[inline]
-    pub fn side_of(&self, pixel: &[u8; 3]) -> Option<Side> {
+    pub fn side_of(&self, pixel: &[u8; 3]) -> Option<Plate> {
         if self.front.holds(pixel) {
-            return Some(Side::Front);
+            return Some(Plate::Front);
         }
-        self.back.filter(|cone| cone.holds(pixel)).map(|_| Side::Back)
+        self.back.filter(|cone| cone.holds(pixel)).map(|_| Plate::Back)
     }
 }
 

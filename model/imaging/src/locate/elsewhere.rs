@@ -95,12 +95,14 @@ fn named(names: &Names) -> f64 {
 /// Front and back nodes whose markers propose a placement, each pair with the standard deviation of the base, mm.
 fn proposing_ends(finger: &Finger) -> Vec<([NodeId; 2], f64)> {
     let clamped = [Plate::Front, Plate::Back].map(|plate| finger.plate_nodes(plate)[0]);
-    let ribs = (0..finger.rib_count().min(PROPOSING)).map(|rib| {
-        let plate_mm = finger.plate_positions_mm(Plate::Front)[rib + 1];
-        (finger.rib_nodes(rib), BEND_SHARE * plate_mm)
-    });
-    let ends = std::iter::once((clamped, 0.0)).chain(ribs);
+    let ends = std::iter::once((clamped, 0.0)).chain(ribs_near_base(finger));
     ends.filter(|(ends, _)| ends.iter().all(|node| finger.has_marker(*node))).collect()
+}
+
+/// End nodes of the ribs near the base, each pair with the standard deviation of the base that it proposes, mm.
+pub(super) fn ribs_near_base(finger: &Finger) -> impl Iterator<Item = ([NodeId; 2], f64)> {
+    let plate_mm = finger.plate_positions_mm(Plate::Front);
+    (0..finger.rib_count().min(PROPOSING)).map(move |rib| (finger.rib_nodes(rib), BEND_SHARE * plate_mm[rib + 1]))
 }
 
 /// Placements that map two nodes to two candidates, and at least half of the next nodes along the plates to positions near candidates.

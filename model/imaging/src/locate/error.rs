@@ -128,9 +128,6 @@ pub enum LocatorError {
 }
 
 /// Checks that every marker has a rib that identifies it.
-///
-/// # Errors
-/// [`LocatorError::SharedJunctions`] if ribs share a junction or end in a corner of the base.
 pub(super) fn require_own_junctions(finger: &Finger) -> Result<(), LocatorError> {
     if finger.has_shared_junctions() { Err(LocatorError::SharedJunctions) } else { Ok(()) }
 }

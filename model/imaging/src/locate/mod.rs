@@ -29,7 +29,7 @@ pub use rest::{Rest, RestError};
 pub use rim_locator::{RimLocator, SeenBase, SeenFinger};
 
 use blobs::{Blob, LEAST_RADIUS_PX, blobs, commonest_radius, middle_of_colour};
-use colour::{Colours, Side};
+use colour::Colours;
 use disc::{Buffers, Disc, View};
 use elsewhere::Scenery;
 use finray_model::camera::{Camera, Lens, Pixel};
@@ -118,11 +118,6 @@ impl<'f> Locator<'f> {
         })
     }
 
-    /// The camera with the pose of the finger frame.
-    pub fn camera(&self) -> &Camera {
-        &self.camera
-    }
-
     /// Standard deviation of the motion blur in the last full search, px; `None` if the blur is isotropic (no motion).
     pub fn motion_blur_px(&self) -> Option<f64> {
         self.common.and_then(|common| common.motion_px)
@@ -148,7 +143,7 @@ impl<'f> Locator<'f> {
         let view = self.view(image, [1.0; 2], Vector::zeros());
         let measured =
             |blob: &Blob| Some((blob.side, view.measure(self.markers.radius_mm, &blob.centre, &mut buffers)?));
-        let discs: Vec<(Side, Disc)> =
+        let discs: Vec<(Plate, Disc)> =
             blobs(image, &self.colours, self.radius_px).iter().filter_map(measured).collect();
         let mut named = self.named(&discs, pose_holds).map_err(|error| match error {
             LocateError::Naming(_) => self.other_size(image).unwrap_or(error),
@@ -183,8 +178,8 @@ impl<'f> Locator<'f> {
         let mut buffers = std::mem::take(&mut self.buffers);
         let view = self.view(image, weights, colour_shift_px);
         let near = |last: &Located| {
-            let side = if self.on_front.contains(&last.node) { Side::Front } else { Side::Back };
-            let side = if self.colours.are_alike() { Side::Front } else { side };
+            let side = if self.on_front.contains(&last.node) { Plate::Front } else { Plate::Back };
+            let side = if self.colours.are_alike() { Plate::Front } else { side };
             let mut centre = middle_of_colour(image, &self.colours, side, &last.pixel, reach)?;
             // The window may cut off part of the marker, so the search is repeated about the new centre.
             if (centre - last.pixel).norm() > reach - self.radius_px {
@@ -232,10 +227,10 @@ impl<'f> Locator<'f> {
     }
 
     /// The discs that are assigned to nodes. `pose_holds` has the meaning of [`Locator::locate_about`].
-    fn named(&self, discs: &[(Side, Disc)], pose_holds: bool) -> Result<Vec<(NodeId, Disc)>, LocateError> {
+    fn named(&self, discs: &[(Plate, Disc)], pose_holds: bool) -> Result<Vec<(NodeId, Disc)>, LocateError> {
         let alike = self.colours.are_alike();
-        let candidate = |(side, disc): &(Side, Disc)| Candidate {
-            sides: [Side::Front, Side::Back].map(|other| alike || other == *side),
+        let candidate = |(side, disc): &(Plate, Disc)| Candidate {
+            sides: [Plate::Front, Plate::Back].map(|other| alike || other == *side),
             at: disc.centre,
             node: None,
             cost: 0.0,

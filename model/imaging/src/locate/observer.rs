@@ -15,12 +15,13 @@ pub struct Observer<'f> {
     locator: AnyLocator<'f>,
     /// Markers of the unloaded finger, if an image of it was given; else empty.
     at_rest: Vec<Located>,
-    /// Residual standard deviation of the fit of the pose to the unloaded finger, px; `None` without that fit.
-    rest_residual_px: Option<f64>,
+    /// Residual standard deviation of one pixel coordinate, px, in the fit of the pose to coloured markers of the unloaded finger. `None` without such an
+    /// image.
+    pub rest_residual_px: Option<f64>,
     /// Whether the base may move between images.
     base_moves: bool,
     /// Radii of markers and references in the last image that showed the finger.
-    radii: SeenRadii,
+    pub radii: SeenRadii,
 }
 
 #[derive(Debug, Clone)]
@@ -94,23 +95,12 @@ impl<'f> Observer<'f> {
         Ok(Observer { finger, locator, at_rest: Vec::new(), rest_residual_px: None, base_moves, radii })
     }
 
-    /// Residual standard deviation of one pixel coordinate, px, in the fit of the pose to coloured markers of the unloaded finger. `None` without such an
-    /// image.
-    pub fn rest_residual_px(&self) -> Option<f64> {
-        self.rest_residual_px
-    }
-
     /// Motion blur in the last image, px, as in [`Locator::motion_blur_px`]; `None` for grey markers.
     pub fn motion_blur_px(&self) -> Option<f64> {
         match &self.locator {
             AnyLocator::Coloured(locator) => locator.motion_blur_px(),
             AnyLocator::Grey(_) => None,
         }
-    }
-
-    /// Radii of the markers and of the references in the last image in which the finger was found.
-    pub fn radii(&self) -> &SeenRadii {
-        &self.radii
     }
 
     /// Whether markers are searched for near their positions in the previous image. The order of the images then matters.

@@ -5,12 +5,11 @@
 //! maps the most nodes onto markers decides which marker belongs to which node.
 
 use super::blobs::Blob;
-use super::colour::Side;
 use super::marker_count;
 use finray_model::camera::{Lens, Pixel};
 use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
-use nalgebra::{Matrix3, SMatrix, SVector};
+use nalgebra::Matrix3;
 
 /// At most this number of patches is considered, the largest patches first.
 const MOST_BLOBS: usize = 150;
@@ -43,13 +42,13 @@ pub(super) fn at_rest(
 ) -> Option<Vec<(NodeId, Pixel)>> {
     let radius = radius_px / (0.5 * (lens.focal_px()[0] + lens.focal_px()[1]));
     let mark = |blob: &Blob| {
-        let sides = [Side::Front, Side::Back].map(|side| alike || side == blob.side);
+        let sides = [Plate::Front, Plate::Back].map(|side| alike || side == blob.side);
         Some(Mark { sides, at: lens.undistorted(&blob.centre).ok()?, pixel: blob.centre })
     };
     let marks: Vec<Mark> = blobs.iter().take(MOST_BLOBS).filter_map(mark).collect();
-    let front = row(&marks, Side::Front, radius, &[])?;
+    let front = row(&marks, Plate::Front, radius, &[])?;
     let taken: &[usize] = if alike { &front } else { &[] };
-    let back = row(&marks, Side::Back, radius, taken)?;
+    let back = row(&marks, Plate::Back, radius, taken)?;
     let marked = |plate| finger.plate_nodes(plate).into_iter().filter(|node| finger.has_marker(*node));
     let front_nodes: Vec<NodeId> = marked(Plate::Front).collect();
     // The tip counts as a marker of the front plate.
@@ -88,7 +87,7 @@ struct Named {
 }
 
 /// Markers of a plate, in order along the line through two markers that contains the most markers; `None` for fewer than two markers.
-fn row(marks: &[Mark], side: Side, radius: f64, taken: &[usize]) -> Option<Vec<usize>> {
+fn row(marks: &[Mark], side: Plate, radius: f64, taken: &[usize]) -> Option<Vec<usize>> {
     let of_side: Vec<usize> =
         (0..marks.len()).filter(|i| marks[*i].sides[side as usize] && !taken.contains(i)).collect();
     let mut best: Vec<usize> = Vec::new();
@@ -124,28 +123,16 @@ fn ends(row: &[usize], nodes: &[NodeId]) -> Vec<[(usize, NodeId); 2]> {
     ways
 }
 
-/// The homography that maps four points to four others; `None` if it is not unique.
+/// The homography that maps four points to four others; `None` if three of the first four lie on one line.
 fn through(positions: &[Vector; 4], seen: &[Vector; 4]) -> Option<Matrix3<f64>> {
-    // Coordinates near 1 on both sides reduce rounding errors.
-    let scale = positions.iter().map(|position| position.norm()).fold(f64::MIN_POSITIVE, f64::max);
-    let mut rows = SMatrix::<f64, 8, 8>::zeros();
-    let mut right = SVector::<f64, 8>::zeros();
-    for (i, (position, seen)) in positions.iter().zip(seen).enumerate() {
-        let (x, y) = (position.x / scale, position.y / scale);
-        let (first, second) = (2 * i, 2 * i + 1);
-        for (k, part) in [x, y, 1.0].into_iter().enumerate() {
-            rows[(first, k)] = part;
-            rows[(second, 3 + k)] = part;
-        }
-        for (row, at) in [(first, seen.x), (second, seen.y)] {
-            rows[(row, 6)] = -at * x;
-            rows[(row, 7)] = -at * y;
-            right[row] = at;
-        }
-    }
-    let h = rows.lu().solve(&right)?;
-    let whole = Matrix3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0);
-    Some(whole * Matrix3::new(1.0 / scale, 0.0, 0.0, 0.0, 1.0 / scale, 0.0, 0.0, 0.0, 1.0))
+    Some(from_basis(seen)? * from_basis(positions)?.try_inverse()?)
+}
+
+/// The homography that maps the unit vectors and their sum to four points.
+fn from_basis(points: &[Vector; 4]) -> Option<Matrix3<f64>> {
+    let [first, second, third, sum] = points.map(|point| point.push(1.0));
+    let columns = Matrix3::from_columns(&[first, second, third]);
+    Some(columns * Matrix3::from_diagonal(&(columns.try_inverse()? * sum)))
 }
 
 fn is_from_above(homography: &Matrix3<f64>, at: &Vector) -> bool {
@@ -160,7 +147,7 @@ fn named(finger: &Finger, marks: &[Mark], homography: &Matrix3<f64>, radius: f64
     for node in (1..=finger.key_node_count()).map(NodeId).filter(|node| finger.has_marker(*node)) {
         let seen = homography * finger.marker_position(node).push(1.0);
         let at = seen.xy() / seen.z;
-        let side = if node >= finger.tip() { Side::Front } else { Side::Back };
+        let side = if node >= finger.tip() { Plate::Front } else { Plate::Back };
         let of_side = (0..marks.len()).filter(|&i| marks[i].sides[side as usize]);
         let nearest = of_side.map(|i| ((marks[i].at - at).norm(), i)).min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((distance, i)) = nearest.filter(|(distance, _)| *distance < ON_NODE * radius) {

@@ -4,7 +4,7 @@
 //! two rims that may be references on the base, or the two ends of a rib. The proposal with the least cost of naming the markers (assigning them to nodes) is
 //! chosen.
 
-use super::elsewhere::Scenery;
+use super::elsewhere::{Scenery, ribs_near_base};
 use super::error::require_own_junctions;
 use super::naming::{Candidate, Marked, Names, NamingError, name, name_at_cost};
 use super::rim::{GreyView, Rim, RimShape, rims};
@@ -23,10 +23,6 @@ const REFERENCE_SHARE: f64 = 0.03;
 /// Two rims may be the ends of a rib if their distance deviates from the rib's length by at most this share. The share is large, because the scene's geometry
 /// is nominal.
 const RIB_SHARE: f64 = 0.08;
-/// Number of ribs, counted from the base, whose ends propose a position of the base.
-const PROPOSING: usize = 2;
-/// Standard deviation of the base's position proposed by a rib, as a share of the plate's length up to the rib. Bending of the plate causes this deviation.
-const BEND_SHARE: f64 = 0.2;
 /// A rim has cost 1 if the standard deviation of its centre as found by rays is this share of its radius. Markers are round, so a larger deviation costs
 /// more.
 const ROUND: f64 = 0.02;
@@ -58,15 +54,13 @@ pub struct SeenFinger {
 }
 
 /// Pose of a finger's base in an image.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct SeenBase {
     /// Transform (rotation, and translation in mm) from the finger frame, which moves with the base, to the finger frame at the scene's camera pose.
     pub pose: Isometry2<f64>,
     /// Whether the camera's pose or two references determine the base. Otherwise the markers determine the base only roughly, and displacements relative to
     /// the base are unknown.
     pub is_known: bool,
-    /// Distance between each reference and the position that the fitted base predicts, mm; `None` if the reference was not found.
-    pub references_mm: Vec<Option<f64>>,
     /// Mean position of the references, mm, finger frame.
     pub middle: Vector,
     /// Standard deviation of one coordinate of that mean position, mm. All markers of an image share this error.
@@ -76,18 +70,6 @@ pub struct SeenBase {
 }
 
 impl SeenBase {
-    /// A base that is exactly where the scene's camera pose puts it.
-    fn fixed() -> SeenBase {
-        SeenBase {
-            pose: Isometry2::identity(),
-            is_known: true,
-            references_mm: Vec::new(),
-            middle: Vector::zeros(),
-            sd_mm: 0.0,
-            sd_rad: 0.0,
-        }
-    }
-
     /// Standard deviation that the base's pose causes in one coordinate of a position of the finger frame, mm: the root mean square of x and y.
     pub fn sd_at(&self, position: &Vector) -> f64 {
         self.sd_mm.hypot(self.sd_rad * (position - self.middle).norm() / std::f64::consts::SQRT_2)
@@ -150,7 +132,8 @@ impl<'f> RimLocator<'f> {
             if let Some(error) = (Scenery { finger, camera, height_mm, seen: &seen }).elsewhere(&names) {
                 return Err(error);
             }
-            let base = SeenBase::fixed();
+            // The base is exactly where the scene's camera pose puts it.
+            let base = SeenBase { is_known: true, ..SeenBase::default() };
             let named = named(&rims, &names?);
             let radii = SeenRadii { markers_mm: middle_radius_mm(&named), references_mm: Vec::new() };
             return Ok(SeenFinger { located: located(&named, &base, widening(&named)), base, radii });
@@ -197,13 +180,12 @@ impl<'f> RimLocator<'f> {
     /// Proposals for the pose of the base, from pairs of rims that may be the ends of a rib near the base.
     fn by_ribs(&self, rims: &[Rim]) -> Vec<Proposal> {
         let mut proposals = Vec::new();
-        for rib in 0..self.finger.rib_count().min(PROPOSING) {
-            let nodes = self.finger.rib_nodes(rib);
+        for (nodes, sd_mm) in ribs_near_base(self.finger) {
             let ends = nodes.map(|node| self.finger.marker_position(node));
-            let plate_mm = self.finger.plate_positions_mm(finray_model::finger::Plate::Front)[rib + 1];
-            for (seen, _) in pairs(rims, rims, (ends[0] - ends[1]).norm(), RIB_SHARE * (ends[0] - ends[1]).norm()) {
-                let base = aligned(&ends, &seen.map(|(_, centre)| centre));
-                proposals.push(Proposal { base, sd_mm: BEND_SHARE * plate_mm, references: Vec::new() });
+            let rib_mm = (ends[0] - ends[1]).norm();
+            for seen in pairs(rims, rims, rib_mm, RIB_SHARE * rib_mm) {
+                let base = fitted(&[(ends[0], seen[0]), (ends[1], seen[1])]);
+                proposals.push(Proposal { base, sd_mm, references: Vec::new() });
             }
         }
         proposals
@@ -261,9 +243,7 @@ impl<'f> RimLocator<'f> {
 fn named(rims: &[Rim], names: &Names) -> Vec<(NodeId, Rim)> {
     let mut named: Vec<(NodeId, Rim)> =
         names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();
-    let mut sds: Vec<f64> = named.iter().map(|(_, rim)| rim.rays_sd_mm).collect();
-    sds.sort_by(f64::total_cmp);
-    let most_mm = sds.get(sds.len() / 2).map_or(0.0, |middle| LEAST_ROUND * middle);
+    let most_mm = LEAST_ROUND * median(named.iter().map(|(_, rim)| rim.rays_sd_mm)).unwrap_or_default();
     named.retain(|(_, rim)| rim.rays_sd_mm <= most_mm);
     named
 }
@@ -297,9 +277,6 @@ fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal, wider: f64) -
     let found = |i: usize| Some(marks[i][proposal.references.get(i).copied().flatten()?]);
     let seen: Vec<(Vector, Rim)> =
         base.references.iter().enumerate().filter_map(|(i, reference)| Some((reference.at, found(i)?))).collect();
-    let away = |(i, reference): (usize, &Reference)| {
-        Some((found(i)?.centre - (proposal.base * nalgebra::Point2::from(reference.at)).coords).norm())
-    };
     let count = seen.len() as f64;
     let middle = seen.iter().map(|(at, _)| at).sum::<Vector>() / count.max(1.0);
     let variance = seen.iter().map(|(_, rim)| rim.widened_sd_mm(wider).powi(2)).sum::<f64>() / count.max(1.0);
@@ -308,27 +285,16 @@ fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal, wider: f64) -
     SeenBase {
         pose: proposal.base,
         is_known,
-        references_mm: base.references.iter().enumerate().map(away).collect(),
         middle,
         sd_mm: if is_known { (variance / count).sqrt() } else { UNKNOWN_MM },
         sd_rad: if is_known { (variance / spread).sqrt() } else { UNKNOWN_RAD },
     }
 }
 
-type Seen = (usize, Vector);
-
-/// Pairs of rims whose distance equals `distance_mm` within `tolerance_mm`, in both orders; each with the deviation from that distance, mm.
-fn pairs(first: &[Rim], second: &[Rim], distance_mm: f64, tolerance_mm: f64) -> Vec<([Seen; 2], f64)> {
-    let mut found = Vec::new();
-    for (i, a) in first.iter().enumerate() {
-        for (k, b) in second.iter().enumerate() {
-            let off = ((a.centre - b.centre).norm() - distance_mm).abs();
-            if off <= tolerance_mm && a.centre != b.centre {
-                found.push(([(i, a.centre), (k, b.centre)], off));
-            }
-        }
-    }
-    found
+/// Centres of pairs of rims whose distance equals `distance_mm` within `tolerance_mm`, in both orders.
+fn pairs(first: &[Rim], second: &[Rim], distance_mm: f64, tolerance_mm: f64) -> impl Iterator<Item = [Vector; 2]> {
+    let all = first.iter().flat_map(move |a| second.iter().map(move |b| [a.centre, b.centre]));
+    all.filter(move |[a, b]| a != b && ((a - b).norm() - distance_mm).abs() <= tolerance_mm)
 }
 
 /// Proposals for the pose of the base from references: those with the largest number of references found.
@@ -340,8 +306,8 @@ fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
             let ends = [places[first], places[second]];
             let distance_mm = (ends[0] - ends[1]).norm();
             let tolerance_mm = REFERENCE_MM.hypot(REFERENCE_SHARE * distance_mm);
-            for (seen, _) in pairs(&marks[first], &marks[second], distance_mm, tolerance_mm) {
-                let rough = aligned(&ends, &seen.map(|(_, centre)| centre));
+            for seen in pairs(&marks[first], &marks[second], distance_mm, tolerance_mm) {
+                let rough = fitted(&[(ends[0], seen[0]), (ends[1], seen[1])]);
                 let nearest = |(place, marks): (&Vector, &Vec<Rim>)| {
                     let at = (rough * nalgebra::Point2::from(*place)).coords;
                     let away = |mark: &Rim| (mark.centre - at).norm();
@@ -362,11 +328,6 @@ fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
     let most = proposals.iter().map(found).max().unwrap_or(0);
     proposals.retain(|proposal| found(proposal) == most);
     proposals
-}
-
-/// Rigid motion that maps two points onto two others, by least squares.
-fn aligned(from: &[Vector; 2], to: &[Vector; 2]) -> Isometry2<f64> {
-    fitted(&[(from[0], to[0]), (from[1], to[1])])
 }
 
 /// Rigid motion that maps points onto others, by least squares over the pairs (Kabsch algorithm in the plane).

@@ -81,10 +81,7 @@ pub enum RenderError {
 }
 
 /// Pixels of the true centres of all markers, each with its node. `height_mm` is the height of the markers above the finger's plane, mm.
-///
-/// # Errors
-/// [`RenderError`] if a node has no pixel, or if all nodes lie outside the image.
-pub fn marker_pixels(
+fn marker_pixels(
     camera: &Camera,
     finger: &Finger,
     shape: &FingerShape,

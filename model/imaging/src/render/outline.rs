@@ -1,8 +1,8 @@
 //! Outlines of plates, ribs and base line in the image of a finger.
 
 use finray_model::camera::Camera;
-use finray_model::finger::{Joints, Plate};
-use finray_model::mesh::{FingerShape, NodeMotion};
+use finray_model::finger::{FingerPoint, Joints, Plate};
+use finray_model::mesh::FingerShape;
 use finray_model::{Finger, Vector};
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 
@@ -30,71 +30,46 @@ struct Strip {
 }
 
 fn strips(finger: &Finger, shape: &FingerShape) -> Vec<Strip> {
-    let description = finger.description();
     let mut strips = Vec::new();
     for plate in [Plate::Front, Plate::Back] {
         let nodes: Vec<_> =
             finger.plate_nodes(plate).into_iter().filter(|node| finger.junction(*node) == *node).collect();
         for pair in nodes.windows(2) {
-            let ends = [pair[0], pair[1]].map(|node| End::of_plate(shape.motion(node)));
             let from_base_mm = |node| (finger.position(node) - finger.base(plate)).norm();
             let thickness_mm = [pair[0], pair[1]].map(|node| finger.thickness_mm(plate, from_base_mm(node)));
-            strips.push(Strip { middle: bent(ends), thickness_mm });
+            let middle = bent(finger, shape, [pair[0], pair[1]].map(FingerPoint::Node));
+            strips.push(Strip { middle, thickness_mm });
         }
     }
-    let ribs = &description.ribs;
+    let straight = |points: [FingerPoint; 2]| points.map(|point| shape.point(point)).to_vec();
+    let ribs = &finger.description().ribs;
     let thickness_mm = ribs.strip.map_or(BASE_THICKNESS_MM, |strip| strip.thickness_mm);
-    for rib in 0..finger.rib_count() {
-        let ends = finger.rib_nodes(rib).map(|node| End::of_rib(shape.motion(node)));
-        let is_straight = ribs.strip.is_none() || ribs.joints == Joints::Hinged;
-        let middle = if is_straight { ends.map(|end| end.at).to_vec() } else { bent(ends) };
+    let is_straight = ribs.strip.is_none() || ribs.joints == Joints::Hinged;
+    for nodes in (0..finger.rib_count()).map(|rib| finger.rib_nodes(rib)) {
+        let ends = nodes.map(FingerPoint::Hinge);
+        let middle = if is_straight { straight(ends) } else { bent(finger, shape, ends) };
         strips.push(Strip { middle, thickness_mm: [thickness_mm; 2] });
         if finger.has_brackets() {
-            for (node, end) in finger.rib_nodes(rib).into_iter().zip(ends) {
-                strips.push(Strip {
-                    middle: vec![moved(shape.motion(node)), end.at],
-                    thickness_mm: [BASE_THICKNESS_MM; 2],
-                });
-            }
+            let bracket = |node| straight([FingerPoint::Node(node), FingerPoint::Hinge(node)]);
+            strips.extend(nodes.map(|node| Strip { middle: bracket(node), thickness_mm: [BASE_THICKNESS_MM; 2] }));
         }
     }
-    let base = finger.clamped_nodes().map(|node| moved(shape.motion(node))).to_vec();
+    let base = straight(finger.clamped_nodes().map(FingerPoint::Node));
     strips.push(Strip { middle: base, thickness_mm: [BASE_THICKNESS_MM; 2] });
     strips
 }
 
-fn moved(motion: &NodeMotion) -> Vector {
-    motion.position + motion.displacement
-}
-
-/// An end of a member: its undeformed and deformed position (mm, finger frame), and its rotation (rad).
-#[derive(Debug, Clone, Copy)]
-struct End {
-    undeformed: Vector,
-    at: Vector,
-    rotation: f64,
-}
-
-impl End {
-    fn of_plate(motion: &NodeMotion) -> End {
-        End { undeformed: motion.position, at: moved(motion), rotation: motion.rotation }
-    }
-
-    fn of_rib(motion: &NodeMotion) -> End {
-        let at = motion.hinge_position + motion.hinge_displacement;
-        End { undeformed: motion.hinge_position, at, rotation: motion.rotation }
-    }
-}
-
-/// Points of a member between two ends, mm. The points lie on a cubic: the shape of an unloaded Euler-Bernoulli beam with these positions and rotations of
+/// Points of a member between two ends, mm. The points lie on a cubic: the shape of an unloaded Euler-Bernoulli beam with the positions and rotations of
 /// its ends.
-fn bent([first, second]: [End; 2]) -> Vec<Vector> {
-    let (from, to) = (first.at, second.at);
-    let along = second.undeformed - first.undeformed;
+fn bent(finger: &Finger, shape: &FingerShape, ends: [FingerPoint; 2]) -> Vec<Vector> {
+    let [from, to] = ends.map(|end| shape.point(end));
+    let along = finger.point(ends[1]) - finger.point(ends[0]);
     let length = (to - from).norm();
-    let direction =
-        |end: End| nalgebra::Rotation2::new(end.rotation) * along * (length / along.norm().max(f64::MIN_POSITIVE));
-    let (leaving, arriving) = (direction(first), direction(second));
+    let [leaving, arriving] = ends.map(|end| {
+        let (FingerPoint::Node(node) | FingerPoint::Hinge(node)) = end;
+        let turn = nalgebra::Rotation2::new(shape.motion(node).rotation);
+        turn * along * (length / along.norm().max(f64::MIN_POSITIVE))
+    });
     let at = |k: usize| {
         let t = k as f64 / (POINTS - 1) as f64;
         let (t2, t3) = (t * t, t * t * t);

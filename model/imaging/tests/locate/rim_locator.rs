@@ -81,7 +81,7 @@ fn markers_and_base_are_found_wherever_they_are() {
     for seed in 0..images() {
         let seen = image(&scene, seed, &[]);
         let found = located(&scene, &seen, &base).unwrap_or_else(|error| panic!("image {seed}: {error}"));
-        assert!(found.base.is_known && found.base.references_mm.iter().all(Option::is_some), "image {seed}");
+        assert!(found.base.is_known && found.radii.references_mm.iter().all(Option::is_some), "image {seed}");
         assert_eq!(found.located.len(), 2 * scene.finger.rib_count(), "image {seed}: {:?}", found.located);
         for marker in &found.located {
             let truth = true_position(&scene, &seen.shape, marker.node);

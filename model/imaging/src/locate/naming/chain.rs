@@ -1,6 +1,5 @@
 //! Naming of the markers of one plate, as the chain of least cost from the plate's clamped node to the tip.
 
-use super::super::colour::Side;
 use super::{Candidate, Marked, Names};
 use finray_model::finger::Plate;
 use finray_model::{NodeId, Vector};
@@ -103,7 +102,7 @@ impl<'a> Chain<'a> {
         let last = nodes.len() - 1;
         let choices = (0..nodes.len()).map(|position| {
             // The tip has the front plate's colour, and is assigned with the front plate.
-            let side = if position == last || plate == Plate::Front { Side::Front } else { Side::Back };
+            let side = if position == last { Plate::Front } else { plate };
             if position == last && plate == Plate::Back {
                 return names[finger.tip().0 - 1].into_iter().collect();
             }

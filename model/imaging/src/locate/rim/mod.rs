@@ -216,7 +216,7 @@ fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, m
         light.clear();
         for k in 0..count {
             let at = centre + along * (from + k as f64 * step);
-            light.push(sign * brightness(grey, &camera.project(&at.push(shape.height_mm)).ok()?)?);
+            light.push(sign * crate::light(grey, &camera.project(&at.push(shape.height_mm)).ok()?)?);
         }
         // Decrease of the light from the inner to the outer side of sample k.
         let fall = |k: usize| {
@@ -237,18 +237,6 @@ fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, m
         let shift = if bend < 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
         Some(from + (best as f64 + shift) * step)
     })
-}
-
-/// Light at a position between pixels by bilinear interpolation, grey levels; `None` outside the image.
-fn brightness(grey: &GrayImage, at: &Pixel) -> Option<f64> {
-    let (u, v) = (at.x.floor(), at.y.floor());
-    let (width, height) = grey.dimensions();
-    if !(u >= 0.0 && v >= 0.0 && u + 1.0 < f64::from(width) && v + 1.0 < f64::from(height)) {
-        return None;
-    }
-    let (x, y) = (at.x - u, at.y - v);
-    let light = |i: u32, j: u32| f64::from(grey.get_pixel(u as u32 + i, v as u32 + j).0[0]);
-    Some((light(0, 0) * (1.0 - x) + light(1, 0) * x) * (1.0 - y) + (light(0, 1) * (1.0 - x) + light(1, 1) * x) * y)
 }
 
 /// A circle through the edges that rays found.
