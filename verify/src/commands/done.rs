@@ -1,43 +1,15 @@
 //! The summary line that a command prints last on standard error: its result and the written files.
 
 use finray_files::is_standard_stream;
-use std::fmt::{self, Display};
+use std::fmt::Display;
 use std::path::Path;
 
-/// Summary line of a command: its result, and the files that it wrote.
-pub struct Done {
-    result: String,
-    files: Vec<String>,
-}
-
-impl Done {
-    /// A summary of a result, without files.
-    pub fn new(result: impl Display) -> Done {
-        Done { result: result.to_string(), files: Vec::new() }
-    }
-
-    /// Adds a written file; standard output is not listed.
-    pub fn with_file(mut self, file: &Path) -> Done {
-        if !is_standard_stream(file) {
-            self.files.push(file.display().to_string());
-        }
-        self
-    }
-
-    /// Adds several written files.
-    pub fn with_files<'f>(self, files: impl IntoIterator<Item = &'f Path>) -> Done {
-        files.into_iter().fold(self, Done::with_file)
-    }
-}
-
-impl Display for Done {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "done: {}", self.result)?;
-        match &self.files[..] {
-            [] => Ok(()),
-            files => write!(f, "; written to {}", files.join(", ")),
-        }
-    }
+/// Summary line of a command: its result, and the files that it wrote; standard output is not listed.
+pub fn summary<F: AsRef<Path>>(result: impl Display, files: impl IntoIterator<Item = F>) -> String {
+    let files = files.into_iter().filter(|file| !is_standard_stream(file.as_ref()));
+    let files: Vec<String> = files.map(|file| file.as_ref().display().to_string()).collect();
+    let written = if files.is_empty() { String::new() } else { format!("; written to {}", files.join(", ")) };
+    format!("done: {result}{written}")
 }
 
 /// A count with its noun, in the plural unless the count is 1.

@@ -52,7 +52,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if is_stream(&arguments.out) {
         return Err(Failure::BadInput("--out: expected a folder for five files, found -".to_owned()));
     }
@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     match ended {
         GraspEnd::Done => {
             let done = format!("grasp of {} and its figures", count(steps.len(), "step"));
-            Ok(Done::new(done).with_file(&arguments.out))
+            Ok(summary(done, [&arguments.out]))
         }
         failed => {
             let last = steps.last();
@@ -129,9 +129,9 @@ fn write(
 ) -> Result<(), Failure> {
     let forces = csv_text(steps.iter().flat_map(|step| force_rows(grasp, step)))?;
     let object = csv_text(steps.iter().map(object_row))?;
-    let summary = serde_json::to_string_pretty(&Summary::new(name, grasp, steps, ended))
+    let numbers = serde_json::to_string_pretty(&Summary::new(name, grasp, steps, ended))
         .map_err(|error| Failure::NotComputed(error.to_string()))?;
-    let mut files = vec![("forces.csv", forces), ("object.csv", object), ("summary.json", summary + "\n")];
+    let mut files = vec![("forces.csv", forces), ("object.csv", object), ("summary.json", numbers + "\n")];
     if !steps.is_empty() {
         let drawn = |figure: Result<String, FigureError>| {
             figure.map(|svg| standalone(&svg)).map_err(|error| Failure::NotComputed(error.to_string()))

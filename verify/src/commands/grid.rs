@@ -44,19 +44,16 @@ pub struct GridArguments {
     out: PathBuf,
 }
 
-/// Models of the true finger and estimators that a map or sweep compares.
-pub struct Candidates<'a> {
-    /// Models of the true finger.
-    pub truths: &'a [TruthId],
-    /// Estimators of the forces.
-    pub estimators: &'a [EstimatorId],
-    /// Standard deviations of the noise in one coordinate, mm. If the list is empty, the noise of the scene's camera is used, or 0 without a camera.
-    pub noise_mm: &'a [f64],
-}
-
-/// Computes a table and writes it row by row. For a map, it also writes the figure.
-pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> Result<Done, Failure> {
-    if arguments.network.is_some() && !candidates.estimators.contains(&EstimatorId::Network) {
+/// Computes a table and writes it row by row. For a map, it also writes the figure. `noise_mm` has the standard deviations of the noise in one
+/// coordinate, mm; if it is empty, the noise of the scene's camera is used, or 0 without a camera.
+pub fn run(
+    arguments: &GridArguments,
+    table: Table,
+    truth_ids: &[TruthId],
+    estimator_ids: &[EstimatorId],
+    noise_mm: &[f64],
+) -> Result<String, Failure> {
+    if arguments.network.is_some() && !estimator_ids.contains(&EstimatorId::Network) {
         return Err(bad_input("--network: expected --estimator network too, found another estimator"));
     }
     let (scene, text) = scene_or_papers(arguments.scene.as_deref())?;
@@ -67,13 +64,12 @@ pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> 
         }
         None => (Networks::read(&finray_fixtures::NETWORKS)?, None),
     };
-    let truth_meshes = candidates.truths.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
-    let truths = candidates.truths.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh));
+    let truth_meshes = truth_ids.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
+    let truths = truth_ids.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh));
     let truths = truths.collect::<Result<Vec<_>, _>>()?;
-    let meshes: Vec<Mesh> = candidates.estimators.iter().map(|id| id.mesh(finger)).collect();
-    let estimators: Vec<_> =
-        candidates.estimators.iter().zip(&meshes).map(|(id, mesh)| id.on(mesh, &networks)).collect();
-    let grid = grid(arguments, candidates, &scene, &truths)?;
+    let meshes: Vec<Mesh> = estimator_ids.iter().map(|id| id.mesh(finger)).collect();
+    let estimators: Vec<_> = estimator_ids.iter().zip(&meshes).map(|(id, mesh)| id.on(mesh, &networks)).collect();
+    let grid = grid(arguments, noise_mm, &scene, &truths)?;
     for estimator in &estimators {
         require_an_answer(finger, &**estimator, &grid)?;
     }
@@ -86,8 +82,8 @@ pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> 
     let request = Request {
         finray: Request::version(),
         table,
-        truths: candidates.truths.to_vec(),
-        estimators: candidates.estimators.to_vec(),
+        truths: truth_ids.to_vec(),
+        estimators: estimator_ids.to_vec(),
         network: digest,
         scene: text,
         grid: grid.clone(),
@@ -97,7 +93,7 @@ pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> 
 
 fn grid(
     arguments: &GridArguments,
-    candidates: &Candidates,
+    noise_mm: &[f64],
     scene: &Scene,
     truths: &[Box<dyn Truth + '_>],
 ) -> Result<Grid, Failure> {
@@ -114,7 +110,7 @@ fn grid(
         numbers.dedup();
         numbers
     };
-    let noise_levels_mm = match candidates.noise_mm {
+    let noise_levels_mm = match noise_mm {
         [] => vec![scene.noise_mm.unwrap_or(0.0)],
         given => growing(given),
     };
@@ -141,7 +137,7 @@ fn require_an_answer(finger: &Finger, estimator: &dyn Estimator, grid: &Grid) ->
     Err(refusal.unwrap_or(SensingError::NoContact.into()).into())
 }
 
-fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Done, Failure> {
+fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<String, Failure> {
     let table = head.request.table;
     let blocks = head.shard.map_or(0..sweep.block_count(), |shard| shard.blocks(sweep.block_count()));
     let rows = blocks.len() * head.request.rows_in_block();
@@ -161,7 +157,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Done,
         });
         bar.finish_and_clear();
         return match said {
-            Ok(()) | Err(Stop::Unread) => Ok(Done::new(count(rows, "row"))),
+            Ok(()) | Err(Stop::Unread) => Ok(summary(count(rows, "row"), None::<&Path>)),
             Err(Stop::Failed(failure)) => Err(failure),
         };
     }
@@ -185,7 +181,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Done,
     let beside: Vec<_> = figure.into_iter().collect();
     partial.finish(&beside)?;
     let result = map.map_or_else(|| count(rows, "row"), |map| trusted(&map));
-    Ok(Done::new(result).with_file(&out).with_files(beside.iter().map(|(path, _)| path.as_path())))
+    Ok(summary(result, std::iter::once(&out).chain(beside.iter().map(|(path, _)| path))))
 }
 
 /// Reason why the output stream ends before the last row.

@@ -103,7 +103,7 @@ fn row(gripper: &Gripper, finger: &Finger, motor_deg: f64) -> Row {
     }
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let Scene { finger, gripper, .. } = load_scene(&arguments.scene)?;
     let Some(gripper) = gripper else {
         return Err(bad_input(format!(
@@ -138,5 +138,5 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         None => csv_text(rows)?,
     };
     write_text(&arguments.out, &text)?;
-    Ok(Done::new(format!("fingertips at {}", count(motor_deg.len(), "motor angle"))).with_file(&arguments.out))
+    Ok(summary(format!("fingertips at {}", count(motor_deg.len(), "motor angle")), [&arguments.out]))
 }

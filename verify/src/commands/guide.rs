@@ -24,7 +24,7 @@ pub struct Arguments {
     topic: Option<String>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Option<Done>, Failure> {
+pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
     let topics = || GUIDES.iter().map(|guide| (guide.name, guide.task)).chain([SCENE]);
     let text = match arguments.topic.as_deref() {
         None => topics().map(|(name, task)| format!("{name:<20}{task}\n")).collect(),

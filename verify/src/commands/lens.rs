@@ -44,7 +44,7 @@ const LARGEST_FOCAL_SHARE: f64 = 0.05;
 const SAME_NORMAL_DEG: f64 = 0.5;
 const SAME_DISTANCE: f64 = 0.005;
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let seen = arguments.image.par_iter().map(|path| {
         let wrong = |message: String| Failure::from(FileError::Content { path: path.clone(), message });
         let (image, turn) = load_turned_image(path)?;
@@ -95,8 +95,8 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         print_message(format_args!("warning: {warning}"));
     }
     let points = if kind == GridKind::Chessboard { "corner" } else { "dot" };
-    Ok(Done::new(format!("lens of {} in {}", count(dots, points), count(grids.len(), "image")))
-        .with_file(&arguments.out))
+    let done = format!("lens of {} in {}", count(dots, points), count(grids.len(), "image"));
+    Ok(summary(done, [&arguments.out]))
 }
 
 /// Mean pose of the grid's plane over all images; an error if the plane moved between images.

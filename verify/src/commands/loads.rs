@@ -1,7 +1,7 @@
 //! Loads on a finger and the equilibrium under them, for `solve` and `render`.
 
 use super::Failure;
-use super::parse::{NodeLoad, PositionLoad, node_load, position_load};
+use super::parse::{PositionLoad, node_load, position_load};
 use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::mesh::FingerShape;
 use finray_model::statics::{Statics, StaticsError};
@@ -17,7 +17,7 @@ const DRAWN_MM: f64 = 3e-4;
 pub struct Loads {
     /// Force (N) and optional moment (N mm) on a key node, in the finger frame
     #[arg(long, value_name = "NODE:FX,FY[,M]", value_parser = node_load, num_args = 1.., allow_hyphen_values = false)]
-    load: Vec<NodeLoad>,
+    load: Vec<Load>,
     /// Force (N) on the front plate, at S_MM from its base and ANGLE_DEG from the inward normal
     #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = position_load, num_args = 1..)]
     load_at: Vec<PositionLoad>,
@@ -66,11 +66,9 @@ impl Loads {
     /// The equilibrium under the loads, exact within rounding, and the loads on the mesh.
     pub fn equilibrium(&self, mesh: &Mesh, kinematics: Kinematics) -> Result<(FrameMotion, Vec<FrameLoad>), Failure> {
         let finger = mesh.finger();
-        let node_loads =
-            self.load.iter().map(|l| Load::Node { node: l.node, force: l.force, moment_nmm: l.moment_nmm });
         let position_loads =
             self.load_at.iter().map(|l| Load::at_position(l.s_mm, finger.direction(l.angle_deg) * l.force_n));
-        let loads = node_loads.chain(position_loads).map(|load| mesh.frame_load(&load));
+        let loads = self.load.iter().copied().chain(position_loads).map(|load| mesh.frame_load(&load));
         let loads = loads.collect::<Result<Vec<_>, _>>().map_err(StaticsError::from)?;
         let motion = Statics::ladder(mesh, kinematics).accurate_equilibrium(&loads)?.motion;
         Ok((motion, loads))

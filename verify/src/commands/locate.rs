@@ -40,7 +40,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let inputs = || arguments.image.iter().chain(&arguments.rest);
     for image in inputs() {
         not_both_from_standard_input(&arguments.scene, image, "an image")?;
@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let located = seen.iter().flatten();
     let markers: usize = located.clone().map(|seen| seen.markers.len()).sum();
     let done = format!("{markers} markers located in {} of {}", located.count(), count(seen.len(), "image"));
-    Ok(Done::new(done).with_file(&arguments.out))
+    Ok(summary(done, [&arguments.out]))
 }
 
 /// Observation and marker radii of one image.

@@ -1,6 +1,6 @@
 //! The command `finray map`.
 
-use super::grid::{Candidates, GridArguments, run as run_grid};
+use super::grid::{self, GridArguments};
 use crate::commands::prelude::*;
 use finray_studies::sampling::sweep::Table;
 
@@ -30,11 +30,7 @@ pub struct Arguments {
     noise_mm: Option<f64>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let candidates = Candidates {
-        truths: &[arguments.truth],
-        estimators: &[arguments.estimator],
-        noise_mm: arguments.noise_mm.as_slice(),
-    };
-    run_grid(&arguments.grid, Table::Map, &candidates)
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
+    let noise_mm = arguments.noise_mm.as_slice();
+    grid::run(&arguments.grid, Table::Map, &[arguments.truth], &[arguments.estimator], noise_mm)
 }

@@ -27,12 +27,12 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let shards = Shards::open(&arguments.shards)?;
     let joined = || format!("{} joined", count(arguments.shards.len(), "shard"));
     if is_stream(&arguments.out) {
         pour(shards.table(), &arguments.out)?;
-        return Ok(Done::new(joined()));
+        return Ok(summary(joined(), None::<&Path>));
     }
     let request = shards.request();
     let out = table_path(request.table, &arguments.out);
@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     sources.extend(figure.iter().zip(&mut texts).map(|((path, _), text)| (path.as_path(), text as &mut dyn Read)));
     write_from(sources)?;
     let result = map.as_ref().map_or_else(joined, |map| format!("{}, {}", joined(), trusted(map)));
-    Ok(Done::new(result).with_file(&out).with_files(figure.iter().map(|(path, _)| path.as_path())))
+    Ok(summary(result, std::iter::once(&out).chain(figure.iter().map(|(path, _)| path))))
 }
 
 /// Copies the table to standard output, a device or a pipe.

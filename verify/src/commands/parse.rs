@@ -4,18 +4,9 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use finray_model::registry::Listed;
 use finray_model::sensing::{Contact, ContactPosition, Direction, MeasuredContact};
 use finray_model::sensor::AskedDirection;
-use finray_model::{NodeId, Vector};
-
-/// Load on a node, `NODE:FX,FY[,M]`: force in N in the finger frame, moment in N mm.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NodeLoad {
-    /// Key node that carries the load.
-    pub node: NodeId,
-    /// Force, N, finger frame.
-    pub force: Vector,
-    /// Moment, N mm.
-    pub moment_nmm: f64,
-}
+use finray_model::{Kinematics, Load, NodeId, Vector};
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
 
 /// Load on the front plate, `S_MM:FORCE,ANGLE_DEG`: position in mm from the base, force in N, angle in degrees from the inward normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,8 +53,8 @@ fn node(text: &str) -> Result<NodeId, String> {
     text.trim().parse().map(NodeId).map_err(|_| format!("expected the number of a node, found \"{text}\""))
 }
 
-/// Parses `NODE:FX,FY[,M]`.
-pub fn node_load(text: &str) -> Result<NodeLoad, String> {
+/// Parses `NODE:FX,FY[,M]`: force in N in the finger frame, moment in N mm.
+pub fn node_load(text: &str) -> Result<Load, String> {
     let expected = || format!("expected NODE:FX,FY or NODE:FX,FY,M, for instance 19:-0.4,-2, found \"{text}\"");
     let (position, rest) = text.split_once(':').ok_or_else(expected)?;
     let numbers = rest.split(',').map(finite).collect::<Result<Vec<_>, _>>()?;
@@ -72,7 +63,7 @@ pub fn node_load(text: &str) -> Result<NodeLoad, String> {
         [fx, fy, moment] => (fx, fy, moment),
         _ => return Err(expected()),
     };
-    Ok(NodeLoad { node: node(position)?, force: Vector::new(fx, fy), moment_nmm })
+    Ok(Load::Node { node: node(position)?, force: Vector::new(fx, fy), moment_nmm })
 }
 
 /// Parses `S_MM:FORCE,ANGLE_DEG`; a missing angle means 0 degrees.
@@ -150,6 +141,13 @@ pub fn listed<T: Listed>() -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(values).try_map(|name: String| {
         T::ALL.iter().copied().find(|value| value.name() == name).ok_or_else(|| format!("no such value: {name}"))
     })
+}
+
+/// Parser of `--kinematics` with some of the names of [`Kinematics`].
+pub fn kinematics<const N: usize>(names: [&'static str; N]) -> impl TypedValueParser<Value = Kinematics> {
+    let of_name =
+        |name: String| Kinematics::deserialize(IntoDeserializer::<serde::de::value::Error>::into_deserializer(name));
+    PossibleValuesParser::new(names).try_map(of_name)
 }
 
 /// Parses a number with an optional standard deviation, `VALUE+-SD`.

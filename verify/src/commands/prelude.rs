@@ -1,6 +1,6 @@
 //! Common imports of the commands.
 
-pub(super) use super::done::{Done, count};
+pub(super) use super::done::{count, summary};
 pub(super) use super::parse::{degrees_between, listed, not_negative, positive, share};
 pub(super) use super::scenes::{camera_and_markers, camera_of, markers_of, scene_or_papers};
 pub(super) use super::{

@@ -47,7 +47,7 @@ pub struct Arguments {
 /// A warning is printed if the object stops farther than this from its prescribed position, mm; rounding alone causes less.
 const STOPPED_MM: f64 = 1e-6;
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if let Some(shape) = &arguments.shape {
         if is_standard_stream(shape) {
             return Err(bad_input("--shape: expected a file, found -: standard output takes the forces"));
@@ -121,7 +121,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             }
         },
     };
-    let Some(last) = steps.last() else { return ended.map(|()| Done::new("no step")).map_err(not_computed) };
+    let Some(last) = steps.last() else {
+        return ended.map(|()| summary("no step", None::<&Path>)).map_err(not_computed);
+    };
     let press = DrawnPress {
         finger: &scene.finger,
         name: &scene.name,
@@ -140,7 +142,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let force_n = last.pressed.contact_force().norm();
     let done =
         format!("{}, the last at a travel of {:.3} mm with {force_n:.3} N", count(steps.len(), "step"), last.travel_mm);
-    Ok(Done::new(done).with_files(files.iter().map(PathBuf::as_path)))
+    Ok(summary(done, &files))
 }
 
 /// Writes the table, its figure and the shape, and returns their paths.

@@ -57,7 +57,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if let Some(shape) = &arguments.shape {
         not_both_from_standard_input(&arguments.scene, shape, "--shape")?;
     }
@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let png = to_png(&image).map_err(not_computed)?;
     write_bytes(&arguments.out, &png)?;
     let [width, height] = [image.width(), image.height()];
-    Ok(Done::new(format!("image of {width} x {height} px")).with_file(&arguments.out))
+    Ok(summary(format!("image of {width} x {height} px"), [&arguments.out]))
 }
 
 /// Parses the pose of a base, `X_MM,Y_MM,DEG`.

@@ -12,7 +12,6 @@ use finray_studies::experiments::speed_error::file as peers;
 use finray_studies::settings::{Effort, Progress, ReportForces};
 use finray_studies::study::Study;
 use indicatif::ProgressBar;
-use std::sync::Mutex;
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -61,7 +60,7 @@ pub struct Arguments {
 /// A warning is printed if the scene's markers and those of the file differ by more than this, mm. It is far below any noise and far above rounding.
 const SAME_MM: f64 = 1e-3;
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let scene = match &arguments.scene {
         Some(path) => load_scene_with_outline(path)?,
         None => SceneWithOutline::from_toml(finray_fixtures::PAPER_SCENE).map_err(not_computed)?,
@@ -91,9 +90,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let criterion = criterion_times(arguments.criterion.as_deref())?;
     let peers = arguments.peers.as_deref().map(peers::load).transpose()?;
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
-    let bars = Bars(Mutex::new(ProgressBar::hidden()));
-    let mut study = Study::run(&scene, ReportForces::up_to(arguments.force_n), effort, &bars).map_err(not_computed)?;
-    bars.finish();
+    let bar = Bar(progress::bar(0, "report"));
+    let mut study = Study::run(&scene, ReportForces::up_to(arguments.force_n), effort, &bar).map_err(not_computed)?;
+    bar.0.finish_and_clear();
     if let Some(seen) = seen {
         study.measured = Some(measured::run(&scene.scene, &seen, &images).map_err(bad_input)?);
     }
@@ -117,16 +116,12 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         // The report is written and its path is printed, so a browser that does not open is no error.
         print_message(format_args!(
             "note: the page could not be opened ({}); open {} in a browser",
-            first_line(&error),
+            // The browser opener's message may have several lines.
+            error.to_string().lines().next().unwrap_or_default(),
             page.display()
         ));
     }
-    Ok(Done::new("report").with_file(&page))
-}
-
-/// First line of the error: the browser opener's message may have several.
-fn first_line(error: &std::io::Error) -> String {
-    error.to_string().lines().next().unwrap_or_default().to_owned()
+    Ok(summary("report", [&page]))
 }
 
 /// Loads an image and finds its name among the located images.
@@ -150,29 +145,17 @@ fn criterion_times(given: Option<&Path>) -> Result<Option<(PathBuf, CriterionTim
     Ok(Some((folder.to_owned(), times)))
 }
 
-/// Progress bars, one per part of the study.
-struct Bars(Mutex<ProgressBar>);
+/// Progress bar that starts anew for each part of the study.
+struct Bar(ProgressBar);
 
-impl Bars {
-    fn with(&self, act: impl FnOnce(&mut ProgressBar)) {
-        // The lock is poisoned only if another thread panicked while drawing its bar.
-        act(&mut self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner));
-    }
-
-    fn finish(&self) {
-        self.with(|bar| bar.finish_and_clear());
-    }
-}
-
-impl Progress for Bars {
+impl Progress for Bar {
     fn part(&self, name: &str, steps: usize) {
-        self.with(|bar| {
-            bar.finish_and_clear();
-            *bar = progress::bar(steps as u64, name);
-        });
+        self.0.reset();
+        self.0.set_length(steps as u64);
+        self.0.set_message(name.to_owned());
     }
 
     fn step(&self) {
-        self.with(|bar| bar.inc(1));
+        self.0.inc(1);
     }
 }

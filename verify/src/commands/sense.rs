@@ -58,29 +58,21 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Row of a sensed force; all columns are empty if the image was refused.
+/// Row of a sensed force. With `--all-images` also the name of the image, and the reason why the image was refused, with nothing in the columns between.
 #[derive(Serialize, Default)]
 struct Row {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    image: Option<String>,
     contact: Option<String>,
     s_mm: Option<f64>,
     angle_deg: Option<f64>,
     force_n: Option<f64>,
     sigma_n: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<String>,
 }
 
-/// First column of a row with `--all-images`: name of the image.
-#[derive(Serialize)]
-struct OfImage<'t> {
-    image: &'t str,
-}
-
-/// Last column of a row with `--all-images`: the reason why the image was refused; empty otherwise.
-#[derive(Serialize)]
-struct Refused {
-    refused: String,
-}
-
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     not_both_from_standard_input(&arguments.scene, &arguments.displacements, "--displacements")?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
@@ -133,7 +125,8 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     question.forces = arguments.forces.as_ref().map(|path| views::forces(path, &table.images()?)).transpose()?;
     let done = if arguments.all_images {
         let rows = all_images(&question, &table)?;
-        let (asked, refused) = (rows.len(), rows.iter().filter(|(_, _, refused)| !refused.refused.is_empty()).count());
+        let refused = rows.iter().filter(|row| row.refused.as_deref() != Some("")).count();
+        let asked = rows.len();
         write_text(&arguments.out, &csv_text(rows)?)?;
         let images = count(table.images()?.len(), "image");
         format!("{} of {} in {images} sensed, {refused} refused", asked - refused, count(asked, "force"))
@@ -147,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         format!("{} sensed", count(sensed.forces_n.len(), "force"))
     };
     hints::of_displacements(&arguments.displacements, &text, finger);
-    Ok(Done::new(done).with_file(&arguments.out))
+    Ok(summary(done, [&arguments.out]))
 }
 
 /// Contacts, friction and estimator for all images, with the measured force of each image.
@@ -175,16 +168,14 @@ impl<'a> ImageQuestion<'a> {
 }
 
 /// One row per image and contact. Rows of a refused image have a reason instead of numbers.
-fn all_images<'t>(
-    question: &ImageQuestion,
-    table: &'t ObservationTable,
-) -> Result<Vec<(OfImage<'t>, Row, Refused)>, Failure> {
+fn all_images(question: &ImageQuestion, table: &ObservationTable) -> Result<Vec<Row>, Failure> {
     let finger = &question.scene.finger;
     let mut all = Vec::new();
     for image in table.images()? {
-        let row = |row: Row, refused: String| (OfImage { image }, row, Refused { refused });
-        let refused = |reason: &str| -> Vec<_> {
-            (0..question.contacts.count()).map(|_| row(Row::default(), reason.to_owned())).collect()
+        let of_image =
+            |row: Row, refused: &str| Row { image: Some(image.to_owned()), refused: Some(refused.to_owned()), ..row };
+        let refused = |reason: &str| -> Vec<Row> {
+            (0..question.contacts.count()).map(|_| of_image(Row::default(), reason)).collect()
         };
         if let Some(reason) = table.refused(image) {
             all.extend(refused(reason));
@@ -198,7 +189,7 @@ fn all_images<'t>(
         match question.sensor(&seen)?.sense(&seen) {
             Ok(sensed) => {
                 warn(&format!("{image}: "), &sensed.warnings);
-                all.extend(rows(finger, &sensed).into_iter().map(|numbers| row(numbers, String::new())));
+                all.extend(rows(finger, &sensed).into_iter().map(|row| of_image(row, "")));
             }
             // An invalid cell ends the command; a refused image only fills its rows with the reason.
             Err(Refusal::Observation(error)) => return Err(table.error(Some(image), &error).into()),
@@ -240,6 +231,7 @@ fn rows(finger: &Finger, sensed: &SensedForces) -> Vec<Row> {
             angle_deg: Some(contact.angle_deg),
             force_n: Some(force_n),
             sigma_n: Some(sigma_n),
+            ..Row::default()
         })
         .collect()
 }

@@ -1,10 +1,11 @@
 //! The command `finray solve`.
 
 use super::loads::Loads;
+use super::parse::kinematics;
 use crate::commands::prelude::*;
-use clap::ValueEnum;
 use finray_files::displacements;
 use finray_model::Kinematics;
+use finray_model::validity::Validity;
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -24,44 +25,24 @@ pub struct Arguments {
     #[command(flatten)]
     loads: Loads,
     /// Kinematics of the finger
-    #[arg(long, value_enum, default_value_t = KinematicsArgument::Corotational)]
-    kinematics: KinematicsArgument,
+    #[arg(long, value_parser = kinematics(["linear", "corotational", "corotational-chord"]), default_value = "corotational")]
+    kinematics: Kinematics,
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum KinematicsArgument {
-    // Linear kinematics, for small displacements.
-    Linear,
-    // Co-rotational kinematics with the axial strain of a shallow arch.
-    Corotational,
-    // Co-rotational kinematics with the axial strain of the chord, as in OpenSees.
-    CorotationalChord,
-}
-
-impl From<KinematicsArgument> for Kinematics {
-    fn from(argument: KinematicsArgument) -> Kinematics {
-        match argument {
-            KinematicsArgument::Linear => Kinematics::Linear,
-            KinematicsArgument::Corotational => Kinematics::Corotational,
-            KinematicsArgument::CorotationalChord => Kinematics::CorotationalChord,
-        }
-    }
-}
-
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let (scene, _) = scene_or_papers(arguments.scene.as_deref())?;
     if arguments.loads.is_empty() {
         return Err(bad_input("expected at least one --load NODE:FX,FY or --load-at S_MM:FORCE,ANGLE_DEG"));
     }
-    let kinematics = arguments.kinematics.into();
+    let kinematics = arguments.kinematics;
     let mesh = arguments.loads.mesh(&scene.finger)?;
     let (motion, loads) = arguments.loads.equilibrium(&mesh, kinematics)?;
     let shape = mesh.shape(&motion);
     write_text(&arguments.out, &displacements::to_csv(&shape, mesh.finger())?)?;
-    validity::warn_of_equilibrium(&scene.strain_limits, &mesh, &motion, kinematics, &loads);
+    validity::warn("", &Validity::of(&mesh, &motion, kinematics, &loads).doubts(&scene.strain_limits));
     let (nodes, largest_mm) = (mesh.finger().key_node_count(), shape.largest_displacement_mm());
-    Ok(Done::new(format!("{} displaced by up to {largest_mm:.3} mm", count(nodes, "node"))).with_file(&arguments.out))
+    Ok(summary(format!("{} displaced by up to {largest_mm:.3} mm", count(nodes, "node")), [&arguments.out]))
 }

@@ -1,6 +1,6 @@
 //! The command `finray sweep`.
 
-use super::grid::{Candidates, GridArguments, run as run_grid};
+use super::grid::{self, GridArguments};
 use crate::commands::prelude::*;
 use finray_studies::sampling::sweep::Table;
 
@@ -30,13 +30,9 @@ pub struct Arguments {
     noise_mm: Vec<f64>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let candidates = Candidates {
-        truths: &distinct(&arguments.truth),
-        estimators: &distinct(&arguments.estimator),
-        noise_mm: &arguments.noise_mm,
-    };
-    run_grid(&arguments.grid, Table::Sweep, &candidates)
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
+    let (truths, estimators) = (distinct(&arguments.truth), distinct(&arguments.estimator));
+    grid::run(&arguments.grid, Table::Sweep, &truths, &estimators, &arguments.noise_mm)
 }
 
 /// The distinct items of a list, in order of first occurrence.

@@ -1,7 +1,6 @@
 //! The command `finray train`.
 
 use super::contacts::Contacts;
-use super::progress::TrainingBar;
 use crate::commands::prelude::*;
 use finray_model::sensing::network::{Network, Scaling, TestError};
 use finray_model::sensing::{Contact, ContactQuestion};
@@ -77,7 +76,7 @@ fn own_beams(name: &str) -> Result<TruthId, String> {
     own().find(|id| id.name() == name).copied().ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     require_writable(&arguments.out)?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
@@ -94,12 +93,16 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let noise_mm = arguments.noise_mm.or(scene.noise_mm).unwrap_or(CAMERA_NOISE_MM);
     let recipe = recipe(arguments, contacts, noise_mm);
-    let bar = TrainingBar::new(recipe.epochs);
-    let network = train(finger, &recipe, &mut |epoch| bar.epoch(epoch))?;
-    bar.finish();
+    let bar = progress::bar(recipe.epochs as u64, "drawing cases");
+    bar.tick();
+    let network = train(finger, &recipe, &mut |epoch| {
+        bar.set_position(epoch.number as u64);
+        bar.set_message(format!("loss {:.3e}, unseen {:.3e}", epoch.training_loss, epoch.validation_loss));
+    })?;
+    bar.finish_and_clear();
     write_bytes(&arguments.out, &network.to_bytes()?)?;
     print_message(tested(&network).trim_end());
-    Ok(Done::new("network trained").with_file(&arguments.out))
+    Ok(summary("network trained", [&arguments.out]))
 }
 
 /// The training recipe that the arguments describe.

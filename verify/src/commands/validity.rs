@@ -1,23 +1,11 @@
 //! Warnings where the assumptions of the beam model do not hold: large strains, shear, bending out of the plane.
 
 use super::print_message;
-use finray_model::frame::{FrameLoad, FrameMotion};
+use finray_model::Scene;
 use finray_model::sensor::{SensedForces, Sensor};
 use finray_model::statics::StaticsError;
-use finray_model::validity::{Doubt, StrainLimits, Validity};
-use finray_model::{Kinematics, Mesh, Scene};
+use finray_model::validity::Doubt;
 use finray_studies::experiments::contact_scene::SceneStep;
-
-/// Warns if an equilibrium violates the assumptions of the beam model. The result is still written, so the exit code is 0.
-pub fn warn_of_equilibrium(
-    limits: &StrainLimits,
-    mesh: &Mesh,
-    motion: &FrameMotion,
-    kinematics: Kinematics,
-    loads: &[FrameLoad],
-) {
-    warn("", &Validity::of(mesh, motion, kinematics, loads).doubts(limits));
-}
 
 /// Warns if the co-rotational finger violates the assumptions of the beam model under the sensed forces.
 pub fn warn_of_forces(sensor: &Sensor, sensed: &SensedForces) {
@@ -66,7 +54,8 @@ impl Pressing {
     }
 }
 
-fn warn(of: &str, doubts: &[Doubt]) {
+/// Prints the places where an equilibrium violates the assumptions of the beam model. The result is still written, so the exit code is 0.
+pub fn warn(of: &str, doubts: &[Doubt]) {
     for doubt in doubts {
         print_message(format_args!("warning: {of}{doubt}"));
     }

@@ -147,7 +147,7 @@ struct ImageRow {
     residual_rms_mm: f64,
 }
 
-pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, Failure> {
     not_both_from_standard_input(&arguments.scene, located, "--located")?;
     if let Some(forces) = &arguments.forces {
         not_both_from_standard_input(&arguments.scene, forces, "--forces")?;
@@ -205,7 +205,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<Done, Fai
     write_all_or_nothing(&files)?;
     let (images, forces) = (count(seen.len(), "image"), count(measured, "measured force"));
     let done = format!("{} estimated from {images} and {forces}", count(rows(&found).len(), "parameter"));
-    Ok(Done::new(done).with_files(files.iter().map(|(path, _)| path.as_path())))
+    Ok(summary(done, files.iter().map(|(path, _)| path)))
 }
 
 /// One row per estimated parameter. Rows of standard deviations, and of the force over which friction builds up, have no standard deviation.

@@ -4,8 +4,8 @@ mod images;
 mod modulus;
 mod notes;
 
+use crate::commands::parse::kinematics;
 use crate::commands::prelude::*;
-use clap::ValueEnum;
 use finray_files::measurements;
 use finray_model::Kinematics;
 use finray_model::calibration::{self, CalibrationError, FactorEstimate, FactorModel, Unknown};
@@ -56,8 +56,8 @@ pub struct Arguments {
     #[arg(long, help_heading = "From weights", value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
     zones: Option<String>,
     /// Kinematics of the finger
-    #[arg(long, help_heading = "From weights", value_enum, requires = "measurements", default_value_t = KinematicsArgument::Corotational)]
-    kinematics: KinematicsArgument,
+    #[arg(long, help_heading = "From weights", value_parser = kinematics(["linear", "corotational"]), requires = "measurements", default_value = "corotational")]
+    kinematics: Kinematics,
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's, or from the residual]
     #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
@@ -71,14 +71,6 @@ pub struct Arguments {
 
 /// Value of `--zones` if the option has no groups: each zone then has a factor.
 const EACH: &str = "each";
-
-#[derive(Clone, Copy, ValueEnum)]
-enum KinematicsArgument {
-    // Linear kinematics, for small displacements.
-    Linear,
-    // Co-rotational kinematics. The mesh has four elements per member, or eight if only one factor is estimated.
-    Corotational,
-}
 
 #[derive(Serialize)]
 struct Row {
@@ -94,7 +86,7 @@ struct Correlation {
     correlation: f64,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if let (Some(located), Some(fit)) = (&arguments.located, &arguments.fit) {
         return images::run(arguments, located, fit);
     }
@@ -111,17 +103,15 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let cases = measurements::load(measured, &finger, noise_mm)?;
     let Some(groups) = &arguments.zones else { return modulus::run(arguments, &finger, &cases, noise_mm) };
     let unknowns = unknowns(groups, finger.description().zones.len())?;
-    let (kinematics, elements) = match arguments.kinematics {
-        KinematicsArgument::Linear => (Kinematics::Linear, 1),
-        KinematicsArgument::Corotational => (Kinematics::Corotational, ELEMENTS),
-    };
-    let model = FactorModel { kinematics, elements, noise_mm };
+    let is_linear = arguments.kinematics == Kinematics::Linear;
+    let elements = if is_linear { 1 } else { ELEMENTS };
+    let model = FactorModel { kinematics: arguments.kinematics, elements, noise_mm };
     let estimate = calibration::factors(&finger, &cases, &unknowns, &model).map_err(failure)?;
     // The factor on all moduli is the first unknown.
     if let Some(factor) = estimate.factors.first() {
         warn_of_modulus(*factor);
     }
-    if let KinematicsArgument::Linear = arguments.kinematics {
+    if is_linear {
         let model = FactorModel { kinematics: Kinematics::Corotational, elements: ELEMENTS, noise_mm };
         let closer = calibration::factors(&finger, &cases, &unknowns, &model).ok();
         if let Some(closer) =
@@ -146,7 +136,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     files.push((arguments.out.clone(), csv_text(factor_rows(&finger, &estimate))?));
     write_all_or_nothing(&files)?;
     let done = format!("{} estimated from {}", count(estimate.factors.len(), "factor"), count(cases.len(), "case"));
-    Ok(Done::new(done).with_files(files.iter().map(|(path, _)| path.as_path())))
+    Ok(summary(done, files.iter().map(|(path, _)| path)))
 }
 
 /// Largest plausible modulus factor; the smallest is its reciprocal. A factor outside this range suggests a wrong unit.

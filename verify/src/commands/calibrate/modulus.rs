@@ -1,7 +1,8 @@
 //! `finray calibrate --measurements` without `--zones`: one factor on all moduli.
 
-use super::{Arguments, KinematicsArgument, failure, modulus_rows, warn_of_modulus};
+use super::{Arguments, failure, modulus_rows, warn_of_modulus};
 use crate::commands::prelude::*;
+use finray_model::Kinematics;
 use finray_model::calibration::{self, CalibrationCase, CorotationalModulus};
 use finray_model::sensing::Warning;
 
@@ -18,15 +19,15 @@ pub fn run(
     finger: &Finger,
     cases: &[CalibrationCase],
     noise_mm: Option<f64>,
-) -> Result<Done, Failure> {
+) -> Result<String, Failure> {
     let linear = calibration::youngs_modulus(finger, cases);
     let corotational = calibration::corotational_modulus(finger, cases, ELEMENTS, noise_mm);
     let (factor, mut sigma) = match arguments.kinematics {
-        KinematicsArgument::Linear => {
+        Kinematics::Linear => {
             let linear = linear.as_ref().map_err(|error| failure(error.clone()))?;
             (linear.factor, linear.sigma)
         }
-        KinematicsArgument::Corotational => {
+        _ => {
             let found = corotational.as_ref().map_err(|error| failure(error.clone()))?;
             (found.factor, found.sigma)
         }
@@ -38,7 +39,7 @@ pub fn run(
     }
     warn_of_modulus(factor);
     if let Ok(corotational) = &corotational
-        && let KinematicsArgument::Corotational = arguments.kinematics
+        && arguments.kinematics != Kinematics::Linear
     {
         warn_of_contradictions(corotational);
     }
@@ -46,7 +47,7 @@ pub fn run(
         let distances_mm = [linear.mean_distance_mm, corotational.mean_distance_mm];
         let difference = (linear.factor - corotational.factor).abs();
         match arguments.kinematics {
-            KinematicsArgument::Linear if distances_mm[1] < distances_mm[0] && difference > sigma => {
+            Kinematics::Linear if distances_mm[1] < distances_mm[0] && difference > sigma => {
                 print_message(format_args!(
                     "warning: the co-rotational finger is closer to the measured nodes ({:.3} mm in the mean, the linear one {:.3} mm) and has \
                      modulus_factor {:.4}: displacements are too large for --kinematics linear; sigma includes the difference",
@@ -54,7 +55,7 @@ pub fn run(
                 ));
                 sigma = sigma.hypot(difference);
             }
-            KinematicsArgument::Corotational if distances_mm[0] < distances_mm[1] && difference > sigma => {
+            Kinematics::Corotational if distances_mm[0] < distances_mm[1] && difference > sigma => {
                 print_message(format_args!(
                     "warning: the linear finger is closer to the measured nodes ({:.3} mm in the mean, the co-rotational one {:.3} mm) and has \
                      modulus_factor {:.4}: use --kinematics linear if the shapes were computed so",
@@ -65,7 +66,7 @@ pub fn run(
         }
     }
     write_text(&arguments.out, &csv_text(modulus_rows(finger, factor, sigma))?)?;
-    Ok(Done::new(format!("modulus estimated from {}", count(cases.len(), "case"))).with_file(&arguments.out))
+    Ok(summary(format!("modulus estimated from {}", count(cases.len(), "case")), [&arguments.out]))
 }
 
 /// Warns of the markers with the largest residuals, and if the stated noise is too small for the residual.
