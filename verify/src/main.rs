@@ -1,6 +1,6 @@
 //! The program `finray`: reads arguments, runs a command, writes files. Physics lives in `finray_model`, checks and maps in `finray_verify`.
 #![forbid(unsafe_code)]
-// The denied macros panic if standard output or error is closed; `print_message` and `write_text` do not.
+// The denied macros panic if standard output or error is closed; `print_message` and `write_file` do not.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod commands;
@@ -11,7 +11,7 @@ use commands::train;
 use commands::{
     calibrate, grasp, gripper, guide, lens, locate, map, merge, press, render, report, sense, solve, sweep, words,
 };
-use finray_files::write_text;
+use finray_files::write_file;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -85,8 +85,7 @@ fn main() -> ExitCode {
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "finray", &mut script);
-            let written = write_text(Path::new("-"), &String::from_utf8_lossy(&script));
-            written.map(|()| None).map_err(commands::Failure::from)
+            write_file(Path::new("-"), script).map(|()| None).map_err(commands::Failure::from)
         }
     };
     match outcome {

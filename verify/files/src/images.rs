@@ -12,19 +12,11 @@ const LARGEST_SIDE_PX: u32 = 20_000;
 const MOST_MEMORY: u64 = 1 << 30;
 
 /// Reads an image as 8-bit red, green and blue. Grey becomes three equal channels, 16 bits are rounded to 8, and transparency is ignored. The image
-/// is rotated by its EXIF orientation, as viewers show it. `-` is standard input.
+/// is rotated by its EXIF orientation, which is also returned, as viewers show it. `-` is standard input.
 ///
 /// # Errors
 /// [`FileError`] if the file is not PNG or JPEG, is damaged, or is wider or higher than 20 000 px.
-pub fn load_image(path: &Path) -> Result<RgbImage, FileError> {
-    load_turned_image(path).map(|(image, _)| image)
-}
-
-/// Reads an image as [`load_image`] does, and also returns the EXIF orientation by which it was rotated.
-///
-/// # Errors
-/// As for [`load_image`].
-pub fn load_turned_image(path: &Path) -> Result<(RgbImage, Orientation), FileError> {
+pub fn load_image(path: &Path) -> Result<(RgbImage, Orientation), FileError> {
     let bytes = read_bytes(path)?;
     let wrong = |message: String| FileError::content(path, message);
     let format = image::guess_format(&bytes)
@@ -125,14 +117,4 @@ pub fn image_named<'n>(wanted: &str, names: &[&'n str]) -> Result<&'n str, Strin
         [] => Err(format!("image {wanted:?} is not among the located images")),
         [one, other, ..] => Err(format!("image {wanted:?} may be {one} or {other}: give more of its path")),
     }
-}
-
-/// An image as the bytes of a PNG file.
-///
-/// # Errors
-/// An `ImageError` from the encoder; none is expected, because the bytes are written to memory.
-pub fn to_png(image: &RgbImage) -> Result<Vec<u8>, ImageError> {
-    let mut bytes = Vec::new();
-    image.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)?;
-    Ok(bytes)
 }

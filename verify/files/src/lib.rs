@@ -13,12 +13,12 @@ pub mod measurements;
 pub mod observations;
 pub mod views;
 
-pub use images::{image_named, image_names, load_image, load_turned_image, to_png};
-pub use networks::{load_network, load_network_and_digest};
+pub use images::{image_named, image_names, load_image};
+pub use networks::load_network;
 pub use origin::{Elsewhere, of_another_finger};
 pub use output::{
-    Reader, Stream, csv_text, is_stream, require_folder, require_writable, write_all_or_nothing, write_bytes,
-    write_folder, write_from, write_text,
+    csv_text, is_stream, open_stream, require_folder, require_writable, streamed, write_all_or_nothing, write_file,
+    write_folder, write_from,
 };
 pub use scene::{load_scene, load_scene_and_text, with_values};
 

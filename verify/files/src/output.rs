@@ -19,28 +19,16 @@ pub fn csv_text<R: Serialize>(rows: impl IntoIterator<Item = R>) -> Result<Strin
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Writes text to a file, or to standard output for `-`. A closed pipe on standard output, as left by `head`, is no error.
+/// Writes text or bytes to a file, or to standard output for `-`. A closed pipe on standard output, as left by `head`, is no error.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] if the file cannot be written; the file is then unchanged.
-pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
-    write_bytes(path, text.as_bytes())
-}
-
-/// Writes bytes as [`write_text`] writes text.
-///
-/// # Errors
-/// [`FileError::Unwritable`] if the file cannot be written; the file is then unchanged.
-pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+pub fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
     if is_standard_stream(path) {
-        let unwritable = |reason| FileError::Unwritable { path: PathBuf::from("standard output"), reason };
         let mut out = std::io::stdout().lock();
-        return match out.write_all(bytes).and_then(|()| out.flush()) {
-            Err(reason) if reason.kind() == ErrorKind::BrokenPipe => Ok(()),
-            written => written.map_err(unwritable),
-        };
+        return streamed(path, out.write_all(contents.as_ref()).and_then(|()| out.flush()));
     }
-    write_all_or_nothing(&[(path.to_owned(), bytes)])
+    write_all_or_nothing(&[(path.to_owned(), contents)])
 }
 
 /// Writes several files. Each file is first written under a temporary name in its folder; then all files are renamed. A new file has the mode that
@@ -51,7 +39,7 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
 /// [`FileError::Unwritable`] for the first file that cannot be written, for instance a read-only one; no file is left half-written.
 pub fn write_all_or_nothing<C: AsRef<[u8]>>(files: &[(PathBuf, C)]) -> Result<(), FileError> {
     if files.iter().any(|(path, _)| is_standard_stream(path)) {
-        return files.iter().try_for_each(|(path, contents)| write_bytes(path, contents.as_ref()));
+        return files.iter().try_for_each(|(path, contents)| write_file(path, contents.as_ref()));
     }
     let mut contents: Vec<&[u8]> = files.iter().map(|(_, contents)| contents.as_ref()).collect();
     let sources = files.iter().zip(&mut contents).map(|((path, _), bytes)| (path.as_path(), bytes as &mut dyn Read));
@@ -153,45 +141,29 @@ pub fn is_stream(out: &Path) -> bool {
     is_standard_stream(out) || out.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
-/// Standard output, a device or a pipe to which results are written piece by piece.
-pub struct Stream {
-    name: PathBuf,
-    to: Box<dyn Write>,
-}
-
-/// Whether the other end of a [`Stream`] still reads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reader {
-    /// The other end still reads.
-    Listens,
-    /// The other end has closed the pipe, as `head` does after its last line.
-    Left,
-}
-
-impl Stream {
-    /// Opens a path for which [`is_stream`] is true.
-    ///
-    /// # Errors
-    /// [`FileError::Unwritable`] if the path cannot be opened for writing.
-    pub fn open(out: &Path) -> Result<Stream, FileError> {
-        if is_standard_stream(out) {
-            return Ok(Stream { name: PathBuf::from("standard output"), to: Box::new(std::io::stdout()) });
-        }
-        let unwritable = |reason| FileError::Unwritable { path: out.to_owned(), reason };
-        let there = File::create(out).map_err(unwritable)?;
-        Ok(Stream { name: out.to_owned(), to: Box::new(there) })
+/// Opens a path for which [`is_stream`] is true, to write a result piece by piece.
+///
+/// # Errors
+/// [`FileError::Unwritable`] if the path cannot be opened for writing.
+pub fn open_stream(out: &Path) -> Result<Box<dyn Write>, FileError> {
+    if is_standard_stream(out) {
+        return Ok(Box::new(std::io::stdout()));
     }
+    let there = File::create(out).map_err(|reason| FileError::Unwritable { path: out.to_owned(), reason })?;
+    Ok(Box::new(there))
+}
 
-    /// Writes bytes and flushes them.
-    ///
-    /// # Errors
-    /// [`FileError::Unwritable`] if writing fails. A closed pipe is no error; it gives [`Reader::Left`].
-    pub fn write(&mut self, bytes: &[u8]) -> Result<Reader, FileError> {
-        match self.to.write_all(bytes).and_then(|()| self.to.flush()) {
-            Ok(()) => Ok(Reader::Listens),
-            Err(reason) if reason.kind() == ErrorKind::BrokenPipe => Ok(Reader::Left),
-            Err(reason) => Err(FileError::Unwritable { path: self.name.clone(), reason }),
+/// Result of writing to a stream. A closed pipe, as left by `head` after its last line, is no error.
+///
+/// # Errors
+/// [`FileError::Unwritable`] for any other error.
+pub fn streamed(out: &Path, written: std::io::Result<()>) -> Result<(), FileError> {
+    let path = if is_standard_stream(out) { Path::new("standard output") } else { out };
+    match written {
+        Err(reason) if reason.kind() != ErrorKind::BrokenPipe => {
+            Err(FileError::Unwritable { path: path.to_owned(), reason })
         }
+        _ => Ok(()),
     }
 }
 

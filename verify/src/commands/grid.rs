@@ -1,7 +1,7 @@
 //! Code shared by `finray map`, `sweep` and `merge`: the grid of cells, the models and estimators evaluated on it, and the output table.
 
 use crate::commands::prelude::*;
-use finray_files::{Reader, Stream, load_network_and_digest};
+use finray_files::{open_stream, streamed};
 use finray_model::Mesh;
 use finray_model::estimators::Estimator;
 use finray_model::measurement::Measurement;
@@ -12,7 +12,7 @@ use finray_studies::sampling::sweep::{Grid, Head, Partial, Request, Shard, Sweep
 use finray_studies::sampling::worst::TrustCounts;
 use finray_studies::settings::TRUSTED_ERROR;
 use finray_studies::truths::Truth;
-use std::io::Read;
+use std::io::{Read, Write};
 
 #[derive(clap::Args)]
 pub struct GridArguments {
@@ -53,17 +53,9 @@ pub fn run(
     estimator_ids: &[EstimatorId],
     noise_mm: &[f64],
 ) -> Result<String, Failure> {
-    if arguments.network.is_some() && !estimator_ids.contains(&EstimatorId::Network) {
-        return Err(bad_input("--network: expected --estimator network too, found another estimator"));
-    }
+    let (networks, digest) = networks_of(arguments.network.as_deref(), estimator_ids)?;
     let (scene, text) = scene_or_papers(arguments.scene.as_deref())?;
     let finger = &scene.finger;
-    let (networks, digest) = match &arguments.network {
-        Some(path) => {
-            load_network_and_digest(path).map(|(network, digest)| (Networks::of(vec![network]), Some(digest)))?
-        }
-        None => (Networks::read(&finray_fixtures::NETWORKS)?, None),
-    };
     let truth_meshes = truth_ids.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
     let truths = truth_ids.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh));
     let truths = truths.collect::<Result<Vec<_>, _>>()?;
@@ -143,12 +135,9 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Strin
     let rows = blocks.len() * head.request.rows_in_block();
     let bar = progress::bar(blocks.len() as u64, if table == Table::Map { "map" } else { "sweep" });
     if is_stream(out) {
-        let mut stream = Stream::open(out)?;
+        let mut stream = open_stream(out)?;
         let begin = if head.shard.is_some() { head.to_text()? } else { table.header().to_owned() };
-        let mut say = |text: &str| match stream.write(text.as_bytes())? {
-            Reader::Listens => Ok(()),
-            Reader::Left => Err(Stop::Unread),
-        };
+        let mut say = |text: &str| stream.write_all(text.as_bytes()).and_then(|()| stream.flush());
         let said = say(&begin).and_then(|()| {
             sweep.stream(table, blocks, |count, rows| {
                 bar.inc(count as u64);
@@ -156,10 +145,8 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Strin
             })
         });
         bar.finish_and_clear();
-        return match said {
-            Ok(()) | Err(Stop::Unread) => Ok(summary(count(rows, "row"), None::<&Path>)),
-            Err(Stop::Failed(failure)) => Err(failure),
-        };
+        streamed(out, said)?;
+        return Ok(summary(count(rows, "row"), None::<&Path>));
     }
     let out = table_path(table, out);
     let whole = head.shard.is_none();
@@ -182,18 +169,6 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Strin
     partial.finish(&beside)?;
     let result = map.map_or_else(|| count(rows, "row"), |map| trusted(&map));
     Ok(summary(result, std::iter::once(&out).chain(beside.iter().map(|(path, _)| path))))
-}
-
-/// Reason why the output stream ends before the last row.
-enum Stop {
-    Unread,
-    Failed(Failure),
-}
-
-impl<E: Into<Failure>> From<E> for Stop {
-    fn from(error: E) -> Stop {
-        Stop::Failed(error.into())
-    }
 }
 
 /// The accuracy map of a complete table; `None` for a sweep.

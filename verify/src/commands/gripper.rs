@@ -137,6 +137,6 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         }))?,
         None => csv_text(rows)?,
     };
-    write_text(&arguments.out, &text)?;
+    write_file(&arguments.out, &text)?;
     Ok(summary(format!("fingertips at {}", count(motor_deg.len(), "motor angle")), [&arguments.out]))
 }

@@ -3,7 +3,6 @@
 use crate::commands::prelude::*;
 use finray_fixtures::PAPER_SCENE;
 use finray_model::keys;
-use finray_verify::files::write_text;
 use finray_verify::guide::GUIDES;
 
 /// Name and task of the only generated guide, made from the table of scene keys.
@@ -37,7 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
             }
         },
     };
-    write_text(Path::new("-"), &text)?;
+    write_file(Path::new("-"), &text)?;
     // A printed guide has no summary line.
     Ok(None)
 }

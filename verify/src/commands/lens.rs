@@ -1,7 +1,6 @@
 //! The command `finray lens`.
 
 use crate::commands::prelude::*;
-use finray_files::load_turned_image;
 use finray_imaging::grid::{Grid, GridKind, find_grid, lens_of_grids};
 use finray_imaging::lens_fit::{LENS_PARAMETERS, LensFit};
 use finray_model::camera::Pose;
@@ -47,7 +46,7 @@ const SAME_DISTANCE: f64 = 0.005;
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let seen = arguments.image.par_iter().map(|path| {
         let wrong = |message: String| Failure::from(FileError::Content { path: path.clone(), message });
-        let (image, turn) = load_turned_image(path)?;
+        let (image, turn) = load_image(path)?;
         let grid = find_grid(&image).map_err(|error| wrong(error.to_string()))?;
         Ok((([image.width(), image.height()], turn), grid))
     });
@@ -73,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             <[f64; 3]>::from(pose.translation_mm)
         );
     }
-    write_text(&arguments.out, &text)?;
+    write_file(&arguments.out, &text)?;
     if let Some(other) = turns.iter().position(|turn| *turn != turns[0]) {
         print_message(format_args!(
             "warning: {}: its EXIF orientation differs from that of the first image, so that its principal point is elsewhere; hold the camera the \

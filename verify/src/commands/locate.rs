@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     };
     let seen: Vec<_> = arguments.image.iter().zip(names).zip(found).map(of_image).collect();
     warn_of_turned(&seen);
-    write_text(&arguments.out, &observations::to_csv(&seen)?)?;
+    write_file(&arguments.out, &observations::to_csv(&seen)?)?;
     let located = seen.iter().flatten();
     let markers: usize = located.clone().map(|seen| seen.markers.len()).sum();
     let done = format!("{markers} markers located in {} of {}", located.count(), count(seen.len(), "image"));
@@ -215,7 +215,7 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
         camera_and_markers(path, scene)?;
     }
     let image = arguments.rest.as_deref().map(load_image).transpose()?;
-    Observer::new(scene, image.as_ref()).map_err(|error| match (&error, &arguments.rest) {
+    Observer::new(scene, image.as_ref().map(|(image, _)| image)).map_err(|error| match (&error, &arguments.rest) {
         (ObserverError::Rest(_) | ObserverError::GreyRest(_), Some(path)) => refused(path, &error),
         _ => bad_input(error),
     })
@@ -259,7 +259,7 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
 }
 
 fn observed(observer: &mut Observer, path: &Path) -> Result<SeenImage, Failure> {
-    let observation = observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?;
+    let observation = observer.observe(&load_image(path)?.0).map_err(|error| refused(path, &error))?;
     Ok(SeenImage { observation, radii: observer.radii.clone(), motion_blur_px: observer.motion_blur_px() })
 }
 

@@ -2,9 +2,9 @@
 
 use super::grid::{figure, map_of, table_path, trusted};
 use crate::commands::prelude::*;
-use finray_files::{Reader, Stream, write_from};
+use finray_files::{open_stream, streamed, write_from};
 use finray_studies::sampling::sweep::{MergeError, Shards};
-use std::io::Read;
+use std::io::{Read, Write};
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -31,7 +31,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let shards = Shards::open(&arguments.shards)?;
     let joined = || format!("{} joined", count(arguments.shards.len(), "shard"));
     if is_stream(&arguments.out) {
-        pour(shards.table(), &arguments.out)?;
+        let mut stream = open_stream(&arguments.out)?;
+        let copied = std::io::copy(&mut shards.table(), &mut stream);
+        streamed(&arguments.out, copied.and_then(|_| stream.flush()))?;
         return Ok(summary(joined(), None::<&Path>));
     }
     let request = shards.request();
@@ -47,19 +49,6 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     write_from(sources)?;
     let result = map.as_ref().map_or_else(joined, |map| format!("{}, {}", joined(), trusted(map)));
     Ok(summary(result, std::iter::once(&out).chain(figure.iter().map(|(path, _)| path))))
-}
-
-/// Copies the table to standard output, a device or a pipe.
-fn pour(mut table: impl Read, out: &Path) -> Result<(), Failure> {
-    const AT_ONCE: usize = 1 << 16;
-    let mut stream = Stream::open(out)?;
-    let mut bytes = vec![0; AT_ONCE];
-    loop {
-        let read = table.read(&mut bytes).map_err(|error| not_computed(format!("cannot read a shard: {error}")))?;
-        if read == 0 || stream.write(&bytes[..read])? == Reader::Left {
-            return Ok(());
-        }
-    }
 }
 
 impl From<MergeError> for Failure {

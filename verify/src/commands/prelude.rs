@@ -2,14 +2,14 @@
 
 pub(super) use super::done::{count, summary};
 pub(super) use super::parse::{degrees_between, listed, not_negative, positive, share};
-pub(super) use super::scenes::{camera_and_markers, camera_of, markers_of, scene_or_papers};
+pub(super) use super::scenes::{camera_and_markers, camera_of, markers_of, networks_of, scene_or_papers};
 pub(super) use super::{
     Failure, bad_input, figure_path, hints, not_both_from_standard_input, not_computed, path_beside_figure,
     print_message, progress, validity,
 };
 pub(super) use finray_files::{
     FileError, csv_text, is_standard_stream, is_stream, load_image, load_scene, name_of, require_folder,
-    require_writable, write_all_or_nothing, write_bytes, write_folder, write_text,
+    require_writable, write_all_or_nothing, write_file, write_folder,
 };
 pub(super) use finray_model::estimators::EstimatorId;
 pub(super) use finray_model::estimators::network::Networks;

@@ -2,10 +2,12 @@
 
 use super::loads::Loads;
 use crate::commands::prelude::*;
-use finray_files::{displacements, to_png};
+use finray_files::displacements;
 use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::camera::Camera;
+use image::ImageFormat;
 use nalgebra::Isometry2;
+use std::io::Cursor;
 
 /// Largest accepted standard deviation of the blur, px; a larger blur makes a marker of a few pixels invisible.
 const LARGEST_BLUR_PX: f64 = 100.0;
@@ -101,8 +103,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         },
     });
     let image = image.map_err(bad_input)?;
-    let png = to_png(&image).map_err(not_computed)?;
-    write_bytes(&arguments.out, &png)?;
+    let mut png = Cursor::new(Vec::new());
+    image.write_to(&mut png, ImageFormat::Png).map_err(not_computed)?;
+    write_file(&arguments.out, png.get_ref())?;
     let [width, height] = [image.width(), image.height()];
     Ok(summary(format!("image of {width} x {height} px"), [&arguments.out]))
 }

@@ -109,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let page = arguments.out.join("index.html");
     let mut sentences = report.verdict;
     sentences.push(format!("The report is in {}\n", page.display()));
-    write_text(Path::new("-"), &sentences.join("\n"))?;
+    write_file(Path::new("-"), sentences.join("\n"))?;
     if arguments.open
         && let Err(error) = open::that_detached(&page)
     {
@@ -126,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
 
 /// Loads an image and finds its name among the located images.
 fn named_image(path: &Path, located: &[&str]) -> Result<NamedImage, FileError> {
-    let image = load_image(path)?;
+    let (image, _) = load_image(path)?;
     let none = |_| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         FileError::content(path, format!("image {name:?} is not among the located images"))

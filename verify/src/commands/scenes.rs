@@ -1,10 +1,12 @@
 //! Parts of a scene that commands need: the finger (by default the paper's), camera and markers.
 
 use super::{Failure, bad_input, hints, not_computed};
-use finray_files::{load_scene_and_text, name_of};
+use finray_files::{load_network, load_scene_and_text, name_of};
 use finray_fixtures::PAPER_SCENE;
 use finray_model::Scene;
 use finray_model::camera::{Camera, Lens, Pose};
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
 use finray_model::keys::{CAMERA, MARKERS, SceneTable};
 use finray_model::scene::Markers;
 use std::path::Path;
@@ -21,6 +23,16 @@ pub fn scene_or_papers(path: Option<&Path>) -> Result<(Scene, String), Failure> 
     let (scene, text) = load_scene_and_text(path)?;
     hints::of_moduli(path, &scene.finger);
     Ok((scene, text))
+}
+
+/// The networks for `estimators`: of a file, with the digest of this file, or the shipped ones.
+pub fn networks_of(path: Option<&Path>, estimators: &[EstimatorId]) -> Result<(Networks, Option<String>), Failure> {
+    let Some(path) = path else { return Ok((Networks::read(&finray_fixtures::NETWORKS)?, None)) };
+    if !estimators.contains(&EstimatorId::Network) {
+        return Err(bad_input("--network: expected --estimator network too, found another estimator"));
+    }
+    let (network, digest) = load_network(path)?;
+    Ok((Networks::of(vec![network]), Some(digest)))
 }
 
 /// The error for a missing table. The message names line 1, as for any missing key.

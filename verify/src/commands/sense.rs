@@ -3,8 +3,8 @@
 use super::contacts::Contacts;
 use crate::commands::prelude::*;
 use finray_files::observations::{Coordinates, ObservationTable};
+use finray_files::read_text;
 use finray_files::views::{self, MeasuredForce};
-use finray_files::{load_network, read_text};
 use finray_model::observation::Observation;
 use finray_model::sensing::ContactPosition;
 use finray_model::sensor::{MissingInScene, Refusal, SensedForces, Sensor, SensorOptions, SensorWarning};
@@ -77,13 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
     hints::of_moduli(&arguments.scene, finger);
-    let networks = match &arguments.network {
-        Some(_) if arguments.estimator != EstimatorId::Network => {
-            return Err(bad_input("--network: expected --estimator network too, found another estimator"));
-        }
-        Some(path) => Networks::of(vec![load_network(path)?]),
-        None => Networks::read(&finray_fixtures::NETWORKS)?,
-    };
+    let (networks, _) = networks_of(arguments.network.as_deref(), &[arguments.estimator])?;
     let options = SensorOptions {
         estimator: arguments.estimator,
         networks: &networks,
@@ -127,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         let rows = all_images(&question, &table)?;
         let refused = rows.iter().filter(|row| row.refused.as_deref() != Some("")).count();
         let asked = rows.len();
-        write_text(&arguments.out, &csv_text(rows)?)?;
+        write_file(&arguments.out, &csv_text(rows)?)?;
         let images = count(table.images()?.len(), "image");
         format!("{} of {} in {images} sensed, {refused} refused", asked - refused, count(asked, "force"))
     } else {
@@ -135,7 +129,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         let sensor = question.sensor(&seen)?;
         let sensed = sensed(&sensor, &seen, &table)?;
         warn("", &sensed.warnings);
-        write_text(&arguments.out, &csv_text(rows(finger, &sensed))?)?;
+        write_file(&arguments.out, &csv_text(rows(finger, &sensed))?)?;
         validity::warn_of_forces(&sensor, &sensed);
         format!("{} sensed", count(sensed.forces_n.len(), "force"))
     };

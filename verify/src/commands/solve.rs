@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let mesh = arguments.loads.mesh(&scene.finger)?;
     let (motion, loads) = arguments.loads.equilibrium(&mesh, kinematics)?;
     let shape = mesh.shape(&motion);
-    write_text(&arguments.out, &displacements::to_csv(&shape, mesh.finger())?)?;
+    write_file(&arguments.out, &displacements::to_csv(&shape, mesh.finger())?)?;
     validity::warn("", &Validity::of(&mesh, &motion, kinematics, &loads).doubts(&scene.strain_limits));
     let (nodes, largest_mm) = (mesh.finger().key_node_count(), shape.largest_displacement_mm());
     Ok(summary(format!("{} displaced by up to {largest_mm:.3} mm", count(nodes, "node")), [&arguments.out]))

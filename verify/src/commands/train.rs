@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         bar.set_message(format!("loss {:.3e}, unseen {:.3e}", epoch.training_loss, epoch.validation_loss));
     })?;
     bar.finish_and_clear();
-    write_bytes(&arguments.out, &network.to_bytes()?)?;
+    write_file(&arguments.out, &network.to_bytes()?)?;
     print_message(tested(&network).trim_end());
     Ok(summary("network trained", [&arguments.out]))
 }

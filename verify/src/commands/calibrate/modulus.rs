@@ -65,7 +65,7 @@ pub fn run(
             _ => {}
         }
     }
-    write_text(&arguments.out, &csv_text(modulus_rows(finger, factor, sigma))?)?;
+    write_file(&arguments.out, &csv_text(modulus_rows(finger, factor, sigma))?)?;
     Ok(summary(format!("modulus estimated from {}", count(cases.len(), "case")), [&arguments.out]))
 }
 
