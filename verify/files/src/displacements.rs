@@ -57,16 +57,17 @@ pub fn to_csv(shape: &FingerShape, finger: &Finger) -> Result<String, csv::Error
 /// # Errors
 /// [`FileError`] with the line of a node that this finger does not have or that is listed twice, and for missing nodes.
 pub fn load_shape(path: &Path, finger: &Finger) -> Result<FingerShape, FileError> {
-    let table = Table::read(path, ["node", "ux_mm", "uy_mm", "theta_rad"])?;
+    let table = Table::read(path, &["node", "ux_mm", "uy_mm", "theta_rad"])?;
     let mut motions: Vec<Option<(Vector, f64)>> = vec![None; finger.key_node_count()];
-    for row in table.rows() {
-        let node = table.node(row, 0)?;
-        let numbers = [table.number(row, 1)?, table.number(row, 2)?, table.number(row, 3)?];
+    for row in &table.rows {
+        let node = table.node(row, "node")?;
+        let displacement = Vector::new(table.number(row, "ux_mm")?, table.number(row, "uy_mm")?);
+        let rotation = table.number(row, "theta_rad")?;
         let Some(motion) = node.0.checked_sub(1).and_then(|i| motions.get_mut(i)) else {
             let count = finger.key_node_count();
             return Err(table.wrong(row, format!("node {node} does not exist: the finger has nodes 1 to {count}")));
         };
-        if motion.replace((Vector::new(numbers[0], numbers[1]), numbers[2])).is_some() {
+        if motion.replace((displacement, rotation)).is_some() {
             return Err(table.wrong(row, format!("node {node} is listed twice")));
         }
     }

@@ -15,18 +15,19 @@ use std::path::Path;
 /// [`FileError`] with the line of a row that does not fit the finger, or of a load that differs from the first row of its case.
 pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<CalibrationCase>, FileError> {
     let mesh = Mesh::key_nodes(finger);
-    let table = Table::read(path, ["case", "load_node", "fx_n", "fy_n", "node", "ux_mm", "uy_mm"])?;
+    let table = Table::read(path, &["case", "load_node", "fx_n", "fy_n", "node", "ux_mm", "uy_mm"])?;
     let mut names: Vec<&str> = Vec::new();
     let mut cases: Vec<CalibrationCase> = Vec::new();
-    let all = table.rows().iter().map(|row| table.vector(row, [5, 6])).collect::<Result<Vec<_>, FileError>>()?;
+    let all =
+        table.rows.iter().map(|row| table.vector(row, ["ux_mm", "uy_mm"])).collect::<Result<Vec<_>, FileError>>()?;
     let clamped = LargestClampedMotion::of(noise_mm, all.iter().flatten().copied());
-    for (row, displacement) in table.rows().iter().zip(all) {
+    for (row, displacement) in table.rows.iter().zip(all) {
         // Empty cells mean a hidden marker, as a missing row does.
         let Some(displacement) = displacement else { continue };
-        let force = Vector::new(table.number(row, 2)?, table.number(row, 3)?);
-        let load = Load::at_node(table.node(row, 1)?, force);
+        let force = Vector::new(table.number(row, "fx_n")?, table.number(row, "fy_n")?);
+        let load = Load::at_node(table.node(row, "load_node")?, force);
         mesh.frame_load(&load).map_err(|error| table.wrong(row, error))?;
-        let name = row.cells[0].as_str();
+        let name = table.cell(row, "case");
         let index = names.iter().position(|known| *known == name).unwrap_or_else(|| {
             names.push(name);
             cases.push(CalibrationCase { load, measurement: Measurement::empty() });
@@ -36,7 +37,7 @@ pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<C
         if case.load != load {
             return Err(table.wrong(row, format!("case {name}: expected the load of the case's first row again")));
         }
-        let node = table.node(row, 4)?;
+        let node = table.node(row, "node")?;
         let marker = Marker { node, displacement, weight: 1.0 };
         clamped.check(finger, &marker).map_err(|error| table.wrong(row, error))?;
         if !finger.is_clamped(node) {

@@ -1,15 +1,17 @@
 //! Tables of observed markers: written by `locate`, read by `sense` and `calibrate`.
 
-use super::table::{Row, Table, header};
+use super::table::Table;
 use super::{FileError, image_named};
+use csv::StringRecord;
 use finray_model::finger::MarkerPoints;
 use finray_model::measurement::BaseUncertainty;
 use finray_model::observation::{MarkerError, Observation, ObservationError, ObservedBase, ObservedMarker};
 use finray_model::{Finger, Vector};
 use nalgebra::Isometry2;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+const POSITION: [&str; 2] = ["x_mm", "y_mm"];
 const POSE_COLUMNS: [&str; 3] = ["base_x_mm", "base_y_mm", "base_deg"];
 const BASE_COLUMNS: [&str; 2] = ["base_sigma_mm", "base_sigma_deg"];
 const OWN_SIGMA: &str = "marker_sigma_mm";
@@ -36,19 +38,12 @@ pub struct RefusedImage {
     pub reason: String,
 }
 
-/// A table of observed markers. Each field holds some columns of the file; all fields have the same rows in the same order.
+/// A table of observed markers.
 pub struct ObservationTable {
-    path: PathBuf,
     coordinates: Coordinates,
-    rows: Table<3>,
-    images: Option<Table<1>>,
-    sigmas: Option<Table<1>>,
-    own_sigmas: Option<Table<1>>,
-    poses: Option<Table<3>>,
-    base_sigmas: Option<Table<2>>,
-    /// Deformed positions, mm; `None` if the table has only displacements. Position minus displacement gives the undeformed position.
-    positions: Option<Table<2>>,
-    refused: Option<Table<1>>,
+    /// Columns of the markers' coordinates.
+    xy: [&'static str; 2],
+    table: Table,
 }
 
 impl ObservationTable {
@@ -58,32 +53,16 @@ impl ObservationTable {
     /// # Errors
     /// [`FileError`] if the text is not a CSV table, has no rows, or lacks a required column.
     pub fn new(path: &Path, text: &str, finger: &Finger, coordinates: Coordinates) -> Result<Self, FileError> {
-        let columns = header(text);
-        let has = |wanted: &[&str]| wanted.iter().all(|name| columns.iter().any(|column| column == name));
-        let on_hinges = finger.description().markers_on == MarkerPoints::Hinges && has(&["hinge_ux_mm"]);
-        let [x, y] = match coordinates {
-            Coordinates::Positions => ["x_mm", "y_mm"],
+        let table = Table::of_text(path, text)?;
+        let on_hinges = finger.description().markers_on == MarkerPoints::Hinges && table.has(&["hinge_ux_mm"]);
+        let xy = match coordinates {
+            Coordinates::Positions => POSITION,
             Coordinates::Displacements if on_hinges => ["hinge_ux_mm", "hinge_uy_mm"],
             Coordinates::Displacements => ["ux_mm", "uy_mm"],
         };
-        let single = |name: &'static str| has(&[name]).then(|| Table::of_text(path, text, [name])).transpose();
-        let sigmas = single(SIGMA)?;
-        let is_apart = sigmas.is_some() && has(&BASE_COLUMNS) && has(&[OWN_SIGMA]);
-        Ok(ObservationTable {
-            path: path.to_owned(),
-            coordinates,
-            images: single("image")?,
-            // Only `locate` writes deformed positions, and its tables have the column `image`.
-            positions: has(&["image", "x_mm", "y_mm"])
-                .then(|| Table::of_text(path, text, ["x_mm", "y_mm"]))
-                .transpose()?,
-            refused: single(REFUSED)?,
-            own_sigmas: if is_apart { single(OWN_SIGMA)? } else { None },
-            base_sigmas: is_apart.then(|| Table::of_text(path, text, BASE_COLUMNS)).transpose()?,
-            poses: has(&POSE_COLUMNS).then(|| Table::of_text(path, text, POSE_COLUMNS)).transpose()?,
-            rows: Table::of_text(path, text, ["node", x, y])?,
-            sigmas,
-        })
+        let single = ["image", SIGMA, OWN_SIGMA, REFUSED];
+        table.require(&["node", xy[0], xy[1]], &[&single[..], &POSITION, &POSE_COLUMNS, &BASE_COLUMNS].concat())?;
+        Ok(ObservationTable { coordinates, xy, table })
     }
 
     /// Names of the images, in the order of their first rows.
@@ -91,13 +70,14 @@ impl ObservationTable {
     /// # Errors
     /// [`FileError`] if the table has no column `image`.
     pub fn images(&self) -> Result<Vec<&str>, FileError> {
-        let Some(table) = &self.images else {
+        if !self.table.has(&["image"]) {
             return Err(self.wrong("expected a column image, as locate writes it"));
-        };
+        }
         let mut images: Vec<&str> = Vec::new();
-        for row in table.rows() {
-            if !images.contains(&row.cells[0].as_str()) {
-                images.push(&row.cells[0]);
+        for row in &self.table.rows {
+            let image = self.table.cell(row, "image");
+            if !images.contains(&image) {
+                images.push(image);
             }
         }
         Ok(images)
@@ -105,9 +85,8 @@ impl ObservationTable {
 
     /// Reason why `locate` refused an image; `None` if it did not refuse the image.
     pub fn refused(&self, image: &str) -> Option<&str> {
-        let (images, refused) = self.images.as_ref().zip(self.refused.as_ref())?;
-        let reasons = images.rows().iter().zip(refused.rows()).filter(|(name, _)| name.cells[0] == image);
-        reasons.map(|(_, refused)| refused.cells[0].as_str()).find(|reason| !reason.is_empty())
+        let of_image = self.table.rows.iter().filter(|row| self.table.cell(row, "image") == image);
+        of_image.map(|row| self.table.cell(row, REFUSED)).find(|reason| !reason.is_empty())
     }
 
     /// The observation of the named image. Without a name, the table must have a single image or no column `image`.
@@ -120,26 +99,25 @@ impl ObservationTable {
             return Err(self.wrong(format!("{} was refused when it was located: {reason}", image.unwrap_or_default())));
         }
         let chosen = self.rows_of(image);
-        let markers = chosen.iter().map(|&i| self.marker(i)).collect::<Result<_, _>>()?;
-        let base = chosen.first().map(|&i| self.base(i)).transpose()?.flatten();
+        let markers = chosen.iter().map(|row| self.marker(row)).collect::<Result<_, _>>()?;
+        let base = chosen.first().map(|row| self.base(row)).transpose()?.flatten();
         Ok(Observation { image: image.unwrap_or_default().to_owned(), markers, base })
     }
 
     /// Converts the model's error about an image's observation to an error that names file, line and column.
     pub fn error(&self, image: Option<&str>, error: &ObservationError) -> FileError {
         let Ok(chosen) = self.image_meant(image).map(|image| self.rows_of(image)) else { return self.wrong(error) };
-        let row = |i: usize| chosen.get(i).map(|&row| &self.rows.rows()[row]);
-        let at = |row: Option<&Row<3>>, message: String| match row {
-            Some(row) => self.rows.wrong(row, message),
+        let at = |i: usize, message: String| match chosen.get(i) {
+            Some(row) => self.table.wrong(row, message),
             None => self.wrong(message),
         };
         match error {
             ObservationError::Marker { index, reason: reason @ MarkerError::Deviation { is_own, .. } } => {
                 let column = if *is_own { OWN_SIGMA } else { SIGMA };
-                at(row(*index), format!("{column}: {reason}"))
+                at(*index, format!("{column}: {reason}"))
             }
-            ObservationError::Marker { index, reason } => at(row(*index), reason.to_string()),
-            ObservationError::Base => at(row(0), format!("{}: expected zero or more", BASE_COLUMNS.join(", "))),
+            ObservationError::Marker { index, reason } => at(*index, reason.to_string()),
+            ObservationError::Base => at(0, format!("{}: expected zero or more", BASE_COLUMNS.join(", "))),
             ObservationError::NoNoise => {
                 self.wrong("expected a column sigma_mm, as locate writes it, or noise_mm in the scene's table camera")
             }
@@ -147,12 +125,12 @@ impl ObservationTable {
     }
 
     fn wrong(&self, message: impl ToString) -> FileError {
-        FileError::content(&self.path, message)
+        FileError::content(&self.table.path, message)
     }
 
     /// Full name of the image to which `image` refers; `None` if the table has no column `image`.
     fn image_meant(&self, image: Option<&str>) -> Result<Option<&str>, FileError> {
-        if self.images.is_none() {
+        if !self.table.has(&["image"]) {
             return match image {
                 None => Ok(None),
                 Some(_) => Err(self.wrong("--image-name: expected a column image, as locate writes it")),
@@ -171,46 +149,51 @@ impl ObservationTable {
         })
     }
 
-    /// Indices of the rows of an image with a visible marker; a row without coordinates belongs to a hidden marker.
-    fn rows_of(&self, image: Option<&str>) -> Vec<usize> {
-        let of_image =
-            |i: &usize| self.images.as_ref().is_none_or(|names| Some(names.rows()[*i].cells[0].as_str()) == image);
-        let is_seen = |i: &usize| !matches!(self.rows.vector(&self.rows.rows()[*i], [1, 2]), Ok(None));
-        (0..self.rows.rows().len()).filter(of_image).filter(is_seen).collect()
+    /// The rows of an image with a visible marker; a row without coordinates belongs to a hidden marker.
+    fn rows_of(&self, image: Option<&str>) -> Vec<&StringRecord> {
+        let of_image = |row: &&StringRecord| image.is_none_or(|image| self.table.cell(row, "image") == image);
+        let is_seen = |row: &&StringRecord| !matches!(self.table.vector(row, self.xy), Ok(None));
+        self.table.rows.iter().filter(of_image).filter(is_seen).collect()
     }
 
-    fn marker(&self, i: usize) -> Result<ObservedMarker, FileError> {
-        let row = &self.rows.rows()[i];
-        let node = self.rows.node(row, 0)?;
-        let at = self.rows.vector(row, [1, 2])?;
+    fn marker(&self, row: &StringRecord) -> Result<ObservedMarker, FileError> {
+        let at = self.table.vector(row, self.xy)?;
         // An empty cell means an unknown standard deviation.
-        let number = |table: &Option<Table<1>>| {
-            let table = table.as_ref().filter(|table| !table.rows()[i].cells[0].is_empty());
-            table.map(|table| table.number(&table.rows()[i], 0)).transpose()
+        let number = |column: &str| {
+            let is_given = !self.table.cell(row, column).is_empty();
+            is_given.then(|| self.table.number(row, column)).transpose()
         };
         let is_position = self.coordinates == Coordinates::Positions;
-        let beside = self.positions.as_ref().filter(|_| !is_position);
-        let beside = beside.map(|table| table.vector(&table.rows()[i], [0, 1])).transpose()?.flatten();
+        // Only `locate` writes deformed positions, and its tables have the column `image`.
+        let has_positions = !is_position && self.table.has(&["image", POSITION[0], POSITION[1]]);
+        let beside = if has_positions { self.table.vector(row, POSITION)? } else { None };
         Ok(ObservedMarker {
-            node,
+            node: self.table.node(row, "node")?,
             pixel: None,
             position: at.filter(|_| is_position).or(beside),
             displacement: at.filter(|_| !is_position),
-            sd_mm: number(&self.sigmas)?,
-            own_sd_mm: number(&self.own_sigmas)?,
+            sd_mm: number(SIGMA)?,
+            own_sd_mm: if self.is_base_apart() { number(OWN_SIGMA)? } else { None },
         })
     }
 
-    /// Pose of the base and its uncertainty from row `i`; all rows of an image repeat them.
-    fn base(&self, i: usize) -> Result<Option<ObservedBase>, FileError> {
-        let Some(poses) = &self.poses else { return Ok(None) };
-        let number = |column| poses.number(&poses.rows()[i], column);
-        let pose = Isometry2::new(Vector::new(number(0)?, number(1)?), number(2)?.to_radians());
-        let uncertainty = match &self.base_sigmas {
-            None => None,
-            Some(table) => {
-                let number = |column| table.number(&table.rows()[i], column);
-                let (sd_mm, sd_rad) = (number(0)?, number(1)?.to_radians());
+    /// Whether the table has standard deviations of the base, apart from those of the markers.
+    fn is_base_apart(&self) -> bool {
+        self.table.has(&[SIGMA, OWN_SIGMA]) && self.table.has(&BASE_COLUMNS)
+    }
+
+    /// Pose of the base and its uncertainty from a row; all rows of an image repeat them.
+    fn base(&self, row: &StringRecord) -> Result<Option<ObservedBase>, FileError> {
+        if !self.table.has(&POSE_COLUMNS) {
+            return Ok(None);
+        }
+        let number = |column| self.table.number(row, column);
+        let [x, y, turn] = POSE_COLUMNS;
+        let pose = Isometry2::new(Vector::new(number(x)?, number(y)?), number(turn)?.to_radians());
+        let uncertainty = match self.is_base_apart() {
+            false => None,
+            true => {
+                let (sd_mm, sd_rad) = (number(BASE_COLUMNS[0])?, number(BASE_COLUMNS[1])?.to_radians());
                 Some(BaseUncertainty { sd_mm, sd_rad, ..BaseUncertainty::default() })
             }
         };

@@ -1,7 +1,8 @@
 //! Checks whether a file of displacements was made with the scene that reads it.
 
 use super::FileError;
-use super::table::{Table, header};
+use super::table::Table;
+use csv::StringRecord;
 use finray_model::camera::Camera;
 use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Scene, Vector};
@@ -28,21 +29,21 @@ pub struct Elsewhere {
 /// The key node whose undeformed position differs most from the scene's, if the difference shows another finger. `None` if all nodes agree, or if the
 /// file has no positions. A file may have undeformed positions (`solve`) or deformed ones (`locate`), of nodes or of markers; all four cases are tried.
 pub fn of_another_finger(path: &Path, text: &str, finger: &Finger) -> Option<Elsewhere> {
-    let table = Table::of_text(path, text, AT_REST).ok()?;
+    let table = Table::of_text(path, text).ok().filter(|table| table.has(&AT_REST))?;
     let off_mm = |found: &Elsewhere| (found.stated - found.own).norm();
-    let elsewhere = |row| {
-        let number = |column| table.number(row, column).ok();
-        let (node, written) = (table.node(row, 0).ok()?, Vector::new(number(1)?, number(2)?));
+    let elsewhere = |row: &StringRecord| {
+        let vector = |columns| table.vector(row, columns).ok().flatten();
+        let (node, written) = (table.node(row, "node").ok()?, vector(["x_mm", "y_mm"])?);
         if !(1..=finger.key_node_count()).contains(&node.0) {
             return None;
         }
-        let displacement = Vector::new(number(3)?, number(4)?);
+        let displacement = vector(["ux_mm", "uy_mm"])?;
         [finger.position(node), finger.marker_position(node)]
             .into_iter()
             .flat_map(|own| [written, written - displacement].map(|stated| Elsewhere { node, stated, own }))
             .min_by(|a, b| off_mm(a).total_cmp(&off_mm(b)))
     };
-    let farthest = table.rows().iter().filter_map(elsewhere).max_by(|a, b| off_mm(a).total_cmp(&off_mm(b)))?;
+    let farthest = table.rows.iter().filter_map(elsewhere).max_by(|a, b| off_mm(a).total_cmp(&off_mm(b)))?;
     (off_mm(&farthest) > UNLIKE_SHARE * finger.plate_length_mm(Plate::Front)).then_some(farthest)
 }
 
@@ -53,28 +54,27 @@ pub fn of_another_finger(path: &Path, text: &str, finger: &Finger) -> Option<Els
 /// # Errors
 /// [`FileError`] with the line of a cell that is not a number.
 pub(super) fn misplaced_mm(path: &Path, text: &str, scene: &Scene) -> Result<f64, FileError> {
-    let columns = header(text);
-    let has = |wanted: &[&str]| wanted.iter().all(|name| columns.iter().any(|column| column == name));
+    let table = Table::of_text(path, text)?;
+    let vector = |row: &StringRecord, columns| table.vector(row, columns);
     let mut worst_mm = 0.0_f64;
-    if has(&AT_REST) {
-        let table = Table::of_text(path, text, AT_REST)?;
-        for row in table.rows() {
-            let (Some(at), Some(moved)) = (table.vector(row, [1, 2])?, table.vector(row, [3, 4])?) else { continue };
-            let node = table.node(row, 0)?;
+    if table.has(&AT_REST) {
+        for row in &table.rows {
+            let (at, moved) = (vector(row, ["x_mm", "y_mm"])?, vector(row, ["ux_mm", "uy_mm"])?);
+            let (Some(at), Some(moved)) = (at, moved) else { continue };
+            let node = table.node(row, "node")?;
             if (1..=scene.finger.key_node_count()).contains(&node.0) {
                 worst_mm = worst_mm.max((at - moved - scene.finger.marker_position(node)).norm());
             }
         }
     }
     let camera = scene.camera.and_then(|camera| Some(Camera { lens: camera.lens, pose: camera.pose? }));
-    if let (true, Some(camera), Some(markers)) = (has(&SEEN), camera, scene.markers) {
-        let table = Table::of_text(path, text, SEEN)?;
-        for row in table.rows() {
-            let (Some(pixel), Some(stated)) = (table.vector(row, [0, 1])?, table.vector(row, [2, 3])?) else {
-                continue;
-            };
+    if let (true, Some(camera), Some(markers)) = (table.has(&SEEN), camera, scene.markers) {
+        for row in &table.rows {
+            let (pixel, stated) = (vector(row, ["u_px", "v_px"])?, vector(row, ["x_mm", "y_mm"])?);
+            let (Some(pixel), Some(stated)) = (pixel, stated) else { continue };
             let number = |column| table.number(row, column);
-            let base = Isometry2::new(Vector::new(number(4)?, number(5)?), number(6)?.to_radians());
+            let base = Vector::new(number("base_x_mm")?, number("base_y_mm")?);
+            let base = Isometry2::new(base, number("base_deg")?.to_radians());
             // A pixel whose ray misses the plane of the markers was not located by this camera.
             let at = camera.on_plane(&pixel, markers.height_mm);
             let off_mm = at.map_or(f64::INFINITY, |at| ((base.inverse() * Point2::from(at)).coords - stated).norm());

@@ -1,7 +1,7 @@
 //! Several images of one finger with measured contact forces, as `calibrate` reads them.
 
 use super::observations::{Coordinates, ObservationTable, RefusedImage};
-use super::table::{Table, header};
+use super::table::Table;
 use super::{FileError, image_named};
 use finray_model::calibration::LocatedView;
 use finray_model::{Scene, Vector};
@@ -63,21 +63,19 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Loca
 /// # Errors
 /// [`FileError`] for a force whose image is not in `images`, for a second force of an image, for a zero force, and for an empty `object`.
 pub fn forces(path: &Path, images: &[&str]) -> Result<Vec<MeasuredForce>, FileError> {
-    let text = super::read_text(path)?;
-    let table = Table::of_text(path, &text, ["image", "fx_n", "fy_n"])?;
-    let has_objects = header(&text).iter().any(|name| name == "object");
-    let objects = has_objects.then(|| Table::of_text(path, &text, ["object"])).transpose()?;
+    let table = Table::of_text(path, &super::read_text(path)?)?;
+    table.require(&["image", "fx_n", "fy_n"], &["object"])?;
     let mut forces: Vec<MeasuredForce> = Vec::new();
-    for (i, row) in table.rows().iter().enumerate() {
-        let image = image_named(&row.cells[0], images).map_err(|reason| table.wrong(row, reason))?;
+    for row in &table.rows {
+        let image = image_named(table.cell(row, "image"), images).map_err(|reason| table.wrong(row, reason))?;
         if forces.iter().any(|known| known.image == image) {
             return Err(table.wrong(row, format!("image {image:?} is listed twice")));
         }
-        let force = Vector::new(table.number(row, 1)?, table.number(row, 2)?);
+        let force = Vector::new(table.number(row, "fx_n")?, table.number(row, "fy_n")?);
         if force == Vector::zeros() {
             return Err(table.wrong(row, "expected a force that is not zero"));
         }
-        let object = objects.as_ref().map(|objects| objects.rows()[i].cells[0].clone());
+        let object = table.has(&["object"]).then(|| table.cell(row, "object").to_owned());
         if object.as_ref().is_some_and(String::is_empty) {
             return Err(table.wrong(row, "object: expected the name of what pressed the finger, found nothing"));
         }

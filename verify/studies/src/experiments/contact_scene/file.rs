@@ -21,12 +21,12 @@ pub fn load_scene_with_outline(path: &Path) -> Result<SceneWithOutline, FileErro
     };
     let folder = if is_standard_stream(path) { None } else { path.parent() };
     let file = folder.unwrap_or(Path::new("")).join(points_csv);
-    let table = Table::read(&file, ["x_mm", "y_mm"])?;
-    let corner = |row| Ok(Vector::new(table.number(row, 0)?, table.number(row, 1)?));
-    let corners: Vec<Vector> = table.rows().iter().map(corner).collect::<Result<_, FileError>>()?;
+    let table = Table::read(&file, &["x_mm", "y_mm"])?;
+    let corner = |row| Ok(Vector::new(table.number(row, "x_mm")?, table.number(row, "y_mm")?));
+    let corners: Vec<Vector> = table.rows.iter().map(corner).collect::<Result<_, FileError>>()?;
     match TurnedOutline::new(object, &corners) {
         Ok(_) => Ok(SceneWithOutline { scene, text, corners }),
-        Err(error @ OutlineError::TooFar { corner }) => Err(table.wrong(&table.rows()[corner - 1], error)),
+        Err(error @ OutlineError::TooFar { corner }) => Err(table.wrong(&table.rows[corner - 1], error)),
         Err(error) => Err(FileError::content(&file, error)),
     }
 }
