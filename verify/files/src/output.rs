@@ -184,7 +184,7 @@ pub fn require_folder(folder: &Path) -> Result<(), FileError> {
 ///
 /// # Errors
 /// [`FileError::Unwritable`] for the first file that cannot be written.
-pub fn write_folder<C: AsRef<[u8]>>(folder: &Path, files: &[(PathBuf, C)]) -> Result<(), FileError> {
+pub fn write_folder<P: AsRef<Path>, C: AsRef<[u8]>>(folder: &Path, files: &[(P, C)]) -> Result<(), FileError> {
     std::fs::create_dir_all(folder).map_err(|reason| FileError::Unwritable { path: folder.to_owned(), reason })?;
     let files: Vec<_> = files.iter().map(|(name, contents)| (folder.join(name), contents.as_ref())).collect();
     write_all_or_nothing(&files)

@@ -54,7 +54,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if is_stream(&arguments.out) {
-        return Err(Failure::BadInput("--out: expected a folder for five files, found -".to_owned()));
+        return Err(bad_input("--out: expected a folder for five files, found -"));
     }
     let SceneWithOutline { scene, corners, .. } = load_scene_with_outline(&arguments.scene)?;
     let name = name_of(&arguments.scene);
@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         Eyes::Noise(noise_mm)
     };
     require_folder(&arguments.out)?;
-    let bar = progress::bar(grasp.most_steps() as u64, "grasp");
+    let bar = progress_bar(grasp.most_steps() as u64, "grasp");
     bar.tick();
     let mut steps: Vec<GraspStep> = Vec::new();
     let ended = grasp.run(&eyes, arguments.seed, |step| {
@@ -108,14 +108,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             Ok(summary(done, [&arguments.out]))
         }
         failed => {
-            let last = steps.last();
-            let at = last.map_or("before its first step".to_owned(), |step| {
+            let at = steps.last().map_or("before its first step".to_owned(), |step| {
                 format!("after step {} ({}, motor at {:.1} degrees)", step.step, step.phase, step.motor_deg)
             });
-            Err(Failure::NotComputed(format!(
-                "{at}: {failed}; the steps until then are in {}",
-                arguments.out.display()
-            )))
+            Err(not_computed(format!("{at}: {failed}; the steps until then are in {}", arguments.out.display())))
         }
     }
 }
@@ -129,17 +125,13 @@ fn write(
 ) -> Result<(), Failure> {
     let forces = csv_text(steps.iter().flat_map(|step| force_rows(grasp, step)))?;
     let object = csv_text(steps.iter().map(object_row))?;
-    let numbers = serde_json::to_string_pretty(&Summary::new(name, grasp, steps, ended))
-        .map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let numbers = serde_json::to_string_pretty(&Summary::new(name, grasp, steps, ended)).map_err(not_computed)?;
     let mut files = vec![("forces.csv", forces), ("object.csv", object), ("summary.json", numbers + "\n")];
     if !steps.is_empty() {
-        let drawn = |figure: Result<String, FigureError>| {
-            figure.map(|svg| standalone(&svg)).map_err(|error| Failure::NotComputed(error.to_string()))
-        };
+        let drawn = |figure: Result<String, FigureError>| figure.map(|svg| standalone(&svg)).map_err(not_computed);
         files.push(("grasp.svg", drawn(grasp_svg(name, grasp, steps))?));
         files.push(("grasp-animation.svg", drawn(grasp_animation_svg(name, grasp, steps))?));
     }
-    let files: Vec<(PathBuf, String)> = files.into_iter().map(|(name, text)| (PathBuf::from(name), text)).collect();
     Ok(write_folder(&arguments.out, &files)?)
 }
 
@@ -148,7 +140,7 @@ impl From<GraspError> for Failure {
         match error {
             GraspError::Lattice(inner) => inner.into(),
             GraspError::World(finray_lattice::grasp::WorldError::Lattice(inner)) => inner.into(),
-            other => Failure::BadInput(other.to_string()),
+            other => bad_input(other),
         }
     }
 }

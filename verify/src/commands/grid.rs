@@ -133,10 +133,11 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Strin
     let table = head.request.table;
     let blocks = head.shard.map_or(0..sweep.block_count(), |shard| shard.blocks(sweep.block_count()));
     let rows = blocks.len() * head.request.rows_in_block();
-    let bar = progress::bar(blocks.len() as u64, if table == Table::Map { "map" } else { "sweep" });
+    let bar = progress_bar(blocks.len() as u64, if table == Table::Map { "map" } else { "sweep" });
     if is_stream(out) {
         let mut stream = open_stream(out)?;
-        let begin = if head.shard.is_some() { head.to_text()? } else { table.header().to_owned() };
+        let begin =
+            if head.shard.is_some() { head.to_text().map_err(not_computed)? } else { table.header().to_owned() };
         let mut say = |text: &str| stream.write_all(text.as_bytes()).and_then(|()| stream.flush());
         let said = say(&begin).and_then(|()| {
             sweep.stream(table, blocks, |count, rows| {

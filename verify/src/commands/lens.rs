@@ -45,9 +45,8 @@ const SAME_DISTANCE: f64 = 0.005;
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let seen = arguments.image.par_iter().map(|path| {
-        let wrong = |message: String| Failure::from(FileError::Content { path: path.clone(), message });
         let (image, turn) = load_image(path)?;
-        let grid = find_grid(&image).map_err(|error| wrong(error.to_string()))?;
+        let grid = find_grid(&image).map_err(|error| FileError::content(path, error))?;
         Ok((([image.width(), image.height()], turn), grid))
     });
     let (seen, grids): (Vec<_>, Vec<_>) = seen.collect::<Result<Vec<_>, Failure>>()?.into_iter().unzip();
@@ -56,22 +55,13 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if let Some(other) = sizes.iter().position(|size| *size != size_px) {
         let ([w, h], [x, y]) = (size_px, sizes[other]);
         let message = format!("expected {w} x {h} px, the size of the first image, found {x} x {y}");
-        return Err(FileError::Content { path: arguments.image[other].clone(), message }.into());
+        return Err(FileError::content(&arguments.image[other], message).into());
     }
     let (fit, left_out) = lens_of_grids(size_px, arguments.grid_mm, &grids).map_err(bad_input)?;
     let dots = grids.iter().map(|grid| grid.dots.len()).sum::<usize>() - left_out;
     let kind = Grid::common_kind(&grids).unwrap_or(GridKind::Dots);
-    let mut text = to_toml(&fit, arguments, kind, dots);
-    if arguments.plane {
-        let pose = pose_of_plane(&fit).map_err(bad_input)?;
-        text += &format!(
-            "{} = {:?}\n{} = {:?}\n",
-            CAMERA.rotation_vector_rad.name,
-            pose.rotation_vector_rad(),
-            CAMERA.translation_mm.name,
-            <[f64; 3]>::from(pose.translation_mm)
-        );
-    }
+    let pose = arguments.plane.then(|| pose_of_plane(&fit)).transpose().map_err(bad_input)?;
+    let text = to_toml(&fit, pose, arguments, kind, dots);
     write_file(&arguments.out, &text)?;
     if let Some(other) = turns.iter().position(|turn| *turn != turns[0]) {
         print_message(format_args!(
@@ -126,16 +116,15 @@ fn pose_of_plane(fit: &LensFit) -> Result<Pose, String> {
     Ok(Pose::in_plane(&normal, &origin))
 }
 
-fn to_toml(fit: &LensFit, arguments: &Arguments, kind: GridKind, dots: usize) -> String {
+fn to_toml(fit: &LensFit, pose: Option<Pose>, arguments: &Arguments, kind: GridKind, dots: usize) -> String {
     let lens = &fit.lens;
     let mut text = String::new();
-    let images = arguments.image.len();
-    let plural = if images == 1 { "" } else { "s" };
+    let images = count(arguments.image.len(), "image");
     let (grid_mm, residual) = (arguments.grid_mm, fit.residual_sd_px);
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "# Lens from {images} image{plural} of {} of {grid_mm} mm: {dots} {}, residual {residual:.3} px.",
+        "# Lens from {images} of {} of {grid_mm} mm: {dots} {}, residual {residual:.3} px.",
         kind.name(),
         if kind == GridKind::Chessboard { "corners" } else { "dots" },
     );
@@ -151,6 +140,10 @@ fn to_toml(fit: &LensFit, arguments: &Arguments, kind: GridKind, dots: usize) ->
     let _ = writeln!(text, "{} = {:?}", CAMERA.focal_px.name, lens.focal_px());
     let _ = writeln!(text, "{} = {:?}", CAMERA.principal_point_px.name, lens.principal_point_px());
     let _ = writeln!(text, "{} = {:?}", CAMERA.distortion.name, lens.distortion().to_opencv());
+    if let Some(pose) = pose {
+        let _ = writeln!(text, "{} = {:?}", CAMERA.rotation_vector_rad.name, pose.rotation_vector_rad());
+        let _ = writeln!(text, "{} = {:?}", CAMERA.translation_mm.name, <[f64; 3]>::from(pose.translation_mm));
+    }
     text
 }
 

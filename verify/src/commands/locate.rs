@@ -41,13 +41,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
-    let inputs = || arguments.image.iter().chain(&arguments.rest);
-    for image in inputs() {
-        not_both_from_standard_input(&arguments.scene, image, "an image")?;
-    }
-    if inputs().filter(|image| is_standard_stream(image)).count() > 1 {
-        return Err(bad_input("two images cannot both be -: standard input can be read only once"));
-    }
+    require_one_standard_input([&arguments.scene].into_iter().chain(&arguments.image).chain(&arguments.rest))?;
     let names = image_names(&arguments.image)?;
     let scene = load_scene(&arguments.scene)?;
     let observer = observer(arguments, &scene)?;
@@ -95,7 +89,8 @@ type SeenImages = Vec<Result<SeenImage, Failure>>;
 /// Locates the markers in all images. If measured marker radii differ from the scene's, prints a message and searches again with the measured radii.
 fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Observer) -> SeenImages {
     let found = all_images(arguments, observer);
-    let others = OtherRadius::of(scene, &radii(&found));
+    let radii: Vec<&SeenRadii> = found.iter().flatten().map(|seen| &seen.radii).collect();
+    let others = OtherRadius::of(scene, &radii);
     let is_file = |image: &PathBuf| !is_standard_stream(image);
     if others.is_empty() || !arguments.image.iter().chain(&arguments.rest).all(is_file) {
         others.iter().for_each(|other| print_message(format_args!("warning: {other}")));
@@ -141,10 +136,6 @@ fn are_alike(one: &SeenImages, other: &SeenImages) -> bool {
         (a, b) => a.is_err() == b.is_err(),
     };
     one.len() == other.len() && one.iter().zip(other).all(are_alike)
-}
-
-fn radii(images: &SeenImages) -> Vec<&SeenRadii> {
-    images.iter().flatten().map(|seen| &seen.radii).collect()
 }
 
 /// Locates the markers of each image independently, in parallel. If markers are tracked, the search in each image starts from the previous image.
@@ -216,7 +207,7 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
     }
     let image = arguments.rest.as_deref().map(load_image).transpose()?;
     Observer::new(scene, image.as_ref().map(|(image, _)| image)).map_err(|error| match (&error, &arguments.rest) {
-        (ObserverError::Rest(_) | ObserverError::GreyRest(_), Some(path)) => refused(path, &error),
+        (ObserverError::Rest(_) | ObserverError::GreyRest(_), Some(path)) => FileError::content(path, &error).into(),
         _ => bad_input(error),
     })
 }
@@ -259,7 +250,7 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
 }
 
 fn observed(observer: &mut Observer, path: &Path) -> Result<SeenImage, Failure> {
-    let observation = observer.observe(&load_image(path)?.0).map_err(|error| refused(path, &error))?;
+    let observation = observer.observe(&load_image(path)?.0).map_err(|error| FileError::content(path, error))?;
     Ok(SeenImage { observation, radii: observer.radii.clone(), motion_blur_px: observer.motion_blur_px() })
 }
 
@@ -271,8 +262,4 @@ fn warn_of_motion(path: &Path, motion_blur_px: Option<f64>) {
             path.display()
         ));
     }
-}
-
-fn refused(path: &Path, error: &dyn std::fmt::Display) -> Failure {
-    Failure::from(FileError::Content { path: path.to_owned(), message: error.to_string() })
 }

@@ -19,13 +19,11 @@ pub mod train;
 pub mod words;
 
 mod contacts;
-mod done;
 mod grid;
 mod hints;
 mod loads;
 mod parse;
 mod prelude;
-mod progress;
 mod scenes;
 mod validity;
 
@@ -37,6 +35,7 @@ use finray_model::sensing::network::NetworkError;
 use finray_model::sensor::Refusal;
 use finray_model::statics::StaticsError;
 use finray_studies::truths::{NotExported, TruthError, TwinError};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -85,6 +84,31 @@ pub fn print_answer(answer: &clap::Error) -> ExitCode {
     }
 }
 
+/// Summary line of a command: its result, and the files that it wrote; standard output is not listed.
+fn summary<F: AsRef<Path>>(result: impl Display, files: impl IntoIterator<Item = F>) -> String {
+    let files = files.into_iter().filter(|file| !is_standard_stream(file.as_ref()));
+    let files: Vec<String> = files.map(|file| file.as_ref().display().to_string()).collect();
+    let written = if files.is_empty() { String::new() } else { format!("; written to {}", files.join(", ")) };
+    format!("done: {result}{written}")
+}
+
+/// A count with its noun, in the plural unless the count is 1.
+fn count(number: usize, noun: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {noun}{plural}")
+}
+
+/// A progress bar with the remaining time; hidden if standard error is not a terminal.
+fn progress_bar(steps: u64, what: &str) -> ProgressBar {
+    let bar = ProgressBar::new(steps);
+    // `with_template` fails only for an invalid template; this one is a valid constant.
+    if let Ok(style) = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len} {eta} left") {
+        bar.set_style(style);
+    }
+    bar.set_message(what.to_owned());
+    bar
+}
+
 /// Failure because of bad input.
 fn bad_input(reason: impl ToString) -> Failure {
     Failure::BadInput(reason.to_string())
@@ -105,13 +129,12 @@ fn path_beside_figure(table: &Path) -> PathBuf {
     if figure_path(table) == table { table.with_extension("csv") } else { table.to_owned() }
 }
 
-/// Rejects a scene and another file that both come from standard input, which can be read only once.
-fn not_both_from_standard_input(scene: &Path, other: &Path, option: &str) -> Result<(), Failure> {
-    if is_standard_stream(scene) && is_standard_stream(other) {
-        let message = format!("the scene and {option} cannot both be -: standard input can be read only once");
-        return Err(bad_input(message));
+/// Rejects inputs of which several come from standard input, which can be read only once.
+fn require_one_standard_input<'p>(inputs: impl IntoIterator<Item = &'p PathBuf>) -> Result<(), Failure> {
+    match inputs.into_iter().filter(|input| is_standard_stream(input)).count() {
+        0 | 1 => Ok(()),
+        _ => Err(bad_input("two inputs cannot both be -: standard input can be read only once")),
     }
-    Ok(())
 }
 
 impl From<FileError> for Failure {
@@ -219,13 +242,6 @@ impl From<Refusal> for Failure {
             Refusal::Estimator(inner) => inner.into(),
             other => bad_input(other),
         }
-    }
-}
-
-/// Serialisation as TOML is not expected to fail: a request has only numbers, texts and lists.
-impl From<toml::ser::Error> for Failure {
-    fn from(error: toml::ser::Error) -> Failure {
-        not_computed(error)
     }
 }
 

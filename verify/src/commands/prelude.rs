@@ -1,11 +1,10 @@
 //! Common imports of the commands.
 
-pub(super) use super::done::{count, summary};
 pub(super) use super::parse::{degrees_between, listed, not_negative, positive, share};
 pub(super) use super::scenes::{camera_and_markers, camera_of, markers_of, networks_of, scene_or_papers};
 pub(super) use super::{
-    Failure, bad_input, figure_path, hints, not_both_from_standard_input, not_computed, path_beside_figure,
-    print_message, progress, validity,
+    Failure, bad_input, count, figure_path, hints, not_computed, path_beside_figure, print_message, progress_bar,
+    require_one_standard_input, summary, validity,
 };
 pub(super) use finray_files::{
     FileError, csv_text, is_standard_stream, is_stream, load_image, load_scene, name_of, require_folder,

@@ -76,27 +76,23 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let outcome = contact_scene.run(|step| steps.push(step));
     let mut rows = Vec::new();
     let mut validity = Pressing::default();
-    let bar = progress::bar(steps.len() as u64, "press");
+    let bar = progress_bar(steps.len() as u64, "press");
+    let say = |message: std::fmt::Arguments| bar.suspend(|| print_message(message));
     for (number, step) in (1..).zip(&steps) {
         let sensed = contact_scene.sense(step, noise_mm, || noise.standard_normal());
         if let Err(refusal) = &sensed {
-            bar.suspend(|| print_message(format_args!("note: step {number}: {refusal}")));
+            say(format_args!("note: step {number}: {refusal}"));
         }
         if let Some(imbalance) = step.pressed.imbalance().filter(|imbalance| *imbalance > BALANCE_TOLERANCE) {
-            let share = format!("{imbalance:.1e} of the contact forces");
-            bar.suspend(|| {
-                print_message(format_args!(
-                    "note: step {number}: contact forces and the reaction at the base differ by {share}"
-                ))
-            });
+            say(format_args!(
+                "note: step {number}: contact forces and the reaction at the base differ by {imbalance:.1e} of the contact forces"
+            ));
         }
         if step.stopped_mm > STOPPED_MM {
-            let short = format!("{:.3} mm before its prescribed position", step.stopped_mm);
-            bar.suspend(|| {
-                print_message(format_args!(
-                    "warning: step {number}: the clamped end of the finger stops the object {short}"
-                ))
-            });
+            say(format_args!(
+                "warning: step {number}: the clamped end of the finger stops the object {:.3} mm before its prescribed position",
+                step.stopped_mm
+            ));
         }
         rows.extend(force_rows(&contact_scene, number, step, sensed.ok().flatten().as_ref()));
         validity.examine(&scene, step);

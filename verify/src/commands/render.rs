@@ -60,9 +60,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
-    if let Some(shape) = &arguments.shape {
-        not_both_from_standard_input(&arguments.scene, shape, "--shape")?;
-    }
+    require_one_standard_input([&arguments.scene].into_iter().chain(&arguments.shape))?;
     if arguments.blur_px > LARGEST_BLUR_PX {
         let found = arguments.blur_px;
         return Err(bad_input(format!("--blur-px: expected at most {LARGEST_BLUR_PX} px, found {found}")));

@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let criterion = criterion_times(arguments.criterion.as_deref())?;
     let peers = arguments.peers.as_deref().map(peers::load).transpose()?;
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
-    let bar = Bar(progress::bar(0, "report"));
+    let bar = Bar(progress_bar(0, "report"));
     let mut study = Study::run(&scene, ReportForces::up_to(arguments.force_n), effort, &bar).map_err(not_computed)?;
     bar.0.finish_and_clear();
     if let Some(seen) = seen {

@@ -73,7 +73,7 @@ struct Row {
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
-    not_both_from_standard_input(&arguments.scene, &arguments.displacements, "--displacements")?;
+    require_one_standard_input([&arguments.scene, &arguments.displacements].into_iter().chain(&arguments.forces))?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
     hints::of_moduli(&arguments.scene, finger);
@@ -97,10 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
                 "a direction is `measured`: expected one contact, because --forces has one force per image",
             ));
         }
-        (Some(forces), true) => {
-            not_both_from_standard_input(&arguments.scene, forces, "--forces")?;
-            not_both_from_standard_input(&arguments.displacements, forces, "--forces")?;
-        }
+        (Some(_), true) => {}
         (Some(_), false) => {
             return Err(bad_input(
                 "--forces: expected a contact with the direction `measured`, for instance auto@measured",

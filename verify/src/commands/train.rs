@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     }
     let noise_mm = arguments.noise_mm.or(scene.noise_mm).unwrap_or(CAMERA_NOISE_MM);
     let recipe = recipe(arguments, contacts, noise_mm);
-    let bar = progress::bar(recipe.epochs as u64, "drawing cases");
+    let bar = progress_bar(recipe.epochs as u64, "drawing cases");
     bar.tick();
     let network = train(finger, &recipe, &mut |epoch| {
         bar.set_position(epoch.number as u64);

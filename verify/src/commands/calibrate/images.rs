@@ -27,11 +27,11 @@ const NAMES: [(&str, Option<f64>, Named); 16] = [
     ("front-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Front)])),
     ("back-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Back)])),
     ("bracket", None, Named::Quantities(|_| [Plate::Front, Plate::Back].map(Quantity::Bracket).to_vec())),
-    ("brackets", Some(0.2), Named::Quantities(own_brackets)),
+    ("brackets", Some(0.2), Named::Quantities(|finger| of_ribs(finger, Quantity::OwnBracket))),
     ("clip", Some(1.0), Named::Quantities(|_| vec![Quantity::Clip])),
     ("front-clip", Some(1.0), Named::Quantities(|_| vec![Quantity::PlateClip(Plate::Front)])),
     ("back-clip", Some(1.0), Named::Quantities(|_| vec![Quantity::PlateClip(Plate::Back)])),
-    ("ribs", Some(0.2), Named::Quantities(ribs)),
+    ("ribs", Some(0.2), Named::Quantities(|finger| of_ribs(finger, Quantity::RibPosition))),
     ("height", None, Named::Quantities(|_| vec![Quantity::MarkerHeight])),
     ("base", None, Named::Quantities(|_| vec![Quantity::BaseX, Quantity::BaseY, Quantity::BaseTurn])),
     ("preload", None, Named::Quantities(|_| vec![Quantity::Preload])),
@@ -41,96 +41,88 @@ const NAMES: [(&str, Option<f64>, Named); 16] = [
     ("friction-build-up", None, Named::Friction { builds_up: true }),
 ];
 
-fn ribs(finger: &Finger) -> Vec<Quantity> {
-    let on = |plate| (0..finger.rib_count()).map(move |rib| Quantity::RibPosition(plate, rib));
+/// One quantity per end of each rib.
+fn of_ribs(finger: &Finger, quantity: fn(Plate, usize) -> Quantity) -> Vec<Quantity> {
+    let on = |plate| (0..finger.rib_count()).map(move |rib| quantity(plate, rib));
     on(Plate::Front).chain(on(Plate::Back)).collect()
 }
 
-fn own_brackets(finger: &Finger) -> Vec<Quantity> {
-    let on = |plate| (0..finger.rib_count()).map(move |rib| Quantity::OwnBracket(plate, rib));
-    on(Plate::Front).chain(on(Plate::Back)).collect()
+fn seeks(question: &RigQuestion, wanted: impl Fn(&Quantity) -> bool) -> bool {
+    question.sought.iter().any(|sought| wanted(&sought.quantity))
 }
 
-/// The parsed value of `--fit`.
-struct Fit(RigQuestion);
-
-impl Fit {
-    fn seeks(&self, wanted: impl Fn(&Quantity) -> bool) -> bool {
-        self.0.sought.iter().any(|sought| wanted(&sought.quantity))
-    }
-
-    fn parse(text: &str, scene: &Scene) -> Result<Fit, Failure> {
-        let bad = |reason: String| bad_input(format!("--fit: {reason}"));
-        let mut fit = Fit(RigQuestion::default());
-        for part in text.split(',').map(str::trim) {
-            let (name, prior) = part.split_once('=').map_or((part, None), |(name, prior)| (name, Some(prior)));
-            let Some((_, own_prior, named)) = NAMES.iter().find(|(known, ..)| *known == name) else {
-                let known = NAMES.map(|(known, ..)| known).join(", ");
-                return Err(bad(format!("expected names of {known}, found \"{name}\"")));
-            };
-            let prior_sd = match prior {
-                None => *own_prior,
-                Some(text) => Some(positive(text).map_err(|reason| bad(format!("{name}: {reason}")))?),
-            };
-            match named {
-                Named::Friction { builds_up } => {
-                    if fit.0.friction.is_some() {
-                        return Err(bad("expected one of friction and friction-build-up, found two".to_owned()));
-                    }
-                    let between_objects = prior_sd.unwrap_or_default();
-                    fit.0.friction = Some(FrictionQuestion { builds_up: *builds_up, between_objects });
+/// Parses the value of `--fit`.
+fn parse(text: &str, scene: &Scene) -> Result<RigQuestion, Failure> {
+    let bad = |reason: String| bad_input(format!("--fit: {reason}"));
+    let mut fit = RigQuestion::default();
+    for part in text.split(',').map(str::trim) {
+        let (name, prior) = part.split_once('=').map_or((part, None), |(name, prior)| (name, Some(prior)));
+        let Some((_, own_prior, named)) = NAMES.iter().find(|(known, ..)| *known == name) else {
+            let known = NAMES.map(|(known, ..)| known).join(", ");
+            return Err(bad(format!("expected names of {known}, found \"{name}\"")));
+        };
+        let prior_sd = match prior {
+            None => *own_prior,
+            Some(text) => Some(positive(text).map_err(|reason| bad(format!("{name}: {reason}")))?),
+        };
+        match named {
+            Named::Friction { builds_up } => {
+                if fit.friction.is_some() {
+                    return Err(bad("expected one of friction and friction-build-up, found two".to_owned()));
                 }
-                Named::ForceError => fit.0.force_error_between_objects = prior_sd.unwrap_or_default(),
-                Named::BaseCompliance if prior_sd.is_some() => {
-                    return Err(bad("base-compliance: expected no prior, found one".to_owned()));
-                }
-                Named::BaseCompliance => fit.0.base_compliance = true,
-                Named::Quantities(of) => {
-                    for quantity in of(&scene.finger) {
-                        if fit.seeks(|known| *known == quantity) {
-                            return Err(bad(format!("{quantity} is named twice")));
-                        }
-                        fit.0.sought.push(Sought { quantity, prior_sd });
+                let between_objects = prior_sd.unwrap_or_default();
+                fit.friction = Some(FrictionQuestion { builds_up: *builds_up, between_objects });
+            }
+            Named::ForceError => fit.force_error_between_objects = prior_sd.unwrap_or_default(),
+            Named::BaseCompliance if prior_sd.is_some() => {
+                return Err(bad("base-compliance: expected no prior, found one".to_owned()));
+            }
+            Named::BaseCompliance => fit.base_compliance = true,
+            Named::Quantities(of) => {
+                for quantity in of(&scene.finger) {
+                    if seeks(&fit, |known| *known == quantity) {
+                        return Err(bad(format!("{quantity} is named twice")));
                     }
+                    fit.sought.push(Sought { quantity, prior_sd });
                 }
             }
         }
-        fit.check(scene).map_err(bad)?;
-        Ok(fit)
     }
+    check(&fit, scene).map_err(bad)?;
+    Ok(fit)
+}
 
-    /// Checks that the scene has the tables and keys of the parameters to be estimated.
-    fn check(&self, scene: &Scene) -> Result<(), String> {
-        let ribs = &scene.finger.description().ribs;
-        if self.seeks(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..)))
-            && !scene.finger.has_brackets()
-        {
-            return Err("bracket: expected bracket_mm in the scene's table finger.ribs".to_owned());
-        }
-        if self.seeks(|quantity| matches!(quantity, Quantity::RibPosition(..)))
-            && matches!(ribs.positions, RibPositions::Count(_))
-        {
-            return Err("ribs: expected positions_mm in the scene's table finger.ribs".to_owned());
-        }
-        if self.seeks(|quantity| matches!(quantity, Quantity::RibPosition(..))) && scene.finger.has_shared_junctions() {
-            return Err("ribs: expected finger.ribs.positions_mm in which ribs share no junction".to_owned());
-        }
-        let has_rig = scene.markers.is_some() && scene.camera.is_some_and(|camera| camera.pose.is_some());
-        if self.seeks(Quantity::is_of_rig) && !has_rig {
-            return Err("height, base: expected markers and a camera with its pose in the scene".to_owned());
-        }
-        if self.seeks(|quantity| *quantity == Quantity::Modulus)
-            && self.seeks(|quantity| matches!(quantity, Quantity::PlateModulus(_)))
-        {
-            return Err("expected either modulus, or front-modulus and back-modulus; found both".to_owned());
-        }
-        if self.seeks(|quantity| *quantity == Quantity::Clip)
-            && self.seeks(|quantity| matches!(quantity, Quantity::PlateClip(_)))
-        {
-            return Err("expected either clip, or front-clip and back-clip; found both".to_owned());
-        }
-        Ok(())
+/// Checks that the scene has the tables and keys of the parameters to be estimated.
+fn check(fit: &RigQuestion, scene: &Scene) -> Result<(), String> {
+    let ribs = &scene.finger.description().ribs;
+    if seeks(fit, |quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..)))
+        && !scene.finger.has_brackets()
+    {
+        return Err("bracket: expected bracket_mm in the scene's table finger.ribs".to_owned());
     }
+    if seeks(fit, |quantity| matches!(quantity, Quantity::RibPosition(..)))
+        && matches!(ribs.positions, RibPositions::Count(_))
+    {
+        return Err("ribs: expected positions_mm in the scene's table finger.ribs".to_owned());
+    }
+    if seeks(fit, |quantity| matches!(quantity, Quantity::RibPosition(..))) && scene.finger.has_shared_junctions() {
+        return Err("ribs: expected finger.ribs.positions_mm in which ribs share no junction".to_owned());
+    }
+    let has_rig = scene.markers.is_some() && scene.camera.is_some_and(|camera| camera.pose.is_some());
+    if seeks(fit, Quantity::is_of_rig) && !has_rig {
+        return Err("height, base: expected markers and a camera with its pose in the scene".to_owned());
+    }
+    if seeks(fit, |quantity| *quantity == Quantity::Modulus)
+        && seeks(fit, |quantity| matches!(quantity, Quantity::PlateModulus(_)))
+    {
+        return Err("expected either modulus, or front-modulus and back-modulus; found both".to_owned());
+    }
+    if seeks(fit, |quantity| *quantity == Quantity::Clip)
+        && seeks(fit, |quantity| matches!(quantity, Quantity::PlateClip(_)))
+    {
+        return Err("expected either clip, or front-clip and back-clip; found both".to_owned());
+    }
+    Ok(())
 }
 
 #[derive(Serialize)]
@@ -148,17 +140,13 @@ struct ImageRow {
 }
 
 pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, Failure> {
-    not_both_from_standard_input(&arguments.scene, located, "--located")?;
-    if let Some(forces) = &arguments.forces {
-        not_both_from_standard_input(&arguments.scene, forces, "--forces")?;
-        not_both_from_standard_input(located, forces, "--forces")?;
-    }
+    require_one_standard_input([&arguments.scene].into_iter().chain(&arguments.located).chain(&arguments.forces))?;
     let (scene, text) = load_scene_and_text(&arguments.scene)?;
-    let fit = Fit::parse(fit, &scene)?;
+    let fit = parse(fit, &scene)?;
     let LocatedViews { views: seen, refused, .. } = views::load(located, arguments.forces.as_deref(), &scene)?;
     hints::of_refused(&refused);
     let measured = seen.iter().filter(|seen| seen.view.force.is_some()).count();
-    if measured == 0 && (fit.0.friction.is_some() || fit.0.base_compliance || fit.seeks(Quantity::is_modulus)) {
+    if measured == 0 && (fit.friction.is_some() || fit.base_compliance || seeks(&fit, Quantity::is_modulus)) {
         return Err(bad_input(
             "moduli, friction and the compliance of the base are not identifiable without measured forces (--forces)",
         ));
@@ -172,7 +160,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
             ));
         }
     };
-    let found = calibration::calibrate_rig(&scene, &seen, &fit.0, lean).map_err(failure)?;
+    let found = calibration::calibrate_rig(&scene, &seen, &fit, lean).map_err(failure)?;
     let RigEstimate { views: estimate, compliance, .. } = &found;
     notes::print(&found);
     if measured == 0 && arguments.calibrated.is_some() {

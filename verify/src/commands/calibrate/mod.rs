@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             "expected --measurements FILE (shapes under known loads), or --located FILE with --fit NAMES (images of the pressed finger)",
         ));
     };
-    not_both_from_standard_input(&arguments.scene, measured, "--measurements")?;
+    require_one_standard_input([&arguments.scene, measured])?;
     let scene = load_scene(&arguments.scene)?;
     let finger = scene.finger;
     hints::of_moduli(&arguments.scene, &finger);
