@@ -183,14 +183,10 @@ impl Measurement {
         Measurement { markers: finger.marked_nodes().map(marker).collect(), ..Measurement::empty() }
     }
 
-    /// This measurement with an uncertain base. The nonlinear estimator estimates the error of the base with the forces; other estimators ignore this error.
-    pub fn with_uncertain_base(self, base: BaseUncertainty) -> Measurement {
-        self.with_base(Some(base))
-    }
-
-    /// This measurement with another uncertainty of the base. `None` if the base is known exactly.
-    pub(crate) fn with_base(mut self, base: Option<BaseUncertainty>) -> Measurement {
-        self.base = base;
+    /// This measurement with another uncertainty of the base. `None` if the base is known exactly. The nonlinear estimator estimates the error of the base with
+    /// the forces; other estimators ignore this error.
+    pub fn with_base(mut self, base: impl Into<Option<BaseUncertainty>>) -> Measurement {
+        self.base = base.into();
         self
     }
 
@@ -211,28 +207,9 @@ impl Measurement {
         &self.shared_errors
     }
 
-    /// This measurement with the displacement of each marker, mm, replaced by the result of `displacement`.
-    pub(crate) fn displaced(mut self, displacement: impl Fn(&Marker) -> Vector) -> Measurement {
-        for marker in &mut self.markers {
-            marker.displacement = displacement(marker);
-        }
-        self
-    }
-
-    /// This measurement with the weight of each marker multiplied by the result of `share`.
-    pub(crate) fn reweighted(&self, mut share: impl FnMut(&Marker) -> f64) -> Measurement {
-        let mut measurement = self.clone();
-        for marker in &mut measurement.markers {
-            marker.weight *= share(marker);
-        }
-        measurement
-    }
-
-    /// This measurement with weight 1 for all markers.
-    pub fn of_equal_weight(mut self) -> Measurement {
-        for marker in &mut self.markers {
-            marker.weight = 1.0;
-        }
+    /// This measurement with each marker changed by `change`.
+    pub(crate) fn with_markers(mut self, change: impl FnMut(&mut Marker)) -> Measurement {
+        self.markers.iter_mut().for_each(change);
         self
     }
 

@@ -246,7 +246,7 @@ impl Reading {
             measurement.add(finger, Marker { weight, ..marker }).map_err(wrong)?;
         }
         if let Some(base) = self.base(stated_base.filter(|_| !is_of_pose), scene)? {
-            measurement = measurement.with_uncertain_base(base);
+            measurement = measurement.with_base(base);
         }
         Ok(ObservedMeasurement { measurement, noise_mm, frame })
     }

@@ -230,7 +230,7 @@ impl<'s> Sensor<'s> {
         let is_uniform = stated_mm.is_some() || estimator == EstimatorId::Network;
         let ObservedMeasurement { measurement, noise_mm, frame } = found;
         let noise_mm = stated_mm.or(noise_mm);
-        let measurement = if is_uniform { measurement.of_equal_weight() } else { measurement };
+        let measurement = if is_uniform { measurement.with_markers(|marker| marker.weight = 1.0) } else { measurement };
         let sensed = match &self.contacts {
             SensorContacts::Asked(questions) => {
                 let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&frame));

@@ -116,8 +116,9 @@ fn forgiving(
         let near_mm = (FORGIVEN * scatter_mm(distances_mm)).max(f64::MIN_POSITIVE);
         let mut distances_mm = distances_mm.iter();
         for (case, own) in weighed.iter_mut().zip(cases) {
-            let share = |_: &_| distances_mm.next().map_or(1.0, |distance_mm| (near_mm / distance_mm).min(1.0));
-            case.measurement = own.measurement.reweighted(share);
+            case.measurement = own.measurement.clone().with_markers(|marker| {
+                marker.weight *= distances_mm.next().map_or(1.0, |distance_mm| (near_mm / distance_mm).min(1.0));
+            });
         }
         factors(finger, &weighed, &[Unknown::Modulus], model)
     };

@@ -5,8 +5,8 @@
 
 use super::Measurement;
 use crate::Vector;
-use nalgebra::allocator::Allocator;
-use nalgebra::{Cholesky, DMatrix, DefaultAllocator, Dim, Dyn, OMatrix};
+use crate::element::quarter_turn;
+use nalgebra::{Cholesky, DMatrix, Dyn};
 
 /// Noise of the displacements of one measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,11 +31,6 @@ pub enum DisplacementNoise {
         rotation_sd_rad: f64,
     },
 }
-
-/// The covariance of the displacements has no inverse.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("expected noise of the displacements above zero")]
-pub struct NoNoise;
 
 impl DisplacementNoise {
     /// Standard deviation of the part of a coordinate's error that is independent in every frame, mm.
@@ -86,7 +81,7 @@ impl DisplacementNoise {
             DisplacementNoise::Kinematic { translation_sd_mm, rotation_sd_rad, .. } => {
                 let translation = Vector::new(standard_normal(), standard_normal()) * translation_sd_mm;
                 let rotation = standard_normal() * rotation_sd_rad;
-                positions_mm.iter().map(|at| -translation - across(at) * rotation).collect()
+                positions_mm.iter().map(|at| -translation - quarter_turn(*at) * rotation).collect()
             }
         }
     }
@@ -104,31 +99,9 @@ impl DisplacementNoise {
         }
     }
 
-    /// Factors the covariance of the mean of several frames, to transform errors into independent errors of standard deviation 1.
-    ///
-    /// # Errors
-    /// [`NoNoise`] if the covariance is not positive definite.
-    pub fn whitening(&self, positions_mm: &[Vector], frames: usize) -> Result<Whitening, NoNoise> {
-        let factor = Cholesky::new(self.covariance_mm2(positions_mm, frames)).ok_or(NoNoise)?;
-        Ok(Whitening { factor })
-    }
-}
-
-/// Covariance of displacements, factored as L L^T.
-#[derive(Debug, Clone)]
-pub struct Whitening {
-    factor: Cholesky<f64, Dyn>,
-}
-
-impl Whitening {
-    /// L^-1 times a residual or its derivatives: one row per coordinate (mm), one column per unknown.
-    pub fn whitened<C: Dim>(&self, columns: &OMatrix<f64, Dyn, C>) -> OMatrix<f64, Dyn, C>
-    where
-        DefaultAllocator: Allocator<Dyn, C>,
-    {
-        let mut whitened = columns.clone();
-        self.factor.l_dirty().solve_lower_triangular_mut(&mut whitened);
-        whitened
+    /// Covariance of the mean of several frames, factored as L L^T. L^-1 transforms errors into independent errors of standard deviation 1. `None` without noise.
+    pub fn factored(&self, positions_mm: &[Vector], frames: usize) -> Option<Cholesky<f64, Dyn>> {
+        Cholesky::new(self.covariance_mm2(positions_mm, frames))
     }
 }
 
@@ -136,12 +109,7 @@ impl Whitening {
 /// about the origin (mm/rad).
 pub fn base_motions(positions_mm: &[Vector]) -> DMatrix<f64> {
     DMatrix::from_fn(2 * positions_mm.len(), 3, |row, column| match column {
-        2 => across(&positions_mm[row / 2])[row % 2],
+        2 => quarter_turn(positions_mm[row / 2])[row % 2],
         axis => f64::from(u8::from(row % 2 == axis)),
     })
-}
-
-/// Displacement of a node per rad about the origin, mm/rad.
-fn across(position_mm: &Vector) -> Vector {
-    Vector::new(-position_mm.y, position_mm.x)
 }

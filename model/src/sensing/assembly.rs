@@ -231,7 +231,10 @@ impl UnloadedFinger {
             offset.iter_mut().zip(shared).for_each(|(offset, shared)| *offset += shared * *times);
         }
         let allowed_for = |marker: &crate::measurement::Marker| marker.displacement + offset[marker.node.0 - 1];
-        Ok(measurement.clone().displaced(allowed_for).with_shared_errors(shared))
+        Ok(measurement
+            .clone()
+            .with_markers(|marker| marker.displacement = allowed_for(marker))
+            .with_shared_errors(shared))
     }
 
     /// All independent errors, each with the size of one standard deviation.

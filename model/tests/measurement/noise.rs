@@ -1,6 +1,5 @@
 //! Noise of measured displacements: samples have the stated covariance.
 
-use finray_model::measurement::noise::NoNoise;
 use finray_model::measurement::{DisplacementNoise, Marker, Measurement};
 use finray_model::{NodeId, Vector};
 use finray_tests::paper;
@@ -74,10 +73,10 @@ fn frames_do_not_average_the_reference_away() {
 #[test]
 fn whitened_errors_are_independent() {
     for noise in MODELS {
-        let whitening = noise.whitening(&POSITIONS, 1).expect("noise");
-        let half = whitening.whitened(&noise.covariance_mm2(&POSITIONS, 1));
-        let whole = whitening.whitened(&half.transpose());
+        let factor = noise.factored(&POSITIONS, 1).expect("noise");
+        let whitened = |columns: &DMatrix<f64>| factor.l().solve_lower_triangular(columns).expect("noise");
+        let whole = whitened(&whitened(&noise.covariance_mm2(&POSITIONS, 1)).transpose());
         assert!((whole - DMatrix::<f64>::identity(6, 6)).amax() < 1e-10);
     }
-    assert_eq!(DisplacementNoise::Independent { sd_mm: 0.0 }.whitening(&POSITIONS, 1).err(), Some(NoNoise));
+    assert!(DisplacementNoise::Independent { sd_mm: 0.0 }.factored(&POSITIONS, 1).is_none());
 }

@@ -252,7 +252,7 @@ fn a_wide_range_of_friction_is_answered() {
         let object = TouchedObject { shape: shape.clone(), pose: truth.pose, sd_mm: 0.4, sd_rad: 0.0 };
         let seen = noisy(&truth.seen, NOISE_MM, &mut rng);
         let base = BaseUncertainty { sd_mm: 1.0, sd_rad: 0.02, ..BaseUncertainty::default() };
-        let found = sense(&mesh, question(lean), &object, &seen.with_uncertain_base(base), NOISE_MM);
+        let found = sense(&mesh, question(lean), &object, &seen.with_base(base), NOISE_MM);
         let forces = found.expect("identifiable").forces;
         within += usize::from((forces.forces_n[0] - force_n).abs() < TWO_SIDED_95 * forces.sigmas_n[0]);
     }

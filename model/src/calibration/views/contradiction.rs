@@ -70,7 +70,7 @@ impl Problem<'_> {
         let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions).ok()?.with_pad(self.model.pad);
         let [sd_mm, sd_rad] = if self.seeks_base() { SOUGHT_BASE } else { [0.0; 2] };
         let (sd_mm, sd_rad) = (view.base.sd_mm.hypot(sd_mm), view.base.sd_rad.hypot(sd_rad));
-        let measurement = view.measurement.clone().with_uncertain_base(BaseUncertainty { sd_mm, sd_rad, ..view.base });
+        let measurement = view.measurement.clone().with_base(BaseUncertainty { sd_mm, sd_rad, ..view.base });
         let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(UNCALIBRATED_MM))).ok()?;
         let own = ViewUnknowns {
             s_mm: sensed.contacts[0].position_mm(self.finger)?,

@@ -94,7 +94,7 @@ impl Problem<'_> {
         };
         let questions = [question];
         let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?.with_pad(self.model.pad);
-        let measurement = view.measurement.clone().with_uncertain_base(view.base);
+        let measurement = view.measurement.clone().with_base(view.base);
         let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(FIRST_MODEL_ERROR_MM)));
         let refused = match sensed {
             Ok(sensed) => {

@@ -252,8 +252,8 @@ fn seen_from<'m>(finger: &Finger, measurement: &'m Measurement, base: &Isometry2
     if *base == Isometry2::identity() {
         return Cow::Borrowed(measurement);
     }
-    Cow::Owned(measurement.clone().displaced(|marker| {
+    Cow::Owned(measurement.clone().with_markers(|marker| {
         let rest = finger.marker_position(marker.node);
-        base.inverse_transform_point(&Point2::from(rest + marker.displacement)).coords - rest
+        marker.displacement = base.inverse_transform_point(&Point2::from(rest + marker.displacement)).coords - rest;
     }))
 }

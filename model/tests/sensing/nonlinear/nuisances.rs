@@ -72,7 +72,7 @@ fn a_base_that_is_elsewhere_is_found() {
     };
     for (moved, turned_rad) in [(Vector::new(1.5, -2.0), 0.05), (Vector::new(-0.3, 0.4), -0.02)] {
         let elsewhere = from_another_base(&finger, &seen, moved, turned_rad);
-        let found = estimate(&elsewhere.clone().with_uncertain_base(loose), turned_rad).expect("identifiable");
+        let found = estimate(&elsewhere.clone().with_base(loose), turned_rad).expect("identifiable");
         assert!((found.forces_n[0] / 6.0 - 1.0).abs() < 1e-5, "{found:?}");
         // Taken for exact, such a base is a force that is far off, or no finger.
         let wrong = estimate(&elsewhere, turned_rad);
@@ -100,7 +100,7 @@ fn stated_sigmas_hold_what_base_and_friction_leave_open() {
         let (_, seen) = leaning(&mesh, node, force_n, lean_deg).expect("carried");
         let seen = noisy(&from_another_base(&finger, &seen, moved, turned_rad), NOISE_MM, &mut rng);
         let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
-        let Ok(found) = estimator.estimate(&seen.with_uncertain_base(base), Some(NOISE_MM)) else { continue };
+        let Ok(found) = estimator.estimate(&seen.with_base(base), Some(NOISE_MM)) else { continue };
         errors.push((found.forces.forces_n[0] - force_n) / found.forces.sigmas_n[0]);
         largest = largest.max(found.forces.sigmas_n[0] / force_n);
     }
@@ -195,7 +195,7 @@ fn sensed_from_bases_that_give_way(turn_sd_rad_per_n: f64, stated: [BaseUncertai
         let seen = noisy(&from_another_base(&finger, &seen, moved, turned_rad), NOISE_MM, &mut rng);
         for (sensed, base) in all.iter_mut().zip(stated) {
             let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
-            let Ok(found) = estimator.estimate(&seen.clone().with_uncertain_base(base), Some(NOISE_MM)) else {
+            let Ok(found) = estimator.estimate(&seen.clone().with_base(base), Some(NOISE_MM)) else {
                 continue;
             };
             let error_n = found.forces.forces_n[0] - force_n;
@@ -239,7 +239,7 @@ fn priors_need_a_noise() {
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let contact = at_node(9, 0.0);
     let base = BaseUncertainty { sd_mm: 0.1, sd_rad: 0.002, ..BaseUncertainty::default() };
-    let measurement = Measurement::at_rest(&finger).with_uncertain_base(base);
+    let measurement = Measurement::at_rest(&finger).with_base(base);
     let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("a contact node");
     assert_eq!(estimator.estimate(&measurement, None), Err(SensingError::NoiseNotStated));
 }
@@ -257,7 +257,7 @@ fn bases_far_off_are_found() {
         let force_n = within(1.0, 4.0);
         let clean = seen(&mesh, &[contact], &[force_n], Kinematics::Corotational).expect("carried");
         let (moved, turned_rad) = (Vector::new(within(-5.0, 5.0), within(-5.0, 5.0)), within(-0.1, 0.1));
-        let elsewhere = from_another_base(&finger, &clean, moved, turned_rad).with_uncertain_base(base);
+        let elsewhere = from_another_base(&finger, &clean, moved, turned_rad).with_base(base);
         let direction = Direction::Angle(contact.angle_deg + turned_rad.to_degrees());
         let mut estimator =
             NonlinearEstimator::new(&mesh, &[ContactQuestion { position: None, direction }]).expect("on the plate");
@@ -294,7 +294,7 @@ fn responses_of(base: BaseUncertainty, turned_rad: f64) {
             _ => *marker,
         };
         let measurement = Measurement::new(&finger, clean.markers().iter().map(marker)).expect("the same nodes");
-        let found = estimator.estimate(&measurement.with_uncertain_base(base), Some(noise_mm));
+        let found = estimator.estimate(&measurement.with_base(base), Some(noise_mm));
         found.expect("identifiable").forces
     };
     let Estimate { forces_n, sigmas_n, .. } = sensed(None);

@@ -85,7 +85,7 @@ pub fn bound_n2(
     derivatives: &DMatrix<f64>,
     frames: usize,
 ) -> Option<DMatrix<f64>> {
-    let whitened = noise.whitening(positions_mm, frames).ok()?.whitened(derivatives);
+    let whitened = noise.factored(positions_mm, frames)?.l_dirty().solve_lower_triangular(derivatives)?;
     covariance(&whitened)
 }
 
@@ -142,16 +142,18 @@ pub fn least_squares(
     known: Option<(&DisplacementNoise, &[Vector])>,
     start_n: &DVector<f64>,
 ) -> Option<DVector<f64>> {
-    let whitening = match known {
-        Some((noise, positions_mm)) => Some(noise.whitening(positions_mm, 1).ok()?),
+    let factor = match known {
+        Some((noise, positions_mm)) => Some(noise.factored(positions_mm, 1)?),
         None => None,
     };
     let linearised = |forces_n: &DVector<f64>| {
         let response = finger.under(&forces_at(nodes, forces_n)).ok().flatten().ok_or(Refusal::Here(()))?;
         let residual = response.displacements_mm - seen_mm;
         let derivatives = DMatrix::from_columns(&response.along);
-        Ok(match &whitening {
-            Some(whitening) => (whitening.whitened(&residual), whitening.whitened(&derivatives)),
+        Ok(match factor.as_ref().map(|factor| factor.l_dirty()) {
+            Some(l) => {
+                (l.solve_lower_triangular_unchecked(&residual), l.solve_lower_triangular_unchecked(&derivatives))
+            }
             None => (residual, derivatives),
         })
     };
