@@ -94,11 +94,6 @@ pub struct PlaneFrame {
 }
 
 impl PlaneFrame {
-    /// A frame without nodes.
-    pub fn new() -> PlaneFrame {
-        PlaneFrame::default()
-    }
-
     /// Adds a free node at a position in mm, gives it a rotation slot, and returns its index.
     pub fn add_node(&mut self, position: Vector) -> NodeIndex {
         let rotation = self.add_rotation();

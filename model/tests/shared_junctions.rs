@@ -32,7 +32,7 @@ fn zigzag(joints: &str) -> Finger {
 
 /// The same finger by hand: one frame node a point, beams between, no ties. Nodes by key node.
 fn by_hand(finger: &Finger, joints: &str) -> (PlaneFrame, Vec<usize>) {
-    let mut frame = PlaneFrame::new();
+    let mut frame = PlaneFrame::default();
     let mut points: Vec<Vector> = Vec::new();
     let nodes: Vec<usize> = (1..=finger.key_node_count())
         .map(|node| {
@@ -83,7 +83,7 @@ fn tied_nodes_are_one_node_of_a_frame_by_hand() {
                 let ladder = Statics::ladder(&mesh, kinematics).equilibrium(&[load]).expect("ladder");
                 let sparse = Statics::sparse(mesh.frame(), kinematics).equilibrium(&[load]).expect("sparse");
                 assert!(motions_apart(&ladder.motion, &sparse.motion) < tolerance, "{case}");
-                let expected = FingerShape::new(&finger, |node| {
+                let expected = FingerShape::new(&finger, false, |node| {
                     let at = nodes[node.0 - 1];
                     (expected.displacements[at], expected.rotations[hand.rotation_of(at)])
                 });

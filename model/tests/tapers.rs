@@ -38,7 +38,7 @@ fn front_elements(mesh: &Mesh) -> Vec<(f64, Section)> {
 
 /// Displacement and rotation at the free end of the front plate as a cantilever along x, clamped at its base, under a force and a moment there.
 fn cantilever(finger: &Finger, elements: usize, force: Vector, moment_nmm: f64) -> (Vector, f64) {
-    let mut frame = PlaneFrame::new();
+    let mut frame = PlaneFrame::default();
     let mut node = frame.add_node(Vector::zeros());
     frame.support(node, [true; 3]);
     let mut x_mm = 0.0;

@@ -158,7 +158,7 @@ fn a_lens_and_a_pose_that_are_found_serve_as_well() {
         };
         let grids: Vec<_> = (0..6).map(grid).collect();
         let (fit, _) = lens_of_grids(camera.lens.size_px(), plate.pitch_mm, &grids).expect("a lens");
-        let at_rest = FingerShape::new(finger, |_| Default::default());
+        let at_rest = FingerShape::new(finger, false, |_| Default::default());
         let image = image_of(&camera, finger, &at_rest, &markers, Disturbances { seed: number, ..DISTURBED });
         let rest = Rest::of(finger, &fit.lens, None, &markers, &image).expect("a finger at rest");
         let mut errors = Vec::new();

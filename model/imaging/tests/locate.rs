@@ -267,7 +267,7 @@ fn images_without_the_finger_are_refused() {
 fn the_pose_comes_from_the_finger_at_rest() {
     let scene = scene();
     let (finger, markers, camera) = (&scene.finger, scene.markers.expect("markers"), camera_of(&scene));
-    let shape = FingerShape::new(finger, |_| Default::default());
+    let shape = FingerShape::new(finger, false, |_| Default::default());
     let request = RenderRequest {
         camera: &camera,
         finger,

@@ -87,7 +87,7 @@ impl Equations {
         let node = &frame.nodes[end.node];
         let carrier = node.link.map_or(end.node, |link| link.master);
         let [x, y] = self.translations[carrier];
-        let levers = node.link.map_or([None; MOST_LEVERS], |link| link.places());
+        let levers = node.link.map_or([None; MOST_LEVERS], |link| link.levers);
         let [first, second, third] = levers.map(|lever| self.rotations[lever?.rotation]);
         [x, y, self.rotations[end.rotation], first, second, third]
     }

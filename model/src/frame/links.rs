@@ -21,7 +21,7 @@ pub(crate) struct Lever {
 pub(super) struct RigidLink {
     /// The first node of the series, which follows no other node.
     pub master: NodeIndex,
-    levers: [Option<Lever>; MOST_LEVERS],
+    pub levers: [Option<Lever>; MOST_LEVERS],
 }
 
 impl RigidLink {
@@ -29,11 +29,6 @@ impl RigidLink {
     #[inline(always)]
     pub fn levers(&self) -> impl Iterator<Item = Lever> + use<> {
         self.levers.into_iter().flatten()
-    }
-
-    /// The levers in order from the master; unused entries are `None`.
-    pub fn places(&self) -> [Option<Lever>; MOST_LEVERS] {
-        self.levers
     }
 }
 

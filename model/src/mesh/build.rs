@@ -1,14 +1,13 @@
 //! Construction of the frame of a finger: plates, ribs and rigid links, line by line.
 
-use super::prepared::Prepared;
-use super::zones::ElementPositions;
+use super::zones::element_start;
 use super::{FrontSpan, Line, Mesh};
 use crate::finger::{Finger, Joints, NodeId, Part, Plate};
 use crate::frame::{BeamEnd, NodeIndex, PlaneFrame, Section};
 
 impl Mesh {
     pub(super) fn build(finger: &Finger, elements: &[usize]) -> Mesh {
-        let mut frame = PlaneFrame::new();
+        let mut frame = PlaneFrame::default();
         for node in (1..=finger.key_node_count()).map(NodeId) {
             frame.add_node(finger.position(node));
         }
@@ -38,7 +37,7 @@ impl Mesh {
             front: Vec::new(),
             node_count: finger.key_node_count() + elements.iter().map(|n| n - 1).sum::<usize>(),
             elements: elements.clone(),
-            prepared: Prepared::default(),
+            at_rest: Default::default(),
         };
         let mut elements = elements.into_iter();
         let mut next = || elements.next().unwrap_or(1);
@@ -69,9 +68,8 @@ impl Mesh {
             BeamEnd { arm: along * arms_mm[0], ..self.frame.clamped_end(from) },
             BeamEnd { arm: along * -arms_mm[1], ..self.frame.clamped_end(to) },
         ];
-        let elements_at = ElementPositions::new(positions, arms_mm, elements);
-        let free = elements_at.free();
-        let position = |i: usize| elements_at.start(i);
+        let free = [positions[0] + arms_mm[0], positions[1] - arms_mm[1]];
+        let position = |i: usize| element_start(free, elements, i);
         let sections: Vec<Section> =
             (0..elements).map(|i| self.finger.plate_section(plate, position(i), position(i + 1))).collect();
         let first_member = self.frame.members().len();

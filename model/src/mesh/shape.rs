@@ -22,11 +22,6 @@ pub struct NodeMotion {
 }
 
 impl NodeMotion {
-    /// Undeformed position of the node's marker, mm, finger frame.
-    pub fn marker_position(&self, finger: &Finger) -> Vector {
-        self.position + finger.marker_offset(self.node)
-    }
-
     /// Displacement of the node's marker, mm, finger frame.
     pub fn marker_displacement(&self, finger: &Finger) -> Vector {
         match finger.description().markers_on {
@@ -39,26 +34,12 @@ impl NodeMotion {
 /// Motions of all key nodes of a finger, in ascending order of the nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerShape {
-    motions: Vec<NodeMotion>,
+    pub(super) motions: Vec<NodeMotion>,
 }
 
 impl FingerShape {
-    /// The shape with the given motions, one per key node in ascending order.
-    pub(super) fn of_motions(motions: Vec<NodeMotion>) -> FingerShape {
-        FingerShape { motions }
-    }
-
-    /// The shape in which `motion` returns the displacement (mm) and rotation (rad) of each key node. Brackets rotate without linearisation.
-    pub fn new(finger: &Finger, motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
-        FingerShape::turning(finger, motion, false)
-    }
-
-    /// Same as [`new`](FingerShape::new) for small rotations: the rotation of brackets is linearised.
-    pub fn of_linear(finger: &Finger, motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
-        FingerShape::turning(finger, motion, true)
-    }
-
-    fn turning(finger: &Finger, mut motion: impl FnMut(NodeId) -> (Vector, f64), linear: bool) -> FingerShape {
+    /// The shape in which `motion` returns the displacement (mm) and rotation (rad) of each key node. If `linear`, brackets rotate to first order.
+    pub fn new(finger: &Finger, linear: bool, mut motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
         let motions = (1..=finger.key_node_count()).map(NodeId).map(|node| {
             let (displacement, rotation) = motion(node);
             let hinge_displacement = displacement + swing(finger.bracket(node), rotation, linear);

@@ -4,30 +4,10 @@ use super::Mesh;
 use crate::finger::{Finger, Part, Plate, Zone};
 use crate::frame::Section;
 
-/// Positions of the elements along a plate member, mm from the base.
-pub(super) struct ElementPositions {
-    free: [f64; 2],
-    elements: usize,
-}
-
-impl ElementPositions {
-    /// Positions of equal elements between the rigid arms of a member. `positions` are the member's ends along the plate, mm from the base; `arms_mm` are the
-    /// lengths of its two arms, mm.
-    pub(super) fn new(positions: [f64; 2], arms_mm: [f64; 2], elements: usize) -> ElementPositions {
-        ElementPositions { free: [positions[0] + arms_mm[0], positions[1] - arms_mm[1]], elements }
-    }
-
-    /// Start and end of the elastic part of the member, mm from the base.
-    pub(super) fn free(&self) -> [f64; 2] {
-        self.free
-    }
-
-    /// Start of element `i`, mm from the base. If `i` is the number of elements, this is the end of the last element. It is exact without rounding, so that a
-    /// load at the tip lies on the plate.
-    pub(super) fn start(&self, i: usize) -> f64 {
-        let [from, to] = self.free;
-        if i == self.elements { to } else { from + (to - from) * i as f64 / self.elements as f64 }
-    }
+/// Start of element `i` of equal elements on the elastic part of a plate member, mm from the base. `free` holds start and end of this part, mm from the base. If
+/// `i` is the number of elements, this is the end of the last element. It is exact without rounding, so that a load at the tip lies on the plate.
+pub(super) fn element_start([from, to]: [f64; 2], elements: usize, i: usize) -> f64 {
+    if i == elements { to } else { from + (to - from) * i as f64 / elements as f64 }
 }
 
 impl Finger {
@@ -108,11 +88,11 @@ impl Mesh {
         let shares = lines.flat_map(|(nth, line)| {
             // The share for a rib does not depend on arms along a plate.
             let arms_mm = if chosen.part == Part::Ribs { [0.0; 2] } else { self.finger.member_arms_mm(plate, nth) };
-            let elements = ElementPositions::new([positions[nth], positions[nth + 1]], arms_mm, line.members.len());
+            let free = [positions[nth] + arms_mm[0], positions[nth + 1] - arms_mm[1]];
             let share = |i: usize| match chosen.part {
                 Part::Ribs => f64::from(u8::from(chosen.holds_rib(positions[nth + 1]))),
                 Part::Front | Part::Back => {
-                    let (from_mm, to_mm) = (elements.start(i), elements.start(i + 1));
+                    let [from_mm, to_mm] = [i, i + 1].map(|i| element_start(free, line.members.len(), i));
                     let relative = |from, to| self.finger.bending(plate, from, to);
                     compliance(&of_part, from_mm, to_mm, relative, |middle| covers(chosen, middle))
                         / compliance(&of_part, from_mm, to_mm, relative, |_| true)

@@ -16,7 +16,7 @@ const ROUNDING_N: f64 = 1e-9;
 
 /// A shallow toggle with pinned feet, all lengths times `unit`, all forces times `force_unit`.
 fn toggle(unit: f64, force_unit: f64) -> (PlaneFrame, NodeIndex) {
-    let mut frame = PlaneFrame::new();
+    let mut frame = PlaneFrame::default();
     let nodes: Vec<NodeIndex> = (0..=16)
         .map(|i| {
             let x = f64::from(i) - 8.0;
@@ -71,7 +71,7 @@ fn points_are_equilibria() {
 
 /// A clamped column of length and bending rigidity one, whose compression counts for little, and its free end.
 fn column(elements: usize) -> (PlaneFrame, NodeIndex) {
-    let mut frame = PlaneFrame::new();
+    let mut frame = PlaneFrame::default();
     let section = Section { axial_rigidity_n: 1e6, bending_rigidity_nmm2: 1.0 };
     let nodes: Vec<NodeIndex> =
         (0..=elements).map(|i| frame.add_node(Vector::new(i as f64 / elements as f64, 0.0))).collect();
@@ -143,7 +143,7 @@ fn degenerate_frames() {
     let bad = FrameLoad::Node { node: apex, force: Vector::new(f64::NAN, 0.0), moment_nmm: 0.0 };
     let refused = ArcLength::new(&frame, Kinematics::Corotational).follow(&[bad], 10, |_| false);
     assert_eq!(refused, Err(StaticsError::LoadNotFinite));
-    let mut free = PlaneFrame::new();
+    let mut free = PlaneFrame::default();
     let nodes = [0.0, 1.0].map(|x| free.add_node(Vector::new(x, 0.0)));
     free.add_beam(nodes[0], nodes[1], Section { axial_rigidity_n: 1.0, bending_rigidity_nmm2: 1.0 });
     let load = FrameLoad::Node { node: nodes[1], force: Vector::new(0.0, 1.0), moment_nmm: 0.0 };

@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-8;
 /// The finger's frame built by hand from its key nodes: turned by an angle and with the nodes added in another order.
 /// Returns the frame, and the position in it of each key node and of the joints of each rib. Without arms and zones.
 fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (PlaneFrame, Vec<usize>, Vec<[usize; 2]>) {
-    let mut frame = PlaneFrame::new();
+    let mut frame = PlaneFrame::default();
     let count = finger.key_node_count();
     let mut index = vec![0; count + 1];
     let mut sequence: Vec<usize> = (1..=count).collect();

@@ -78,5 +78,5 @@ pub fn load_shape(path: &Path, finger: &Finger) -> Result<FingerShape, FileError
         );
         return Err(FileError::content(path, message));
     }
-    Ok(FingerShape::new(finger, |node| motions[node.0 - 1].unwrap_or_default()))
+    Ok(FingerShape::new(finger, false, |node| motions[node.0 - 1].unwrap_or_default()))
 }

@@ -202,7 +202,7 @@ impl Lattice {
 
     /// Displacements and rotations of the key nodes that follow from the motions of all bodies.
     pub fn shape(&self, motions: &[BodyMotion]) -> FingerShape {
-        FingerShape::new(&self.finger, |node| {
+        FingerShape::new(&self.finger, false, |node| {
             let anchor = self.assembly.key_nodes[node.0 - 1];
             let motion = motions[anchor.body];
             (motion.displacement_at(anchor.arm), motion.rotation)

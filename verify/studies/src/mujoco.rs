@@ -207,7 +207,7 @@ fn shape(
     if !motions.iter().map(|(node, _)| *node).eq(1..=key_nodes) {
         return Err(ExportError::Nodes { case: case(), key_nodes });
     }
-    Ok(FingerShape::new(finger, |node| {
+    Ok(FingerShape::new(finger, false, |node| {
         let [ux, uy, theta] = motions[node.0 - 1].1;
         (Vector::new(ux, uy), theta)
     }))

@@ -88,7 +88,7 @@ fn marker_pixels(
     height_mm: f64,
 ) -> Result<Vec<(NodeId, Pixel)>, RenderError> {
     let seen = shape.motions().iter().map(|motion| {
-        let at = (motion.marker_position(finger) + motion.marker_displacement(finger)).push(height_mm);
+        let at = (finger.marker_position(motion.node) + motion.marker_displacement(finger)).push(height_mm);
         let pixel = camera.project(&at).map_err(|reason| RenderError::NotSeen { node: motion.node, reason })?;
         Ok((motion.node, pixel))
     });
@@ -116,7 +116,7 @@ pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
     let on_front = finger.plate_nodes(finray_model::finger::Plate::Front);
     let is_seen = |node: NodeId| finger.has_marker(node) && !hidden.contains(&node);
     for motion in shape.motions().iter().filter(|motion| is_seen(motion.node)) {
-        let centre = motion.marker_position(finger) + motion.marker_displacement(finger);
+        let centre = finger.marker_position(motion.node) + motion.marker_displacement(finger);
         paint_marker(&mut canvas, camera, markers, centre, on_front.contains(&motion.node));
     }
     for reference in references {

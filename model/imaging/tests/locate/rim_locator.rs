@@ -69,7 +69,7 @@ fn located(scene: &Scene, seen: &Image, base: &Base) -> Result<SeenFinger, Locat
 
 fn true_position(scene: &Scene, shape: &FingerShape, node: NodeId) -> Vector {
     let motion = shape.motion(node);
-    motion.marker_position(&scene.finger) + motion.marker_displacement(&scene.finger)
+    scene.finger.marker_position(motion.node) + motion.marker_displacement(&scene.finger)
 }
 
 /// Both references and all eight markers are found and named; errors are within what is stated.

@@ -28,7 +28,7 @@ pub const TOLERANCE: f64 = 1e-6;
 fn frame() -> (PlaneFrame, [NodeIndex; 4]) {
     let corners = [(0.0, 0.0), (0.0, LENGTH), (LOAD_AT, LENGTH), (LENGTH, LENGTH)].map(|(x, y)| Vector::new(x, y));
     let section = Section { axial_rigidity_n: RIGIDITY.axial, bending_rigidity_nmm2: RIGIDITY.bending };
-    let mut frame = PlaneFrame::new();
+    let mut frame = PlaneFrame::default();
     let nodes = corners.map(|at| frame.add_node(at));
     for i in 0..3 {
         let elements = ELEMENTS * ((corners[i + 1] - corners[i]).norm() / LOAD_AT).round() as usize;

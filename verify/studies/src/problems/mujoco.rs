@@ -79,7 +79,7 @@ fn direction_deviations(meshes: &[Mesh; 2], cases: &[StaticCase]) -> Result<Vec<
 }
 
 fn deviation(finger: &Finger, case: &StaticCase, coarse: &FingerShape, fine: &FingerShape) -> CaseDeviation {
-    let ours = FingerShape::new(finger, |node| {
+    let ours = FingerShape::new(finger, false, |node| {
         let (c, f) = (coarse.motion(node), fine.motion(node));
         (f.displacement + (f.displacement - c.displacement) / 3.0, f.rotation + (f.rotation - c.rotation) / 3.0)
     });

@@ -58,7 +58,7 @@ impl<'m> MeshTruth<'m> {
         let finger = self.mesh.finger();
         let unit = solved.motions(&contact.unit_load(finger))?;
         let shape = |force_n: &f64| {
-            FingerShape::of_linear(finger, |node| {
+            FingerShape::new(finger, true, |node| {
                 let motion = unit[node.0 - 1] * *force_n;
                 (motion.xy(), motion.z)
             })
