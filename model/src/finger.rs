@@ -4,10 +4,7 @@ mod description;
 mod placement;
 mod sections;
 
-pub use description::{
-    BracketLengths, FingerDescription, ImpossibleFinger, Joints, MarkerPoints, OfRibs, Part, RibDescription,
-    RibPositions, RigidEnds, Strip, Zone,
-};
+pub use description::*;
 
 use crate::Vector;
 use placement::{check_room, check_sizes, check_zones, place_ribs, place_tip};

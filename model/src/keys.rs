@@ -10,14 +10,9 @@ mod reference;
 mod tables;
 
 pub(crate) use kinds::described;
-pub use kinds::{
-    BracketLengths, Count, Kind, Number, Numbers, OfRibs, Pairs, Quantity, Range, Refused, RibLengths, RibNumbers,
-    Rows, SideLengths, Text, Word,
-};
+pub use kinds::*;
 pub use reference::reference;
 pub use tables::*;
-
-use std::ops::Deref;
 
 /// Whether a scene must have a key, and the value that applies to a scene without the key.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,14 +54,6 @@ impl<K: Kind> Key<K> {
         format!("{}[{number}].{}", self.table, self.name)
     }
 
-    /// Default value of the key; `None` if the key has none.
-    pub fn default(&self) -> Option<&K::Value> {
-        match &self.need {
-            Need::Or(value) => Some(value),
-            _ => None,
-        }
-    }
-
     /// Checks whether a value lies in the range of the key.
     ///
     /// # Errors
@@ -87,10 +74,7 @@ impl<K: Kind> Key<K> {
             Need::Or(value) => format!("default {}", self.kind.written(value)),
             Need::Optional => "optional".to_owned(),
         };
-        let shape = match self.need {
-            Need::Of(shape) => Some(shape),
-            _ => None,
-        };
+        let shape = if let Need::Of(shape) = self.need { Some(shape) } else { None };
         let is_required = matches!(self.need, Need::Required);
         Entry { name: self.name, values: self.kind.described(), need, is_required, shape, says: self.says }
     }
@@ -124,30 +108,7 @@ pub enum Occurs {
     Many,
 }
 
-/// A table of the scene; the fields of `K` are its keys.
-#[derive(Debug)]
-pub struct Table<K> {
-    path: &'static str,
-    occurs: Occurs,
-    says: &'static str,
-    keys: K,
-}
-
-impl<K> Deref for Table<K> {
-    type Target = K;
-
-    fn deref(&self) -> &K {
-        &self.keys
-    }
-}
-
-/// A set of keys that can be listed.
-pub trait KeyList {
-    /// Entries of all keys, in the order of the reference.
-    fn entries(&self) -> Vec<Entry>;
-}
-
-/// A table of the scene, in a form that is independent of the type of its keys.
+/// A table of the scene. The fields of its type are its keys.
 pub trait SceneTable: Sync {
     /// Path of the table, for instance `finger.ribs`; empty for the keys above all tables.
     fn path(&self) -> &'static str;
@@ -185,24 +146,6 @@ pub trait SceneTable: Sync {
             [only] => format!("[{}] with {only}", self.path()),
             [others @ .., last] => format!("[{}] with {} and {last}", self.path(), others.join(", ")),
         }
-    }
-}
-
-impl<K: KeyList + Sync> SceneTable for Table<K> {
-    fn path(&self) -> &'static str {
-        self.path
-    }
-
-    fn occurs(&self) -> Occurs {
-        self.occurs
-    }
-
-    fn says(&self) -> &'static str {
-        self.says
-    }
-
-    fn entries(&self) -> Vec<Entry> {
-        self.keys.entries()
     }
 }
 

@@ -21,7 +21,7 @@ use crate::finger::{
 use crate::gripper::Gripper;
 use crate::keys::{
     ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, GRASP, GRIPPER, MARKERS, OBJECT, PlateKeys, RIBS, TOP,
-    TOUCHED, Table, ZONE,
+    TOUCHED, ZONE,
 };
 use crate::measurement::MarkerErrors;
 use crate::sensing::{AssemblyErrors, UnloadedError};
@@ -154,7 +154,7 @@ fn read_strain_limits(finger: &TableReader) -> Result<StrainLimits, SceneError> 
     })
 }
 
-fn read_plate(finger: &TableReader, keys: &'static Table<PlateKeys>) -> Result<(Strip, RigidEnds), SceneError> {
+fn read_plate(finger: &TableReader, keys: &'static PlateKeys) -> Result<(Strip, RigidEnds), SceneError> {
     let table = finger.table(keys)?;
     let strip = Strip {
         thickness_mm: table.get(&keys.thickness_mm)?,

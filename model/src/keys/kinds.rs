@@ -2,9 +2,7 @@
 
 mod numbers;
 
-pub use numbers::{
-    BracketLengths, Number, Numbers, OfRibs, Pairs, Quantity, Range, RibLengths, RibNumbers, Rows, SideLengths,
-};
+pub use numbers::*;
 
 use std::fmt::Debug;
 use toml::de::DeValue;
@@ -80,10 +78,6 @@ impl Kind for Count {
 
     fn outside(&self, value: &usize) -> Option<String> {
         (!(self.1..=self.2).contains(value)).then(|| value.to_string())
-    }
-
-    fn written(&self, value: &usize) -> String {
-        value.to_string()
     }
 }
 

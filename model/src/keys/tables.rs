@@ -5,8 +5,8 @@
 use super::Need::{Of, Optional, Or, Required, RequiredIf};
 use super::Range::{Above, AtMost, Between, ByOthers, Finite, Positive, Whole, Within};
 use super::{
-    BracketLengths, Count, Entry, Key, KeyList, Number, Numbers, Occurs, Pairs, Quantity, Range, RibLengths,
-    RibNumbers, Rows, SceneTable, SideLengths, Table, Text, Word,
+    BracketLengths, Count, Entry, Key, Number, Numbers, Occurs, Pairs, Quantity, Range, RibLengths, RibNumbers, Rows,
+    SceneTable, SideLengths, Text, Word,
 };
 
 /// Default radius of the rods on the front plate, mm. The rods of Xu et al. (2021), sec. II, have a diameter of 3 mm.
@@ -51,14 +51,16 @@ macro_rules! tables {
         #[doc = $about]
         #[derive(Debug)]
         pub struct $keys {
+            path: &'static str,
             $(#[doc = $says] pub $key: Key<$kind $(<$n>)?>,)*
         }
 
         impl $keys {
-            const fn of(table: &'static str) -> $keys {
+            const fn of(path: &'static str) -> $keys {
                 $keys {
+                    path,
                     $($key: Key {
-                        table,
+                        table: path,
                         name: stringify!($key),
                         kind: $kind $(::<$n>)? ($($value)*),
                         need: $need,
@@ -68,15 +70,17 @@ macro_rules! tables {
             }
         }
 
-        impl KeyList for $keys {
+        impl SceneTable for $keys {
+            fn path(&self) -> &'static str { self.path }
+            fn occurs(&self) -> Occurs { Occurs::$occurs }
+            fn says(&self) -> &'static str { $about }
             fn entries(&self) -> Vec<Entry> {
                 vec![$(self.$key.entry()),*]
             }
         }
 
         $(#[doc = $about]
-        pub static $name: Table<$keys> =
-            Table { path: $path, occurs: Occurs::$occurs, says: $about, keys: $keys::of($path) };)+
+        pub static $name: $keys = $keys::of($path);)+
     };
 }
 

@@ -1,7 +1,7 @@
 //! Reading of typed values from TOML. Errors name line, key and expected value.
 
 use super::SceneError;
-use crate::keys::{Key, Kind, SceneTable, TOP, Word, described, joined, with_article};
+use crate::keys::{Key, Kind, Need, SceneTable, TOP, Word, described, joined, with_article};
 use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -166,10 +166,10 @@ impl<'d, 't> TableReader<'d, 't> {
 
     /// Reads the value of a key, or returns the key's default.
     pub(super) fn get<K: Kind>(&self, key: &Key<K>) -> Result<K::Value, SceneError> {
-        match (self.optional(key)?, key.default()) {
+        match (self.optional(key)?, &key.need) {
             (Some(value), _) => Ok(value),
-            (None, Some(default)) => Ok(default.clone()),
-            (None, None) => Err(self.missing(key.name, &key.kind.noun())),
+            (None, Need::Or(default)) => Ok(default.clone()),
+            (None, _) => Err(self.missing(key.name, &key.kind.noun())),
         }
     }
 

@@ -250,13 +250,6 @@ impl Kind for RibNumbers {
     fn outside(&self, value: &OfRibs<f64>) -> Option<String> {
         value.all().iter().find_map(|number| self.0.outside(number))
     }
-
-    fn written(&self, value: &OfRibs<f64>) -> String {
-        match value {
-            OfRibs::Alike(all) => format!("{all:?}"),
-            OfRibs::Each(each) => format!("{each:?}"),
-        }
-    }
 }
 
 /// Lengths at the ends of the ribs, mm, zero or more: as [`SideLengths`], or a list with one pair per rib.
@@ -292,10 +285,7 @@ impl Kind for RibLengths {
     }
 
     fn written(&self, value: &BracketLengths) -> String {
-        match value {
-            BracketLengths::Alike(pair) => SideLengths().written(pair),
-            BracketLengths::Each(pairs) => format!("{pairs:?}"),
-        }
+        SideLengths().written(&value.of(0))
     }
 }
 
