@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, help_heading = "Sensing", value_name = "S", default_value_t = 0.8, value_parser = not_negative, requires = "images")]
     blur_px: f64,
     /// Estimator as for `finray sense`; contacts are then assumed exact and frictionless
-    #[arg(long, help_heading = "Sensing", value_name = "E", value_parser = listed::<EstimatorId>())]
+    #[arg(long, help_heading = "Sensing", value_name = "E", value_parser = listed(EstimatorId::ALL, EstimatorId::name))]
     estimator: Option<EstimatorId>,
     /// Seed of the noise
     #[arg(long, help_heading = "Sensing", value_name = "N", default_value_t = 1)]

@@ -20,10 +20,10 @@ pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
     /// Model of the true finger
-    #[arg(long, value_parser = listed::<TruthId>(), default_value_t = TruthId::Corotational)]
+    #[arg(long, value_parser = listed(TruthId::ALL, TruthId::name), default_value_t = TruthId::Corotational)]
     truth: TruthId,
     /// Estimator of the forces
-    #[arg(long, value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
+    #[arg(long, value_parser = listed(EstimatorId::ALL, EstimatorId::name), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_parser = not_negative)]

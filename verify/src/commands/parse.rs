@@ -1,7 +1,6 @@
 //! Parsers of command-line values: loads, contacts, numbers.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use finray_model::registry::Listed;
 use finray_model::sensing::{Contact, ContactPosition, Direction, MeasuredContact};
 use finray_model::sensor::AskedDirection;
 use finray_model::{Kinematics, Load, NodeId, Vector};
@@ -136,10 +135,13 @@ impl AskedContact {
 }
 
 /// Parser of an option whose values are the names of an enum.
-pub fn listed<T: Listed>() -> impl TypedValueParser<Value = T> {
-    let values = T::ALL.iter().map(|value| PossibleValue::new(value.name()));
-    PossibleValuesParser::new(values).try_map(|name: String| {
-        T::ALL.iter().copied().find(|value| value.name() == name).ok_or_else(|| format!("no such value: {name}"))
+pub fn listed<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
+where
+    T: Copy + Send + Sync + 'static,
+{
+    let values = all.iter().map(|value| PossibleValue::new(name(*value)));
+    PossibleValuesParser::new(values).try_map(move |text: String| {
+        all.iter().copied().find(|value| name(*value) == text).ok_or_else(|| format!("no such value: {text}"))
     })
 }
 

@@ -30,7 +30,7 @@ pub struct Arguments {
     #[command(flatten, next_help_heading = "Question")]
     contacts: Contacts,
     /// Estimator of the forces
-    #[arg(long, help_heading = "Estimator", value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
+    #[arg(long, help_heading = "Estimator", value_parser = listed(EstimatorId::ALL, EstimatorId::name), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
     /// Network file of `finray train` [default: the shipped network]
     #[arg(long, help_heading = "Estimator", value_name = "FILE")]

@@ -20,10 +20,10 @@ pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
     /// Models of the true finger, comma-separated
-    #[arg(long, value_parser = listed::<TruthId>(), value_delimiter = ',', default_values_t = [TruthId::Corotational])]
+    #[arg(long, value_parser = listed(TruthId::ALL, TruthId::name), value_delimiter = ',', default_values_t = [TruthId::Corotational])]
     truth: Vec<TruthId>,
     /// Estimators, comma-separated
-    #[arg(long, value_parser = listed::<EstimatorId>(), value_delimiter = ',', default_values_t = [EstimatorId::Nonlinear])]
+    #[arg(long, value_parser = listed(EstimatorId::ALL, EstimatorId::name), value_delimiter = ',', default_values_t = [EstimatorId::Nonlinear])]
     estimator: Vec<EstimatorId>,
     /// Standard deviations of the noise in one coordinate, mm, for instance 0,0.067 [default: the scene's, or 0]
     #[arg(long, value_name = "S", value_delimiter = ',', value_parser = not_negative)]
