@@ -48,7 +48,7 @@ impl Beam {
             .collect();
         loads.sort_by(|a, b| a.xi.total_cmp(&b.xi));
         let ends: Vec<f64> = std::iter::once(0.0).chain(loads.iter().map(|load| load.xi)).chain([1.0]).collect();
-        let strain = self.mean_strain(kinematics == Kinematics::Corotational, &deformation);
+        let (strain, _) = self.axial_strain(kinematics == Kinematics::Corotational, &deformation);
         let segments = ends.windows(2).enumerate().flat_map(|(nth, ends)| {
             // The first `nth` loads lie before segment `nth` (from 0).
             let (before, after) = loads.split_at(nth);

@@ -80,10 +80,10 @@ impl<R: Number> Beam<R> {
     pub fn response(&self, kinematics: Kinematics, motion: &[EndMotion<R>; 2]) -> Response<R> {
         if kinematics == Kinematics::Linear {
             let chord = Chord::at_rest(self);
-            return self.natural_response(false, &chord.linear_deformation(motion)).on_chord(&chord, false);
+            return self.response_on(&chord, &chord.linear_deformation(motion), false, false);
         }
         let chord = Chord::deformed(self, motion);
         let bowing = kinematics == Kinematics::Corotational;
-        self.natural_response(bowing, &chord.deformation(motion)).on_chord(&chord, true)
+        self.response_on(&chord, &chord.deformation(motion), bowing, true)
     }
 }

@@ -23,6 +23,8 @@ pub struct BeamEstimator<'m> {
     /// Mesh of the co-rotational finger from which the model error follows. For the nonlinear estimator it is finer than `mesh`. `None` if the standard
     /// deviations follow from noise alone.
     reference: Option<Mesh>,
+    /// Compliance that is computed once for all contacts. `None` computes it for each set of contacts.
+    solved: Option<NodalCompliance>,
 }
 
 impl<'m> BeamEstimator<'m> {
@@ -38,13 +40,13 @@ impl<'m> BeamEstimator<'m> {
 
     fn linear(id: EstimatorId, prior: Prior, mesh: &'m Mesh) -> BeamEstimator<'m> {
         let reference = Mesh::with_elements_per_member(mesh.finger(), LINEARISATION_ELEMENTS);
-        BeamEstimator { id, prior: Some(prior), mesh, reference: Some(reference) }
+        BeamEstimator { id, prior: Some(prior), mesh, reference: Some(reference), solved: None }
     }
 
     /// Gauss-Newton on a mesh of the co-rotational finger. Its standard deviations include the error of the mesh.
     pub fn nonlinear(mesh: &'m Mesh) -> BeamEstimator<'m> {
         let reference = Some(Discretisation::finer(mesh));
-        BeamEstimator { id: EstimatorId::Nonlinear, prior: None, mesh, reference }
+        BeamEstimator { id: EstimatorId::Nonlinear, prior: None, mesh, reference, solved: None }
     }
 
     /// The same estimator with standard deviations that follow from noise alone, as in the Cramer-Rao bound.
@@ -65,8 +67,16 @@ impl Estimator for BeamEstimator<'_> {
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
         match self.prior {
             Some(prior) => {
-                let estimator = LinearEstimator::new(self.mesh.finger(), contacts, markers)?;
-                Ok(Box::new(Linear::new(estimator, prior, contacts, self.reference.as_ref())))
+                // Because of rounding, the solution for a unit moment may fail although the solution for the force succeeds.
+                let estimator = match self.solved.as_ref().map(|solved| LinearEstimator::on(solved, contacts, markers))
+                {
+                    None | Some(Err(SensingError::Statics(_))) => {
+                        LinearEstimator::new(self.mesh.finger(), contacts, markers)
+                    }
+                    Some(found) => found,
+                }?;
+                let linearisation = self.reference.as_ref().map(|mesh| Linearisation::new(mesh, contacts));
+                Ok(Box::new(Linear { sum: SumSigma::of(&estimator, prior), estimator, prior, linearisation }))
             }
             None => {
                 let questions: Vec<_> = contacts.iter().map(|&contact| contact.into()).collect();
@@ -78,37 +88,10 @@ impl Estimator for BeamEstimator<'_> {
     }
 
     fn for_many(&self, finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
-        let prior = self.prior?;
-        let solved = NodalCompliance::new(self.mesh.finger());
-        let reference = self.reference.as_ref().filter(|_| !finger_is_linear);
-        Some(Box::new(SolvedLinear { id: self.id, solved, prior, reference }))
-    }
-}
-
-/// A linear estimator on a finger whose compliance is computed once for all contacts.
-struct SolvedLinear<'m> {
-    id: EstimatorId,
-    solved: NodalCompliance,
-    prior: Prior,
-    reference: Option<&'m Mesh>,
-}
-
-impl Estimator for SolvedLinear<'_> {
-    fn id(&self) -> EstimatorId {
-        self.id
-    }
-
-    fn prepare<'a>(
-        &'a self,
-        contacts: &[Contact],
-        markers: &Measurement,
-    ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
-        let estimator = LinearEstimator::on(&self.solved, contacts, markers).or_else(|error| match error {
-            // Because of rounding, the solution for a unit moment may fail although the solution for the force succeeds.
-            SensingError::Statics(_) => LinearEstimator::new(self.solved.finger(), contacts, markers),
-            error => Err(error),
-        })?;
-        Ok(Box::new(Linear::new(estimator, self.prior, contacts, self.reference)))
+        self.prior?;
+        let reference = self.reference.clone().filter(|_| !finger_is_linear);
+        let solved = Some(NodalCompliance::new(self.mesh.finger()));
+        Some(Box::new(BeamEstimator { solved, reference, ..*self }))
     }
 }
 
@@ -118,13 +101,6 @@ struct Linear<'m> {
     prior: Prior,
     sum: SumSigma,
     linearisation: Option<Linearisation<'m>>,
-}
-
-impl<'m> Linear<'m> {
-    fn new(estimator: LinearEstimator, prior: Prior, contacts: &[Contact], reference: Option<&'m Mesh>) -> Linear<'m> {
-        let linearisation = reference.map(|mesh| Linearisation::new(mesh, contacts));
-        Linear { sum: SumSigma::of(&estimator, prior), estimator, prior, linearisation }
-    }
 }
 
 impl PreparedEstimator for Linear<'_> {

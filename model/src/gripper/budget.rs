@@ -1,7 +1,7 @@
 //! Effect of errors in the linkage on the undeformed positions of the nodes, from which displacements are measured.
 
-use super::{Gripper, GripperDescription, ImpossibleLinkage};
-use crate::{Finger, NodeId, Vector};
+use super::{Gripper, GripperDescription};
+use crate::{Finger, NodeId};
 
 /// Uncertainty of the linkage: standard deviations of angle and lengths, and the backlash of the screw.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -42,9 +42,11 @@ impl Gripper {
             let [back, ahead] = [-step, step].map(|by| {
                 let mut description = self.description;
                 change(&mut description, by);
-                description_nodes(description, finger, motor_deg).ok().flatten()
+                let gripper = Gripper::new(description).ok()?;
+                let [left, _] = gripper.fingers(&gripper.pose(motor_deg)?);
+                Some((1..=finger.key_node_count()).map(move |node| left.outwards(finger.position(NodeId(node)))))
             });
-            let moved = back?.into_iter().zip(ahead?).map(|(back, ahead)| (ahead - back).norm() / (2.0 * step));
+            let moved = back?.zip(ahead?).map(|(back, ahead)| (ahead - back).norm() / (2.0 * step));
             Some(moved.fold(0.0, f64::max))
         };
         let by_nut = largest(&|description, by| description.slider_mm += by)?;
@@ -58,17 +60,4 @@ impl Gripper {
             fixed_joint_mm: errors.length_mm * fixed_joint,
         })
     }
-}
-
-/// Undeformed key nodes of the left finger in the gripper's frame, mm. `None` if the linkage cannot reach the motor angle.
-fn description_nodes(
-    description: GripperDescription,
-    finger: &Finger,
-    motor_deg: f64,
-) -> Result<Option<Vec<Vector>>, ImpossibleLinkage> {
-    let gripper = Gripper::new(description)?;
-    Ok(gripper.pose(motor_deg).map(|pose| {
-        let [left, _] = gripper.fingers(&pose);
-        (1..=finger.key_node_count()).map(|node| left.outwards(finger.position(NodeId(node)))).collect()
-    }))
 }
