@@ -6,13 +6,8 @@ mod modulus;
 mod views;
 
 pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
-pub use modulus::{CorotationalModulus, OutlyingMarker, corotational_modulus};
-pub use views::{
-    BaseCompliance, ForceError, ForceInView, FoundQuantity, FoundView, FrictionEstimate, FrictionQuestion,
-    LeftOutObject, LocatedView, MeasuredLean, OneView, Outlier, OutlierKind, Quantity, RigEstimate, RigQuestion,
-    SceneValue, SensedBefore, Sought, UNSTATED_BASE, View, ViewError, ViewEstimate, ViewModel, calibrate_rig,
-    compliance_of, force_in_view, friction_of, views,
-};
+pub use modulus::{ModulusEstimate, OutlyingMarker, corotational_modulus};
+pub use views::*;
 
 use crate::Kinematics;
 use crate::finger::Finger;
@@ -27,19 +22,6 @@ pub struct CalibrationCase {
     pub load: Load,
     /// The measured displacements.
     pub measurement: Measurement,
-}
-
-/// Modulus of the finger as a factor on the scene's modulus.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ModulusEstimate {
-    /// Factor on all moduli of the finger, dimensionless.
-    pub factor: f64,
-    /// Standard deviation of the factor, dimensionless. It follows from the scatter of the residuals.
-    pub sigma: f64,
-    /// Mean distance between measured and computed positions of a node, mm.
-    pub mean_distance_mm: f64,
-    /// Number of measured nodes, over all cases.
-    pub node_count: usize,
 }
 
 /// Reason for which a calibration fails.
@@ -224,6 +206,7 @@ pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<Modu
         factor: 1.0 / c,
         sigma: sigma_c / (c * c),
         mean_distance_mm: distances / nodes.len() as f64,
-        node_count: nodes.len(),
+        contradiction: None,
+        outliers: Vec::new(),
     })
 }

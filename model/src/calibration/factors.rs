@@ -63,8 +63,6 @@ pub struct FactorEstimate {
     pub residual_rms_mm: f64,
     /// Distance between measured and computed position of each marker, mm, one case after the other.
     pub distances_mm: Vec<f64>,
-    /// Number of iterations of the optimiser.
-    pub iterations: usize,
 }
 
 impl FactorEstimate {
@@ -154,7 +152,6 @@ pub fn factors(
         noise_mm,
         residual_rms_mm: (fit.squares / coordinates as f64).sqrt(),
         distances_mm: distances_of(cases, &fit.residual),
-        iterations: fit.iterations,
     })
 }
 

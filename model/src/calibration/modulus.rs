@@ -23,9 +23,9 @@ const MOST_ROUNDS: usize = 20;
 /// The modulus is doubled at most this number of times if the finger has no equilibrium under the loads with the linear finger's factor.
 const MOST_DOUBLINGS: i32 = 6;
 
-/// Modulus of the co-rotational finger as a factor on the scene's modulus.
+/// Modulus of the finger as a factor on the scene's modulus.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CorotationalModulus {
+pub struct ModulusEstimate {
     /// Factor on all moduli of the finger, dimensionless.
     pub factor: f64,
     /// Standard deviation of the factor, dimensionless. Includes the error of the mesh.
@@ -66,7 +66,7 @@ pub fn corotational_modulus(
     cases: &[CalibrationCase],
     elements: usize,
     noise_mm: Option<f64>,
-) -> Result<CorotationalModulus, CalibrationError> {
+) -> Result<ModulusEstimate, CalibrationError> {
     let linear = youngs_modulus(finger, cases)?;
     if !linear.factor.is_finite() {
         return Err(CalibrationError::NotIdentifiable { parameters: Unknown::Modulus.to_string() });
@@ -95,7 +95,7 @@ pub fn corotational_modulus(
     // A perfect fit has neither noise nor standard deviation.
     let wider = if estimate.noise_mm > 0.0 { trusted_mm / estimate.noise_mm } else { 1.0 };
     let factor = start * estimate.factors[0];
-    Ok(CorotationalModulus {
+    Ok(ModulusEstimate {
         factor,
         sigma: factor * (estimate.relative_sigmas[0] * wider).hypot(mesh_error),
         mean_distance_mm: estimate.distances_mm.iter().sum::<f64>() / estimate.distances_mm.len() as f64,

@@ -27,7 +27,7 @@ pub fn load_scene_and_text(path: &Path) -> Result<(Scene, String), FileError> {
 ///
 /// # Errors
 /// A message if the text is not valid TOML or lacks a table that a key names. A text that was read as a scene gives no error.
-pub fn with_values(text: &str, values: &[(String, Option<toml_edit::Value>)]) -> Result<String, String> {
+pub fn with_values(text: &str, values: &[(String, Option<impl std::fmt::Display>)]) -> Result<String, String> {
     let mut document: toml_edit::DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| error.to_string())?;
     for (path, value) in values {
         let (tables, key) = path.rsplit_once('.').unwrap_or(("", path));
@@ -49,15 +49,17 @@ pub fn with_values(text: &str, values: &[(String, Option<toml_edit::Value>)]) ->
             table.remove(key);
             continue;
         };
+        let value: toml_edit::Value =
+            value.to_string().parse().map_err(|error: toml_edit::TomlError| error.to_string())?;
         match table.get_mut(key).and_then(toml_edit::Item::as_value_mut) {
             // Comments behind the old value are kept.
             Some(old) => {
                 let decor = old.decor().clone();
-                *old = value.clone();
+                *old = value;
                 *old.decor_mut() = decor;
             }
             None => {
-                table.insert(key, toml_edit::Item::Value(value.clone()));
+                table.insert(key, toml_edit::Item::Value(value));
             }
         }
     }

@@ -2,12 +2,11 @@
 
 use super::problem::{Candidate, Problem, ViewUnknowns};
 use super::shape_motion::motion_of_shape;
-use super::{Quantity, View, ViewError};
+use super::{Quantity, Sought, View, ViewError};
 use crate::calibration::{CalibrationError, median};
 use crate::measurement::BaseUncertainty;
 use crate::sensing::{ContactQuestion, Direction, NonlinearEstimator};
 use crate::{NodeId, Vector};
-use nalgebra::Isometry2;
 
 /// Standard deviations assumed before calibration: `UNCALIBRATED_MM` for markers, mm, and `SOUGHT_BASE` for a base whose pose is sought, mm and rad.
 const UNCALIBRATED_MM: f64 = 0.3;
@@ -54,11 +53,6 @@ impl Compared<'_> {
 }
 
 impl Problem<'_> {
-    fn seeks_base(&self) -> bool {
-        let is_of_base = |quantity| matches!(quantity, Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn);
-        self.sought.iter().any(|sought| is_of_base(sought.quantity))
-    }
-
     /// Force that the markers of a view show along the measured direction, estimated with the scene's finger. `None` if no force was measured or the estimator
     /// gives no answer.
     pub(super) fn marker_force(&self, stated: &Candidate, view: &View) -> Option<MarkerForce> {
@@ -68,16 +62,13 @@ impl Problem<'_> {
         let direction = Direction::Angle(angle_deg - outwards_deg.copysign(angle_deg));
         let questions = [ContactQuestion { position: None, direction }];
         let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions).ok()?.with_pad(self.model.pad);
-        let [sd_mm, sd_rad] = if self.seeks_base() { SOUGHT_BASE } else { [0.0; 2] };
+        let is_of_base = |it: &Sought| matches!(it.quantity, Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn);
+        let [sd_mm, sd_rad] = if self.sought.iter().any(is_of_base) { SOUGHT_BASE } else { [0.0; 2] };
         let (sd_mm, sd_rad) = (view.base.sd_mm.hypot(sd_mm), view.base.sd_rad.hypot(sd_rad));
         let measurement = view.measurement.clone().with_base(BaseUncertainty { sd_mm, sd_rad, ..view.base });
         let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(UNCALIBRATED_MM))).ok()?;
-        let own = ViewUnknowns {
-            s_mm: sensed.contacts[0].position_mm(self.finger)?,
-            base: Isometry2::identity(),
-            force_n: if outwards_deg > 0.0 { -sensed.forces.forces_n[0] } else { sensed.forces.forces_n[0] },
-            further_lean_deg: 0.0,
-        };
+        let force_n = if outwards_deg > 0.0 { -sensed.forces.forces_n[0] } else { sensed.forces.forces_n[0] };
+        let own = ViewUnknowns::at(sensed.contacts[0].position_mm(self.finger)?, force_n);
         Some(MarkerForce { own, sigma_n: sensed.forces.sigmas_n[0] })
     }
 

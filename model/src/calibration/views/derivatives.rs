@@ -1,7 +1,7 @@
 //! Presents the problem of the views to the optimiser: derivatives by differences, priors, and bounds of the positions.
 
-use super::View;
 use super::problem::{Point, Pressed, Problem, ViewUnknowns, free_part_mm};
+use super::{Quantity, View};
 use crate::calibration::CalibrationError;
 use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use nalgebra::{DMatrix, DVector};
@@ -37,7 +37,11 @@ impl LeastSquaresProblem for Problem<'_> {
         let here = self.views.iter().zip(&point.own).map(|(view, own)| self.pressed(&candidate, view, own));
         let here = here.collect::<Option<Vec<Pressed>>>().ok_or(NOWHERE)?;
         for (k, sought) in self.sought.iter().enumerate() {
-            let step = sought.quantity.step([SHARE_STEP, LENGTH_STEP, SIGMA_STEP]);
+            let step = match sought.quantity {
+                Quantity::Modulus | Quantity::PlateModulus(_) => SHARE_STEP,
+                Quantity::Unloaded(_) => SIGMA_STEP,
+                _ => LENGTH_STEP,
+            };
             let mut changed = point.shared.clone();
             changed[k] += step;
             let other = self.candidate(&changed).ok_or(NOWHERE)?;
@@ -118,8 +122,7 @@ impl ViewUnknowns {
     /// Step of an unknown (by index) for derivatives, in mm, rad, N or degrees.
     fn step(&self, unknown: usize) -> f64 {
         match unknown {
-            0 => LENGTH_STEP,
-            1 | 2 => LENGTH_STEP,
+            0..=2 => LENGTH_STEP,
             3 => SHARE_STEP,
             4 => SHARE_STEP * self.force_n,
             _ => ANGLE_STEP_DEG,

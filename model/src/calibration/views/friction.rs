@@ -1,9 +1,8 @@
 //! Estimates friction from measured forces.
 
-use super::scatter::TWO_SIDED_95;
+use super::scatter::predictive_sd;
 use crate::calibration::CalibrationError;
 use crate::sensing::{Lean, Normal};
-use statrs::function::erf::erfc;
 
 /// Options for the estimate of friction between finger and objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -20,9 +19,6 @@ const BUILD_UPS: usize = 1000;
 /// The search tries standard deviations between objects from the first to the second value, degrees, in steps of 2 %.
 const SDS_DEG: [f64; 2] = [0.01, 60.0];
 const SDS: usize = 400;
-/// Number of bisections in the search for half a 95 % interval. `OUTSIDE` is the probability outside the interval.
-const HALVINGS: usize = 50;
-const OUTSIDE: f64 = 0.05;
 /// Standard deviation of the coefficient of friction between objects, dimensionless, if none is stated.
 const USUAL_BETWEEN_OBJECTS: f64 = 0.05;
 
@@ -104,15 +100,7 @@ impl Fit {
         let likely =
             |(sd, [_, variance, of]): (&f64, &[f64; 3])| (prior(*sd) * (of - found[best][2]).exp(), sd * sd + variance);
         let likely: Vec<(f64, f64)> = tried.iter().zip(&found).map(likely).collect();
-        let all: f64 = likely.iter().map(|(likely, _)| likely).sum();
-        let (mut low, mut high) = (least, 10.0 * most);
-        for _ in 0..HALVINGS {
-            let middle = (low * high).sqrt();
-            let beyond = |variance: f64| erfc(TWO_SIDED_95 * middle / (2.0 * variance).sqrt());
-            let chance: f64 = likely.iter().map(|(likely, variance)| likely * beyond(*variance)).sum();
-            if chance > OUTSIDE * all { low = middle } else { high = middle }
-        }
-        [found[best][0], if best > 0 { tried[best] } else { 0.0 }, low]
+        [found[best][0], if best > 0 { tried[best] } else { 0.0 }, predictive_sd(&likely, [least, 10.0 * most])]
     }
 }
 

@@ -27,7 +27,7 @@ pub use friction::{FrictionEstimate, FrictionQuestion, LeftOutObject, MeasuredLe
 pub use one_view::{ForceInView, OneView, SensedBefore, force_in_view};
 pub use outliers::{Outlier, OutlierKind};
 pub use quantity::{Quantity, Sought};
-pub use rig::{RigEstimate, RigQuestion, SceneValue, UNSTATED_BASE, calibrate_rig};
+pub use rig::{RigEstimate, RigQuestion, UNSTATED_BASE, calibrate_rig};
 pub use view::{LocatedView, View, ViewError};
 
 use super::CalibrationError;

@@ -292,6 +292,11 @@ impl Problem<'_> {
 }
 
 impl ViewUnknowns {
+    /// A force of mean lean on a finger whose base has the shared pose.
+    pub(super) fn at(s_mm: f64, force_n: f64) -> ViewUnknowns {
+        ViewUnknowns { s_mm, base: Isometry2::identity(), force_n, further_lean_deg: 0.0 }
+    }
+
     /// A copy in which one unknown (by index) is changed by `by`, in mm, rad, N or degrees.
     pub(super) fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> ViewUnknowns {
         let mut moved = *self;

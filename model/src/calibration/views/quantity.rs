@@ -67,15 +67,6 @@ impl Quantity {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
     }
 
-    /// Step of the difference quotients: `share` for a factor, `sigma` for an error of the unloaded finger, `length` for any other quantity.
-    pub(super) fn step(&self, [share, length, sigma]: [f64; 3]) -> f64 {
-        match self {
-            Quantity::Modulus | Quantity::PlateModulus(_) => share,
-            Quantity::Unloaded(_) => sigma,
-            _ => length,
-        }
-    }
-
     /// Whether the quantity describes markers or base, not the finger.
     pub fn is_of_rig(&self) -> bool {
         matches!(self, Quantity::MarkerHeight | Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn)

@@ -12,6 +12,7 @@ use crate::measurement::BaseUncertainty;
 use crate::sensing::{Lean, UnloadedError};
 use crate::{Scene, Vector};
 use nalgebra::Point2;
+use toml::Value;
 
 /// Camera height, mm, for a scene without a camera: so large that the height of markers has no effect.
 const NO_CAMERA_MM: f64 = 1e12;
@@ -52,17 +53,6 @@ pub struct RigEstimate {
     pub force_error: Option<f64>,
     /// Whether the base was sought with the prior [`UNSTATED_BASE`], because the scene states no uncertainty of the base.
     pub is_base_unstated: bool,
-}
-
-/// Value of a key in a scene file.
-#[derive(Debug, Clone, PartialEq)]
-pub enum SceneValue {
-    /// A number.
-    Number(f64),
-    /// A list of numbers.
-    Numbers(Vec<f64>),
-    /// A list of rows.
-    Rows(Vec<Vec<f64>>),
 }
 
 impl ViewModel {
@@ -142,10 +132,6 @@ fn check_side(
     }
 }
 
-fn pairs(of: &[[f64; 2]]) -> SceneValue {
-    SceneValue::Rows(of.iter().map(|pair| pair.to_vec()).collect())
-}
-
 impl Lean {
     /// Coefficient of friction and its standard deviation for a single force, both dimensionless.
     pub fn coefficient(&self) -> [f64; 2] {
@@ -156,33 +142,33 @@ impl Lean {
 
 impl RigEstimate {
     /// Values of the calibrated scene by key, to replace those of the scene. `None` removes the key.
-    pub fn scene_values(&self, scene: &Scene) -> Vec<(String, Option<SceneValue>)> {
+    pub fn scene_values(&self, scene: &Scene) -> Vec<(String, Option<Value>)> {
         let mut values = self.finger_values();
-        let mut put = |key: String, value: SceneValue| values.push((key, Some(value)));
+        let mut put = |key: String, value: Value| values.push((key, Some(value)));
         let errors = self.views.new_marker_errors;
-        put(MARKERS.noise_factor.path(), SceneValue::Number(errors.noise_factor));
-        put(MARKERS.model_error_mm.path(), SceneValue::Number(errors.model_mm));
+        put(MARKERS.noise_factor.path(), Value::from(errors.noise_factor));
+        put(MARKERS.model_error_mm.path(), Value::from(errors.model_mm));
         if let Some(share) = self.force_error {
-            put(CONTACT.force_error_share.path(), SceneValue::Number(share));
+            put(CONTACT.force_error_share.path(), Value::from(share));
         }
         if self.is_base_unstated {
-            put(BASE.sigma_mm.path(), SceneValue::Number(UNSTATED_BASE.sd_mm));
-            put(BASE.sigma_deg.path(), SceneValue::Number(UNSTATED_BASE.sd_rad.to_degrees()));
+            put(BASE.sigma_mm.path(), Value::from(UNSTATED_BASE.sd_mm));
+            put(BASE.sigma_deg.path(), Value::from(UNSTATED_BASE.sd_rad.to_degrees()));
         }
         // An exactly known base does not turn under force.
         let is_sought = self.is_base_unstated || scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
         if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = self.compliance.filter(|_| is_sought) {
-            put(BASE.turn_deg_per_n.path(), SceneValue::Number(deg_per_n));
+            put(BASE.turn_deg_per_n.path(), Value::from(deg_per_n));
             if sigma_deg_per_n.is_finite() {
-                put(BASE.turn_sigma_deg_per_n.path(), SceneValue::Number(sigma_deg_per_n));
+                put(BASE.turn_sigma_deg_per_n.path(), Value::from(sigma_deg_per_n));
             }
         }
         if let Some(FrictionEstimate { lean, .. }) = &self.friction {
             let [coefficient, sigma] = lean.coefficient();
-            put(CONTACT.friction.path(), SceneValue::Number(coefficient));
-            put(CONTACT.friction_sigma.path(), SceneValue::Number(sigma));
+            put(CONTACT.friction.path(), Value::from(coefficient));
+            put(CONTACT.friction_sigma.path(), Value::from(sigma));
             if lean.build_up_n > 0.0 {
-                put(CONTACT.friction_build_up_n.path(), SceneValue::Number(lean.build_up_n));
+                put(CONTACT.friction_build_up_n.path(), Value::from(lean.build_up_n));
             }
             // A scene states either a coefficient or a range of coefficients.
             values.push((CONTACT.friction_range.path(), None));
@@ -199,7 +185,7 @@ impl RigEstimate {
         }
         let errors: Vec<Vec<f64>> = self.views.unloaded_errors.iter().map(UnloadedError::to_row).collect();
         if !errors.is_empty() || scene.assembly.as_ref().is_some_and(|assembly| !assembly.further.is_empty()) {
-            let rows = Some(errors).filter(|errors| !errors.is_empty()).map(SceneValue::Rows);
+            let rows = Some(errors).filter(|errors| !errors.is_empty()).map(Value::from);
             values.push((ASSEMBLY.errors.path(), rows));
         }
         values
@@ -216,26 +202,27 @@ impl RigEstimate {
     }
 
     /// Calibrated values of finger and markers.
-    fn finger_values(&self) -> Vec<(String, Option<SceneValue>)> {
+    fn finger_values(&self) -> Vec<(String, Option<Value>)> {
         let description = self.views.finger.description();
-        let mut values: Vec<(String, Option<SceneValue>)> = Vec::new();
-        let mut put = |key: String, value: SceneValue| values.push((key, Some(value)));
+        let pairs = |of: &[[f64; 2]]| Value::from(of.iter().map(|pair| pair.to_vec()).collect::<Vec<_>>());
+        let mut values: Vec<(String, Option<Value>)> = Vec::new();
+        let mut put = |key: String, value: Value| values.push((key, Some(value)));
         if self.sought(Quantity::is_modulus) {
-            put(FRONT.youngs_modulus_mpa.path(), SceneValue::Number(description.front.youngs_modulus_mpa));
-            put(BACK.youngs_modulus_mpa.path(), SceneValue::Number(description.back.youngs_modulus_mpa));
+            put(FRONT.youngs_modulus_mpa.path(), Value::from(description.front.youngs_modulus_mpa));
+            put(BACK.youngs_modulus_mpa.path(), Value::from(description.back.youngs_modulus_mpa));
         }
         if let Some(strip) = description.ribs.strip.filter(|_| self.sought(|quantity| *quantity == Quantity::Modulus)) {
-            put(RIBS.youngs_modulus_mpa.path(), SceneValue::Number(strip.youngs_modulus_mpa));
+            put(RIBS.youngs_modulus_mpa.path(), Value::from(strip.youngs_modulus_mpa));
         }
         if self.sought(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..))) {
             let lengths = match &description.ribs.bracket_mm {
-                BracketLengths::Alike(lengths_mm) => SceneValue::Numbers(lengths_mm.to_vec()),
+                BracketLengths::Alike(lengths_mm) => Value::from(lengths_mm.to_vec()),
                 BracketLengths::Each(each) => pairs(each),
             };
             put(RIBS.bracket_mm.path(), lengths);
         }
         if self.sought(|quantity| matches!(quantity, Quantity::Clip | Quantity::PlateClip(_))) {
-            put(RIBS.clip_mm.path(), SceneValue::Numbers(description.ribs.clip_mm.to_vec()));
+            put(RIBS.clip_mm.path(), Value::from(description.ribs.clip_mm.to_vec()));
         }
         if let RibPositions::Positions(positions) = &description.ribs.positions
             && self.sought(|quantity| matches!(quantity, Quantity::RibPosition(..)))
@@ -243,16 +230,16 @@ impl RigEstimate {
             put(RIBS.positions_mm.path(), pairs(positions));
         }
         if self.sought(|quantity| *quantity == Quantity::MarkerHeight) {
-            put(MARKERS.height_mm.path(), SceneValue::Number(self.views.marker_height_mm));
+            put(MARKERS.height_mm.path(), Value::from(self.views.marker_height_mm));
         }
         if let Some(found) = self.views.quantities.iter().find(|found| found.sought.quantity == Quantity::Preload) {
-            put(ASSEMBLY.preload_nmm.path(), SceneValue::Number(found.value));
+            put(ASSEMBLY.preload_nmm.path(), Value::from(found.value));
         }
         values
     }
 
     /// Positions of the base references, or else the camera's pose, in the frame of the calibrated finger. Empty if the base was not sought.
-    fn base_values(&self, scene: &Scene) -> Vec<(String, Option<SceneValue>)> {
+    fn base_values(&self, scene: &Scene) -> Vec<(String, Option<Value>)> {
         if !self.sought(|quantity| *quantity == Quantity::BaseX) {
             return Vec::new();
         }
@@ -260,8 +247,8 @@ impl RigEstimate {
         let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
         if let (true, Some(pose)) = (references.is_empty(), scene.camera.and_then(|camera| camera.pose)) {
             let pose = pose.of_moved_base(&moved);
-            let rotation = SceneValue::Numbers(pose.rotation_vector_rad().to_vec());
-            let translation = SceneValue::Numbers(pose.translation_mm.iter().copied().collect());
+            let rotation = Value::from(pose.rotation_vector_rad().to_vec());
+            let translation = Value::from(pose.translation_mm.iter().copied().collect::<Vec<_>>());
             return vec![
                 (CAMERA.rotation_vector_rad.path(), Some(rotation)),
                 (CAMERA.translation_mm.path(), Some(translation)),
@@ -269,7 +256,7 @@ impl RigEstimate {
         }
         let at_mm = |(i, at): (usize, Vector)| {
             let at: Vector = (moved.inverse() * Point2::from(at)).coords;
-            (REFERENCE.at_mm.path_in(i + 1), Some(SceneValue::Numbers(vec![at.x, at.y])))
+            (REFERENCE.at_mm.path_in(i + 1), Some(Value::from(vec![at.x, at.y])))
         };
         references.iter().map(|reference| reference.at).enumerate().map(at_mm).collect()
     }

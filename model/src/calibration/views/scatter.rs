@@ -10,7 +10,7 @@ const STEPS: usize = 400;
 /// Number of bisections of each search.
 const HALVINGS: usize = 50;
 /// Half the width of a 95 % interval, in standard deviations.
-pub(super) const TWO_SIDED_95: f64 = 1.959_964;
+const TWO_SIDED_95: f64 = 1.959_964;
 /// Probability outside a 95 % interval.
 const OUTSIDE: f64 = 0.05;
 /// The search covers standard deviations of a new force up to this multiple of [`LARGEST`].
@@ -154,20 +154,9 @@ impl Scatter {
         }
         let likelihoods: Vec<f64> = variances().map(|variance| self.log_likelihood(variance)).collect();
         let largest = likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let likely: Vec<f64> = likelihoods.iter().map(|of| (of - largest).exp()).collect();
-        let all: f64 = likely.iter().sum();
-        if !all.is_finite() {
-            return None;
-        }
-        let (mut low, mut high) = (LEAST, FARTHEST * LARGEST);
-        for _ in 0..HALVINGS {
-            let middle = (low * high).sqrt();
-            let beyond = |variance: f64| erfc(TWO_SIDED_95 * middle / (2.0 * variance).sqrt());
-            let chance =
-                likely.iter().zip(variances()).map(|(likely, variance)| likely * beyond(variance)).sum::<f64>();
-            if chance > OUTSIDE * all { low = middle } else { high = middle }
-        }
-        Some(low)
+        let weighted = likelihoods.iter().zip(variances()).map(|(of, variance)| ((of - largest).exp(), variance));
+        let likely: Vec<(f64, f64)> = weighted.collect();
+        likely.iter().all(|(weight, _)| weight.is_finite()).then(|| predictive_sd(&likely, [LEAST, FARTHEST * LARGEST]))
     }
 
     /// Variance of the relative force in a new image due to the calibrated finger, beyond the image's own noise and base.
@@ -213,6 +202,18 @@ fn shares(variances: &[f64], growing_with: &[f64]) -> [f64; 2] {
         found = [0, 1].map(|part| found[part] * (given[part] / expected[part]).sqrt());
     }
     found
+}
+
+/// 1 / 1.96 of half a 95 % interval of a mixture of normal distributions about zero, each a weight and a variance. It is sought between two limits.
+pub(super) fn predictive_sd(mixture: &[(f64, f64)], [mut low, mut high]: [f64; 2]) -> f64 {
+    let all: f64 = mixture.iter().map(|(weight, _)| weight).sum();
+    for _ in 0..HALVINGS {
+        let middle = (low * high).sqrt();
+        let beyond = |variance: f64| erfc(TWO_SIDED_95 * middle / (2.0 * variance).sqrt());
+        let chance: f64 = mixture.iter().map(|(weight, variance)| weight * beyond(*variance)).sum();
+        if chance > OUTSIDE * all { low = middle } else { high = middle }
+    }
+    low
 }
 
 /// Relative variances of measured forces that a search tries.

@@ -6,11 +6,10 @@ use finray_files::views::LocatedViews;
 use finray_files::{load_scene_and_text, views, with_values};
 use finray_model::calibration::{
     self, BaseCompliance, FoundView, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, RigEstimate,
-    RigQuestion, SceneValue, Sought, ViewEstimate,
+    RigQuestion, Sought, ViewEstimate,
 };
 use finray_model::finger::{Plate, RibPositions};
 use finray_model::sensing::{Lean, Normal};
-use toml_edit::{Array, Value};
 
 /// The parameters that a name of `--fit` stands for.
 #[derive(Clone, Copy)]
@@ -185,9 +184,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
         files.push((path.clone(), csv_text(image_rows(&seen, estimate, lean.from))?));
     }
     if let Some(path) = &arguments.calibrated {
-        let values: Vec<_> =
-            found.scene_values(&scene).into_iter().map(|(key, value)| (key, value.map(toml_value))).collect();
-        files.push((path.clone(), with_values(&text, &values).map_err(bad_input)?));
+        files.push((path.clone(), with_values(&text, &found.scene_values(&scene)).map_err(bad_input)?));
     }
     files.push((arguments.out.clone(), csv_text(rows(&found))?));
     write_all_or_nothing(&files)?;
@@ -234,14 +231,4 @@ fn image_rows(seen: &[LocatedView], estimate: &ViewEstimate, from: Normal) -> Ve
         residual_rms_mm: found.residual_rms_mm(),
     };
     seen.iter().zip(&estimate.views).map(row).collect()
-}
-
-fn toml_value(value: SceneValue) -> Value {
-    match value {
-        SceneValue::Number(number) => number.into(),
-        SceneValue::Numbers(numbers) => Array::from_iter(numbers).into(),
-        SceneValue::Rows(rows) => {
-            Array::from_iter(rows.into_iter().map(|row| Value::from(Array::from_iter(row)))).into()
-        }
-    }
 }

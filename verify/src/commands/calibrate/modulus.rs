@@ -3,7 +3,7 @@
 use super::{Arguments, failure, modulus_rows, warn_of_modulus};
 use crate::commands::prelude::*;
 use finray_model::Kinematics;
-use finray_model::calibration::{self, CalibrationCase, CorotationalModulus};
+use finray_model::calibration::{self, CalibrationCase, ModulusEstimate};
 use finray_model::sensing::Warning;
 
 /// Mesh elements per member. With only four elements, the modulus factor errs by 3e-4 for weights that bend the paper's finger by 15 mm. That is a
@@ -22,27 +22,16 @@ pub fn run(
 ) -> Result<String, Failure> {
     let linear = calibration::youngs_modulus(finger, cases);
     let corotational = calibration::corotational_modulus(finger, cases, ELEMENTS, noise_mm);
-    let (factor, mut sigma) = match arguments.kinematics {
-        Kinematics::Linear => {
-            let linear = linear.as_ref().map_err(|error| failure(error.clone()))?;
-            (linear.factor, linear.sigma)
-        }
-        _ => {
-            let found = corotational.as_ref().map_err(|error| failure(error.clone()))?;
-            (found.factor, found.sigma)
-        }
-    };
+    let found = if arguments.kinematics == Kinematics::Linear { &linear } else { &corotational };
+    let found = found.as_ref().map_err(|error| failure(error.clone()))?;
+    let (factor, mut sigma) = (found.factor, found.sigma);
     if !(factor.is_finite() && sigma.is_finite()) {
         return Err(bad_input(
             "not identifiable: the modulus overflows; check the units of loads (N) and displacements (mm)",
         ));
     }
     warn_of_modulus(factor);
-    if let Ok(corotational) = &corotational
-        && arguments.kinematics != Kinematics::Linear
-    {
-        warn_of_contradictions(corotational);
-    }
+    warn_of_contradictions(found);
     if let (Ok(linear), Ok(corotational)) = (&linear, &corotational) {
         let distances_mm = [linear.mean_distance_mm, corotational.mean_distance_mm];
         let difference = (linear.factor - corotational.factor).abs();
@@ -70,7 +59,7 @@ pub fn run(
 }
 
 /// Warns of the markers with the largest residuals, and if the stated noise is too small for the residual.
-fn warn_of_contradictions(found: &CorotationalModulus) {
+fn warn_of_contradictions(found: &ModulusEstimate) {
     let mut outliers = found.outliers.clone();
     outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));
     for outlier in outliers.iter().take(MOST_NAMED) {
