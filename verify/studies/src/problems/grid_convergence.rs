@@ -39,8 +39,6 @@ pub const FINEST_MESH_TOLERANCE: f64 = 1e-6;
 pub struct GridConvergence {
     /// Numbers of nodes of the meshes.
     pub nodes: [usize; 3],
-    /// Representative element lengths of the meshes, in any common unit.
-    pub sizes: [f64; 3],
     /// Figure under study on each mesh, in its own unit.
     pub values: [f64; 3],
     /// Observed order of convergence, dimensionless; NaN if the values do not differ.
@@ -53,7 +51,7 @@ pub struct GridConvergence {
 }
 
 impl GridConvergence {
-    /// Procedure of Celik et al., eqs (3) to (7). The order p solves p ln(r21) = |ln|e32 / e21| + q(p)| by fixed-point iteration, with
+    /// Procedure of Celik et al., eqs (3) to (7). `sizes` are representative element lengths in any common unit. The order p solves p ln(r21) = |ln|e32 / e21| + q(p)| by fixed-point iteration, with
     /// q(p) = ln((r21^p - s) / (r32^p - s)) and s = sign(e32 / e21).
     pub fn of(nodes: [usize; 3], sizes: [f64; 3], values: [f64; 3]) -> GridConvergence {
         let [r32, r21] = [sizes[0] / sizes[1], sizes[1] / sizes[2]];
@@ -67,7 +65,7 @@ impl GridConvergence {
         let left = |order: f64| e21 / (r21.powf(order) - 1.0);
         let extrapolated = values[2] - left(order);
         let index = SAFETY * (left(order.min(FORMAL_ORDER)) / values[2]).abs();
-        GridConvergence { nodes, sizes, values, order, extrapolated, index }
+        GridConvergence { nodes, values, order, extrapolated, index }
     }
 }
 

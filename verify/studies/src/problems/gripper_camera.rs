@@ -44,24 +44,20 @@ pub fn checks(finger: &Finger, gripper: &Gripper) -> Result<Vec<Check>, ProblemE
         let pose = gripper.pose(*motor_deg);
         pose.map_or(f64::NAN, |pose| images_mm(finger, gripper, &pose, joint, &camera)) / size_mm
     });
-    let row = |what: &str, source: &str, quantity: &str, ours: f64| {
-        let problem = format!("camera on the gripper over its reach: {what}");
-        Kind::Analytical.on(problem, source).vanishes(quantity, ours, TOLERANCE)
-    };
-    Ok(vec![
-        row(
-            "key nodes of both fingers in its frame",
-            "eq. (10)",
-            "largest difference / (rocker + link)",
-            worst(of_frames),
-        ),
-        row(
+    let rows = [
+        ("key nodes of both fingers in its frame", "eq. (10)", "difference", worst(of_frames)),
+        (
             "undeformed nodes in images of both fingers",
             "Newton's method on the loop, pinhole matrix",
-            "largest displacement seen / (rocker + link)",
+            "displacement seen",
             worst(of_images),
         ),
-    ])
+    ];
+    let check = |(what, source, quantity, ours): (&str, &str, &str, f64)| {
+        let problem = format!("camera on the gripper over its reach: {what}");
+        Kind::Analytical.on(problem, source).vanishes(format!("largest {quantity} / (rocker + link)"), ours, TOLERANCE)
+    };
+    Ok(rows.map(check).into())
 }
 
 /// Largest distance of a marker, in the camera's frame, from its position by eq. (10) or by the mirror image of eq. (10), mm. Axes as in the paper.

@@ -57,40 +57,29 @@ pub fn checks(finger: &Finger, gripper: &Gripper) -> Vec<Check> {
         let there = gripper.motor_deg_for_opening(finger, opening(*motor_deg)).unwrap_or(f64::NAN);
         (opening(there) - opening(*motor_deg)).abs() / size_mm
     });
-    let row = |what: &str, source: &str, quantity: &str, ours: f64, tolerance: f64| {
-        let problem = format!("gripper linkage over its reach: {what}");
-        Kind::Analytical.on(problem, source).vanishes(quantity, ours, tolerance)
-    };
-    vec![
-        row(
-            "rocker and link close",
-            "eqs (6) to (8)",
-            "largest residual / (rocker + link)",
-            worst(of_equations),
-            TOLERANCE,
-        ),
-        row(
-            "key nodes of both fingers",
-            "eq. (9)",
-            "largest difference / (rocker + link)",
-            worst(of_frames),
-            TOLERANCE,
-        ),
-        row(
+    let rows = [
+        ("rocker and link close", "eqs (6) to (8)", "residual / (rocker + link)", worst(of_equations), TOLERANCE),
+        ("key nodes of both fingers", "eq. (9)", "difference / (rocker + link)", worst(of_frames), TOLERANCE),
+        (
             "opening by the motor's angle",
             "differences",
-            "largest difference of the slopes / pitch",
+            "difference of the slopes / pitch",
             worst(of_slope),
             SLOPE_TOLERANCE,
         ),
-        row(
+        (
             "motor angle for an opening",
             "its inverse",
-            "largest difference of openings / (rocker + link)",
+            "difference of openings / (rocker + link)",
             worst(of_inverse),
             INVERSE_TOLERANCE,
         ),
-    ]
+    ];
+    let check = |(what, source, quantity, ours, tolerance): (&str, &str, &str, f64, f64)| {
+        let problem = format!("gripper linkage over its reach: {what}");
+        Kind::Analytical.on(problem, source).vanishes(format!("largest {quantity}"), ours, tolerance)
+    };
+    rows.map(check).into()
 }
 
 /// Residual of eqs (6) to (8) at a motor angle (degrees), mm.

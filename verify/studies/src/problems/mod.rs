@@ -19,71 +19,36 @@ pub mod tangent;
 pub mod toggle;
 
 use crate::lattice::accuracy::AccuracyError;
+use crate::mujoco::ExportedFinger;
 use crate::prelude::*;
 
 /// Every problem, in the report's order. The lattice's problems are part of [its study](crate::experiments::lattice).
 pub const ALL: &[Problem] = &[
-    Problem { name: "elastica of a cantilever", applies_to: |_| true, solve: |_, _| Ok(elastica::checks()?.into()) },
-    Problem {
-        name: "cantilever bent into a circle by an end moment",
-        applies_to: |_| true,
-        solve: |_, _| Ok(full_circle::checks()?.into()),
-    },
-    Problem { name: "Lee frame", applies_to: |_| true, solve: |_, _| Ok(lee_frame::checks()?.into()) },
-    Problem { name: "toggle frame", applies_to: |_| true, solve: |_, _| Ok(toggle::checks()?.into()) },
-    Problem {
-        name: "meshes of the finger",
-        applies_to: |_| true,
-        solve: |finger, forces| {
+    problem("elastica of a cantilever", |_| true, |_, _| Ok(elastica::checks()?.into())),
+    problem("cantilever bent into a circle by an end moment", |_| true, |_, _| Ok(full_circle::checks()?.into())),
+    problem("Lee frame", |_| true, |_, _| Ok(lee_frame::checks()?.into())),
+    problem("toggle frame", |_| true, |_, _| Ok(toggle::checks()?.into())),
+    problem(
+        "meshes of the finger",
+        |_| true,
+        |finger, forces| {
             let comparisons = refinement::comparisons(finger, forces.drawn_n())?;
             Ok(ProblemResults { checks: refinement::checks(finger)?, comparisons })
         },
-    },
-    Problem {
-        name: "OpenSees on the paper's finger",
-        applies_to: is_papers_finger,
-        solve: |finger, _| {
-            Ok(ProblemResults {
-                checks: opensees::paper_checks(finger)?,
-                comparisons: opensees::linear_against_corotational(finger)?,
-            })
-        },
-    },
-    Problem {
-        name: "rigid rotation",
-        applies_to: is_papers_finger,
-        solve: |finger, _| Ok(rigid_rotation::checks(finger).into()),
-    },
-    Problem {
-        name: "derivatives of the energy",
-        applies_to: is_papers_finger,
-        solve: |finger, _| Ok(tangent::checks(finger)?.into()),
-    },
-    Problem {
-        name: "energy and work",
-        applies_to: is_papers_finger,
-        solve: |finger, _| Ok(energy_balance::checks(finger)?.into()),
-    },
-    Problem {
-        name: "order of convergence",
-        applies_to: is_papers_finger,
-        solve: |finger, _| Ok(grid_convergence::checks(finger)?.into()),
-    },
-    Problem {
-        name: "MuJoCo's shapes",
-        applies_to: |finger| crate::mujoco::ExportedFinger::of(finger).is_some(),
-        solve: |finger, _| mujoco::solve(finger),
-    },
-    Problem {
-        name: "linkage",
-        applies_to: is_papers_finger,
-        solve: |finger, _| Ok(linkage::checks(finger, &linkage::shipped()?).into()),
-    },
-    Problem {
-        name: "camera on the gripper",
-        applies_to: is_papers_finger,
-        solve: |finger, _| Ok(gripper_camera::checks(finger, &linkage::shipped()?)?.into()),
-    },
+    ),
+    problem("OpenSees on the paper's finger", is_papers_finger, |finger, _| {
+        let comparisons = opensees::linear_against_corotational(finger)?;
+        Ok(ProblemResults { checks: opensees::paper_checks(finger)?, comparisons })
+    }),
+    problem("rigid rotation", is_papers_finger, |finger, _| Ok(rigid_rotation::checks(finger).into())),
+    problem("derivatives of the energy", is_papers_finger, |finger, _| Ok(tangent::checks(finger)?.into())),
+    problem("energy and work", is_papers_finger, |finger, _| Ok(energy_balance::checks(finger)?.into())),
+    problem("order of convergence", is_papers_finger, |finger, _| Ok(grid_convergence::checks(finger)?.into())),
+    problem("MuJoCo's shapes", |finger| ExportedFinger::of(finger).is_some(), |finger, _| mujoco::solve(finger)),
+    problem("linkage", is_papers_finger, |finger, _| Ok(linkage::checks(finger, &linkage::shipped()?).into())),
+    problem("camera on the gripper", is_papers_finger, |finger, _| {
+        Ok(gripper_camera::checks(finger, &linkage::shipped()?)?.into())
+    }),
 ];
 
 /// A problem with a known solution.
@@ -94,7 +59,13 @@ pub struct Problem {
     /// Whether the problem has reference values for a finger.
     pub applies_to: fn(&Finger) -> bool,
     /// Solves the problem. Problems without fixed forces use the report's forces.
-    pub solve: fn(&Finger, ReportForces) -> Result<ProblemResults, ProblemError>,
+    pub solve: Solve,
+}
+
+type Solve = fn(&Finger, ReportForces) -> Result<ProblemResults, ProblemError>;
+
+const fn problem(name: &'static str, applies_to: fn(&Finger) -> bool, solve: Solve) -> Problem {
+    Problem { name, applies_to, solve }
 }
 
 /// Results of problems.

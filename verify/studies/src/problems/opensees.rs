@@ -51,10 +51,6 @@ pub struct CaseDeviation {
     pub kinematics: Kinematics,
     /// Number of nodes of the mesh.
     pub mesh_nodes: usize,
-    /// Loaded node.
-    pub load_node: NodeId,
-    /// Force in the finger frame, N.
-    pub force: Vector,
     /// Largest difference of the displacement of a key node or joint, relative to the largest displacement.
     pub displacement: f64,
     /// Largest difference of a key node's rotation, rad.
@@ -77,9 +73,9 @@ fn deviation(finger: &Finger, rows: &[Row]) -> Result<CaseDeviation, ProblemErro
         "corotational" => Kinematics::CorotationalChord,
         other => return Err(ProblemError::Reference(format!("unknown kinematics {other}"))),
     };
-    let (load_node, force) = (NodeId(first.load), Vector::new(first.fx_n, first.fy_n));
     let mesh = Mesh::with_nodes(finger, first.mesh_nodes)?;
-    let load = Load::Node { node: load_node, force, moment_nmm: first.m_nmm };
+    let force = Vector::new(first.fx_n, first.fy_n);
+    let load = Load::Node { node: NodeId(first.load), force, moment_nmm: first.m_nmm };
     let shape = statics::solve(&mesh, &[load], kinematics)?;
     let ours = |row: &Row| shape.motion(NodeId(row.node));
     let largest = worst(rows.iter().map(|row| row.displacement().norm()));
@@ -91,8 +87,6 @@ fn deviation(finger: &Finger, rows: &[Row]) -> Result<CaseDeviation, ProblemErro
         case: first.case,
         kinematics,
         mesh_nodes: first.mesh_nodes,
-        load_node,
-        force,
         displacement: displacement / largest,
         rotation_rad,
     })
