@@ -72,7 +72,7 @@ pub fn run(
         &grid,
     );
     let request = Request {
-        finray: Request::version(),
+        finray: env!("CARGO_PKG_VERSION").to_owned(),
         table,
         truths: truth_ids.to_vec(),
         estimators: estimator_ids.to_vec(),

@@ -76,18 +76,10 @@ impl AccuracyMap {
 
     /// A quantity of the cells by direction, then position: of one force (N), or its mean over all forces. `None` if a force lacks the quantity.
     pub fn values(&self, force_n: Option<f64>, of: impl Fn(&MapCell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
-        let forces = self.request.forces_n.len();
-        let (positions, angles) = (self.request.positions_mm.len(), self.request.angles_deg.len());
-        let cell = |position: usize, angle: usize| {
-            let first = (position * angles + angle) * forces;
-            let values: Option<Vec<f64>> = self.cells[first..first + forces]
-                .iter()
-                .filter(|cell| force_n.is_none_or(|f| f == cell.force_n))
-                .map(&of)
-                .collect();
-            values.and_then(mean)
-        };
-        (0..angles).map(|angle| (0..positions).map(|position| cell(position, angle)).collect()).collect()
+        let means: Vec<Option<f64>> =
+            self.groups(force_n).map(|group| group.map(&of).collect::<Option<Vec<f64>>>().and_then(mean)).collect();
+        let angles = self.request.angles_deg.len();
+        (0..angles).map(|angle| means.iter().skip(angle).step_by(angles).copied().collect()).collect()
     }
 
     /// The part of this map at the given positions (mm) and directions (degrees). Positions and directions that the map lacks are omitted.

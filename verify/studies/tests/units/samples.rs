@@ -19,17 +19,17 @@ fn a_sample_does_not_depend_on_what_is_kept() {
     let all = |noise: &NoiseSamples| {
         let mut all = Vec::new();
         noise.each(|first, samples| {
-            assert_eq!(all.len(), first * noise.coordinates());
+            assert_eq!(all.len(), first * noise.coordinates);
             all.extend_from_slice(samples);
         });
         all
     };
     let mut noise = NoiseSamples::new(&grid, &finger);
     let seen = all(&noise);
-    assert_eq!(seen.len(), 6000 * noise.coordinates());
+    assert_eq!(seen.len(), 6000 * noise.coordinates);
     assert!(noise.kept.len() < seen.len(), "not all are kept");
-    noise.kept.truncate(noise.coordinates());
+    noise.kept.truncate(noise.coordinates);
     assert!(all(&noise) == seen);
-    assert!(noise.drawn(5999..6000) == seen[5999 * noise.coordinates()..]);
+    assert!(noise.drawn(5999..6000) == seen[5999 * noise.coordinates..]);
     assert_eq!((noise.samples(0.1), noise.samples(0.0)), (6000, 1));
 }

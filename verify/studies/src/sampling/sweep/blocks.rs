@@ -2,7 +2,7 @@
 
 use super::samples::NoiseSamples;
 use super::tally::Tally;
-use super::{Cell, Grid, Outcome, Table};
+use super::{Cell, Grid, Table};
 use crate::prelude::*;
 use crate::sampling::noise::with_sample;
 use crate::truths::Truth;
@@ -74,35 +74,43 @@ impl<'s> Sweep<'s> {
             for estimator in &mut prepared {
                 for (noise_mm, force_n, n) in self.levels() {
                     let Some(tally) = tallies.next() else { return };
-                    if let (Some(Ok(estimator)), Some(seen)) = (estimator.as_mut(), seen.get(n)) {
-                        let count = self.noise.samples(noise_mm).saturating_sub(first);
-                        let samples = samples.chunks_exact(self.noise.coordinates()).take(count);
-                        sense(&mut **estimator, seen, noise_mm, force_n, samples, tally);
+                    match (estimator.as_mut(), seen.get(n)) {
+                        (Some(Ok(estimator)), Some(seen)) => {
+                            let count = self.noise.samples(noise_mm).saturating_sub(first);
+                            let samples = samples.chunks_exact(self.noise.coordinates).take(count);
+                            sense(&mut **estimator, seen, noise_mm, force_n, samples, tally);
+                        }
+                        (Some(Err(error)), Some(_)) => tally.refuse(error),
+                        _ => {}
                     }
                 }
             }
         });
-        let outcomes =
-            tallies.chunks(self.cells_in_block() / self.estimators.len().max(1)).zip(&prepared).zip(&self.estimators);
-        outcomes
-            .flat_map(|((tallies, prepared), estimator)| {
+        let cells_of_estimator = tallies.chunks(self.cells_in_block() / self.estimators.len().max(1));
+        cells_of_estimator
+            .zip(&self.estimators)
+            .flat_map(|(tallies, estimator)| {
                 let (seen, estimator) = (&seen, estimator.id());
                 tallies.iter().zip(self.levels()).map(move |(tally, (noise_mm, force_n, n))| {
-                    let samples = self.noise.samples(noise_mm);
-                    let outcome = match (prepared, seen.get(n)) {
-                        (Some(Ok(_)), Some(_)) => tally.outcome(samples),
-                        (Some(Err(error)), Some(_)) => Outcome::refused(samples, error),
-                        _ => Outcome::not_carried(),
-                    };
-                    Cell {
+                    let cell = Cell {
                         truth: truth.id(),
                         estimator,
                         noise_mm,
                         s_mm,
                         angle_deg: contact.angle_deg,
                         force_n,
-                        outcome,
-                    }
+                        samples: 0,
+                        answered: 0,
+                        mean_error: None,
+                        bias: None,
+                        spread: None,
+                        sigma_n: None,
+                        refusal: Some("the true finger has no equilibrium under this force".to_owned()),
+                        warned: None,
+                        covered: None,
+                        covered_warned: None,
+                    };
+                    if n < seen.len() { tally.fill(cell, self.noise.samples(noise_mm)) } else { cell }
                 })
             })
             .collect()

@@ -70,19 +70,18 @@ impl MapCell {
 
 impl From<&Cell> for MapCell {
     fn from(cell: &Cell) -> MapCell {
-        let errors = cell.outcome.errors;
         MapCell {
             s_mm: cell.s_mm,
             angle_deg: cell.angle_deg,
             force_n: cell.force_n,
-            mean_error: errors.map(|errors| errors.mean_error),
-            bias: errors.map(|errors| errors.bias),
-            spread: cell.spread(),
-            samples: cell.outcome.samples,
-            answered: cell.outcome.answered,
-            warned: cell.outcome.covered.map(|covered| covered.warned),
-            covered: cell.outcome.covered.map(|covered| covered.covered),
-            covered_warned: cell.outcome.covered.map(|covered| covered.covered_warned),
+            mean_error: cell.mean_error,
+            bias: cell.bias,
+            spread: cell.spread,
+            samples: cell.samples,
+            answered: cell.answered,
+            warned: cell.warned,
+            covered: cell.covered,
+            covered_warned: cell.covered_warned,
         }
     }
 }

@@ -19,7 +19,7 @@ mod table;
 mod tally;
 
 pub use blocks::Sweep;
-pub use cell::{Cell, Covered, Errors, Outcome};
+pub use cell::Cell;
 pub use grid::Grid;
 pub use map_cell::{CellState, MapCell};
 pub use merge::{MergeError, Shards};

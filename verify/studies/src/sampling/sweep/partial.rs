@@ -107,23 +107,14 @@ impl Partial {
 fn keep_whole_blocks(file: &mut File, rows_at: u64, rows_in_block: usize) -> std::io::Result<usize> {
     file.seek(SeekFrom::Start(rows_at))?;
     let mut reader = BufReader::new(&*file);
-    let (mut rows, mut at, mut whole_to) = (0, rows_at, rows_at);
-    loop {
-        let bytes = reader.fill_buf()?;
-        if bytes.is_empty() {
-            break;
+    let (mut rows, mut at, mut whole_to, mut row) = (0, rows_at, rows_at, Vec::new());
+    while reader.read_until(b'\n', &mut row)? > 0 && row.ends_with(b"\n") {
+        at += row.len() as u64;
+        rows += 1;
+        if rows % rows_in_block == 0 {
+            whole_to = at;
         }
-        for byte in bytes {
-            at += 1;
-            if *byte == b'\n' {
-                rows += 1;
-                if rows % rows_in_block == 0 {
-                    whole_to = at;
-                }
-            }
-        }
-        let read = bytes.len();
-        reader.consume(read);
+        row.clear();
     }
     file.set_len(whole_to)?;
     file.seek(SeekFrom::Start(whole_to))?;

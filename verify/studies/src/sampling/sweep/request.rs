@@ -26,16 +26,6 @@ pub struct Request {
 }
 
 impl Request {
-    /// Version of this program.
-    pub fn version() -> String {
-        env!("CARGO_PKG_VERSION").to_owned()
-    }
-
-    /// Number of blocks, one for each true finger and contact.
-    pub fn block_count(&self) -> usize {
-        self.truths.len() * self.grid.contact_count()
-    }
-
     /// Number of rows in every block.
     pub fn rows_in_block(&self) -> usize {
         self.estimators.len() * self.grid.noise_levels_mm.len() * self.grid.forces_n.len()
@@ -93,7 +83,8 @@ impl Head {
 
     /// Number of rows of the complete file.
     pub fn row_count(&self) -> usize {
-        let blocks = self.request.block_count();
+        // One block for each true finger and contact.
+        let blocks = self.request.truths.len() * self.request.grid.contact_count();
         self.shard.map_or(blocks, |shard| shard.blocks(blocks).len()) * self.request.rows_in_block()
     }
 }

@@ -14,7 +14,7 @@ const AT_ONCE: usize = 256;
 pub(super) struct NoiseSamples {
     seed: u64,
     /// Number of coordinates of a sample: two for each marker.
-    coordinates: usize,
+    pub(super) coordinates: usize,
     samples: usize,
     /// Coordinates of the first samples.
     kept: Vec<f64>,
@@ -43,10 +43,6 @@ impl NoiseSamples {
                 None => look(first, &self.drawn(numbers)),
             }
         }
-    }
-
-    pub(super) fn coordinates(&self) -> usize {
-        self.coordinates
     }
 
     fn drawn(&self, samples: Range<usize>) -> Vec<f64> {

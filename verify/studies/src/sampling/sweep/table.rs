@@ -2,7 +2,6 @@
 
 use super::{Cell, MapCell};
 use crate::prelude::*;
-use crate::truths::TruthId;
 use finray_files::csv_text;
 
 /// Table format, which determines the columns.
@@ -13,26 +12,6 @@ pub enum Table {
     Map,
     /// All results of each cell.
     Sweep,
-}
-
-#[derive(Serialize)]
-struct Row {
-    truth: TruthId,
-    estimator: EstimatorId,
-    noise_mm: f64,
-    s_mm: f64,
-    angle_deg: f64,
-    force_n: f64,
-    samples: usize,
-    answered: usize,
-    mean_error: Option<f64>,
-    bias: Option<f64>,
-    spread: Option<f64>,
-    sigma_n: Option<f64>,
-    refusal: Option<String>,
-    warned: Option<usize>,
-    covered: Option<usize>,
-    covered_warned: Option<usize>,
 }
 
 impl Table {
@@ -53,34 +32,9 @@ impl Table {
     pub(super) fn rows(self, cells: &[Cell]) -> Result<String, csv::Error> {
         let text = match self {
             Table::Map => csv_text(cells.iter().map(MapCell::from))?,
-            Table::Sweep => csv_text(cells.iter().map(Row::of))?,
+            Table::Sweep => csv_text(cells)?,
         };
         debug_assert!(text.starts_with(self.header()));
         Ok(text[self.header().len()..].to_owned())
-    }
-}
-
-impl Row {
-    fn of(cell: &Cell) -> Row {
-        let outcome = &cell.outcome;
-        Row {
-            truth: cell.truth,
-            estimator: cell.estimator,
-            noise_mm: cell.noise_mm,
-            s_mm: cell.s_mm,
-            angle_deg: cell.angle_deg,
-            force_n: cell.force_n,
-            samples: outcome.samples,
-            answered: outcome.answered,
-            mean_error: outcome.errors.map(|errors| errors.mean_error),
-            bias: outcome.errors.map(|errors| errors.bias),
-            spread: cell.spread(),
-            sigma_n: outcome.errors.and_then(|errors| errors.sigma_n),
-            // Rows are counted by line ends, so a text must not contain one.
-            refusal: outcome.refusal.as_ref().map(|text| text.split_whitespace().collect::<Vec<_>>().join(" ")),
-            warned: outcome.covered.map(|covered| covered.warned),
-            covered: outcome.covered.map(|covered| covered.covered),
-            covered_warned: outcome.covered.map(|covered| covered.covered_warned),
-        }
     }
 }

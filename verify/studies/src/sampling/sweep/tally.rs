@@ -1,6 +1,6 @@
 //! Running statistics of a cell's samples, in constant memory.
 
-use super::cell::{Covered, Errors, Outcome};
+use super::Cell;
 use crate::prelude::*;
 
 /// Sums over the samples of one cell.
@@ -15,8 +15,11 @@ pub(super) struct Tally {
     variance_n2: f64,
     /// Number of answers with a standard deviation.
     stated: usize,
-    covered: Covered,
-    /// Reason of the first refused sample.
+    /// Numbers of answers with a warning, of covered answers without a warning, and of covered answers with a warning.
+    warned: usize,
+    covered: usize,
+    covered_warned: usize,
+    /// Reason of the first refused sample, on one line: rows are counted by line ends.
     refusal: Option<String>,
 }
 
@@ -34,28 +37,40 @@ impl Tally {
             self.stated += 1;
             self.variance_n2 += sigma_n * sigma_n;
             let covered = usize::from((sensed.forces_n[0] - force_n).abs() <= TWO_SIDED_95 * sigma_n);
-            self.covered.warned += usize::from(sensed.warned);
+            self.warned += usize::from(sensed.warned);
             match sensed.warned {
-                false => self.covered.covered += covered,
-                true => self.covered.covered_warned += covered,
+                false => self.covered += covered,
+                true => self.covered_warned += covered,
             }
         }
     }
 
     pub(super) fn refuse(&mut self, error: &EstimatorError) {
-        self.refusal.get_or_insert_with(|| error.to_string());
+        self.refusal.get_or_insert_with(|| error.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
     }
 
-    pub(super) fn outcome(&self, samples: usize) -> Outcome {
+    /// The cell with the results over its `samples` samples.
+    pub(super) fn fill(&self, cell: Cell, samples: usize) -> Cell {
         let count = self.answered as f64;
-        let enough = self.answered > 0 && 2 * self.answered >= samples;
-        let errors = enough.then(|| Errors {
-            mean_error: self.absolute / count,
-            bias: self.sum / count,
-            spread: if self.answered > 1 { (self.squares / (count - 1.0)).sqrt() } else { 0.0 },
-            sigma_n: (self.stated == self.answered).then(|| (self.variance_n2 / count).sqrt()),
-        });
-        let covered = (self.answered > 0 && self.stated == self.answered).then_some(self.covered);
-        Outcome { samples, answered: self.answered, errors, covered, refusal: self.refusal.clone() }
+        let is_stated = self.answered > 0 && self.stated == self.answered;
+        let enough = |figure: f64| (self.answered > 0 && 2 * self.answered >= samples).then_some(figure);
+        let spread = match self.answered {
+            0 | 1 => (cell.noise_mm == 0.0).then_some(0.0),
+            _ => Some((self.squares / (count - 1.0)).sqrt()),
+        };
+        let sigma_n = is_stated.then(|| (self.variance_n2 / count).sqrt());
+        Cell {
+            samples,
+            answered: self.answered,
+            mean_error: enough(self.absolute / count),
+            bias: enough(self.sum / count),
+            spread: spread.and_then(enough),
+            sigma_n: sigma_n.and_then(enough),
+            refusal: self.refusal.clone(),
+            warned: is_stated.then_some(self.warned),
+            covered: is_stated.then_some(self.covered),
+            covered_warned: is_stated.then_some(self.covered_warned),
+            ..cell
+        }
     }
 }
