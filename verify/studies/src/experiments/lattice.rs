@@ -10,7 +10,7 @@ use crate::problems::lattice::{FINENESS, NEWTON};
 use crate::problems::{self, ProblemError};
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::sampling::sweep::MapCell;
-use crate::truths::{LatticeTruth, TruthId};
+use crate::truths::{LATTICE_FINENESS, TruthId};
 use finray_lattice::settling::Precision;
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
@@ -237,7 +237,7 @@ impl LatticeSensing {
         noise: (&[f64], usize),
         step: &(dyn Fn() + Sync),
     ) -> Result<LatticeSensing, LatticeError> {
-        let truth = LatticeTruth::new(finger)?;
+        let truth = Lattice::new(finger, LATTICE_FINENESS)?;
         let (noise_levels_mm, noise_samples) = noise;
         let [linear, nonlinear] = extent.maps.map(|(positions, step_deg)| {
             let (positions_mm, angles_deg) = MapRequest::grid(finger, positions, step_deg);

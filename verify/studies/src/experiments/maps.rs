@@ -43,12 +43,13 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
 /// Grid of the map of an estimator on a true finger. Only networks, and least squares on the scene's own beams, get the finest grid. `None` if
 /// another study covers the pair.
 fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<Option<Plan>, TruthError> {
-    let is_asked = if estimator.at_nodes() { context.is_paper } else { !truth.id().has_study() };
+    let is_asked = if estimator.at_nodes() { context.is_paper } else { truth.id() != TruthId::Lattice };
     if !is_asked {
         return Ok(None);
     }
     let effort = context.effort;
-    let unexplained = estimator.searches() && truth.id().is_far_from_corotational();
+    // The shapes of these fingers differ strongly from those of the scene's co-rotational beams.
+    let unexplained = estimator.searches() && matches!(truth.id(), TruthId::Linear | TruthId::Twin);
     let (positions, step_deg, noise_samples) = match estimator {
         EstimatorId::LeastSquares if truth.id().kinematics().is_some() => effort.resolution(),
         _ if estimator.at_nodes() => effort.resolution(),

@@ -7,7 +7,7 @@ use super::{ProblemError, ProblemResults};
 use crate::lattice::accuracy::difference;
 use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
 use crate::prelude::*;
-use crate::truths::{LatticeTruth, Truth};
+use crate::truths::{LATTICE_FINENESS, Truth};
 
 /// Source of all checks.
 const SOURCE: &str = "MuJoCo";
@@ -183,7 +183,7 @@ pub fn contact_checks() -> Result<Vec<Check>, ProblemError> {
 pub fn triangle() -> Result<Vec<Comparison>, ProblemError> {
     let exported = &FINGERS[0];
     let finger = exported.finger()?;
-    let lattice = LatticeTruth::new(&finger)?;
+    let lattice = Lattice::new(&finger, LATTICE_FINENESS)?;
     let cases = exported.cases()?;
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS[1]);
     let mut forces_n: Vec<f64> = cases.iter().map(|case| case.force_n).collect();

@@ -8,8 +8,6 @@ pub(super) const ROW: TruthRow = TruthRow {
     label: "uniform finger",
     help: "The finger with co-rotational statics, on 684 nodes or four elements per member if that is more",
     kinematics: Some(Kinematics::Corotational),
-    is_far_from_corotational: false,
-    has_study: false,
     mesh: |finger| Ok(fine_mesh(finger)?),
     on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Corotational, mesh, Kinematics::Corotational)?)),
 };

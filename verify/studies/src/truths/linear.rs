@@ -8,8 +8,6 @@ pub(super) const ROW: TruthRow = TruthRow {
     label: "linear finger",
     help: "The finger with linear statics",
     kinematics: Some(Kinematics::Linear),
-    is_far_from_corotational: true,
-    has_study: false,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
     on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Linear, mesh, Kinematics::Linear)?)),
 };

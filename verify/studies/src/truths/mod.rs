@@ -7,7 +7,7 @@ mod mesh;
 mod mujoco;
 mod twin;
 
-pub use lattice::LatticeTruth;
+pub use lattice::LATTICE_FINENESS;
 pub use mesh::{FINE_MESH_NODES, MeshTruth, fine_mesh};
 pub use mujoco::{MujocoTruth, NotExported};
 pub use twin::{TwinError, twin_of};
@@ -37,8 +37,6 @@ struct TruthRow {
     label: &'static str,
     help: &'static str,
     kinematics: Option<Kinematics>,
-    is_far_from_corotational: bool,
-    has_study: bool,
     mesh: fn(&Finger) -> Result<Mesh, TruthError>,
     on: for<'m> fn(&'m Mesh) -> Result<Box<dyn Truth + 'm>, TruthError>,
 }
@@ -47,16 +45,6 @@ impl TruthId {
     /// Kinematics if this true finger consists of the scene's own beams, so that a network can be trained on it; else `None`.
     pub fn kinematics(self) -> Option<Kinematics> {
         self.row().kinematics
-    }
-
-    /// Whether the shapes of this true finger differ strongly from those of the scene's co-rotational beams.
-    pub fn is_far_from_corotational(self) -> bool {
-        self.row().is_far_from_corotational
-    }
-
-    /// Whether a separate study covers this true finger for all estimators that support any contact.
-    pub fn has_study(self) -> bool {
-        self.row().has_study
     }
 
     /// Mesh of the true finger, derived from the scene's finger.

@@ -10,8 +10,6 @@ pub(super) const ROW: TruthRow = TruthRow {
     help: "The finger as solved by MuJoCo: exported shapes of three fingers, at their contact nodes, in the exported directions, under the \
            exported forces; other positions and directions (--places, --step-deg) are not available",
     kinematics: None,
-    is_far_from_corotational: false,
-    has_study: false,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
     on: |mesh| Ok(Box::new(MujocoTruth::new(mesh.finger())?)),
 };
@@ -60,11 +58,6 @@ impl MujocoTruth {
     pub fn new(finger: &Finger) -> Result<MujocoTruth, NotExported> {
         let exported = ExportedFinger::of(finger).ok_or(NotExported::Finger)?;
         Ok(MujocoTruth { finger: finger.clone(), name: exported.name, cases: exported.cases()? })
-    }
-
-    /// The subset of `forces_n` (N) for which shapes were exported.
-    pub fn exported(&self, forces_n: &[f64]) -> Vec<f64> {
-        forces_n.iter().copied().filter(|force_n| self.require_force(*force_n).is_ok()).collect()
     }
 
     fn require_force(&self, force_n: f64) -> Result<(), NotExported> {

@@ -9,8 +9,6 @@ pub(super) const ROW: TruthRow = TruthRow {
     label: "softer ends",
     help: "The paper's finger with a softer base and tip, one of several fits of its Table I, co-rotational; for the paper's scene alone",
     kinematics: None,
-    is_far_from_corotational: true,
-    has_study: false,
     mesh: |finger| Ok(fine_mesh(&twin_of(finger)?)?),
     on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Twin, mesh, Kinematics::Corotational)?)),
 };

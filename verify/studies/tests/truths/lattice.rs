@@ -1,16 +1,17 @@
 //! The lattice as the true finger.
 
+use finray_lattice::Lattice;
 use finray_model::Kinematics;
 use finray_studies::lattice::accuracy::difference;
 use finray_studies::truths::TruthId;
-use finray_studies::truths::{LatticeTruth, MeshTruth, Truth, fine_mesh};
+use finray_studies::truths::{LATTICE_FINENESS, MeshTruth, Truth, fine_mesh};
 use finray_tests::{at_position, paper};
 
 /// The third finger of the maps, at positions between nodes as well, is that of beams.
 #[test]
 fn lattice_truth_is_that_of_beams() {
     let finger = paper();
-    let truth = LatticeTruth::new(&finger).expect("a lattice");
+    let truth = Lattice::new(&finger, LATTICE_FINENESS).expect("a lattice");
     assert_eq!(truth.id(), TruthId::Lattice);
     let mesh = fine_mesh(&finger).expect("a mesh");
     let beams = MeshTruth::new(TruthId::Corotational, &mesh, Kinematics::Corotational).expect("prepared");
