@@ -17,5 +17,4 @@ pub mod sampling;
 pub mod settings;
 pub mod statistics;
 pub mod study;
-mod templates;
 pub mod truths;

@@ -10,7 +10,7 @@ pub const LEAST_STATED_MM: f64 = 0.01;
 pub const ONE_FORCE_N: [f64; 2] = [0.5, 3.0];
 /// Range of forces on each of two contact nodes of the paper's finger, N (paper, sec. V-C).
 pub const TWO_FORCES_N: [f64; 2] = [0.3, 3.0];
-/// Frame time of the paper's camera at 25 Hz, s.
+/// Frame time of the paper's camera at its largest rate of 25 Hz, s (sec. IV-B and VI). In this time the paper only processes images.
 pub const CAMERA_FRAME_S: f64 = 0.04;
 /// A force is trusted if its relative error is at most this, dimensionless. The paper's Table I shades larger errors.
 pub const TRUSTED_ERROR: f64 = 0.10;
@@ -102,32 +102,6 @@ impl Effort {
     /// Numbers of random cases per set of contacts: for Table II, and for the networks.
     pub(crate) fn sensed_cases(self) -> [usize; 2] {
         self.choose([40, 40], [ENOUGH_CASES; 2])
-    }
-
-    /// Number of noise samples per set of contacts and per noise model of the displacements.
-    pub(crate) fn displacement_noise_cases(self) -> usize {
-        self.choose(20, 200)
-    }
-
-    /// Number of positions, step of the directions (degrees), and noise samples per cell in the study of coverage. The paper's finger then has 720
-    /// samples (quick) or 12 960 (full). A coverage of 95 % has a standard deviation of 0.8 or 0.2 %.
-    pub(crate) fn covered_cells(self) -> (usize, f64, usize) {
-        self.choose((17, 40.0, 3), (60, 20.0, 6))
-    }
-
-    /// Number of noise samples per force and contact node, for the networks.
-    pub(crate) fn covered_at_nodes(self) -> usize {
-        self.choose(20, 100)
-    }
-
-    /// Largest number of nodes at which forces are sensed from images, and largest number of camera conditions.
-    pub(crate) fn camera(self) -> (usize, usize) {
-        self.choose((2, 9), (6, usize::MAX))
-    }
-
-    /// Numbers of calibrations of the digital twin, of sensed forces per node of the twin, and of fitted sets of soft zones.
-    pub(crate) fn twin(self) -> [usize; 3] {
-        self.choose([3, 40, 1], [10, 400, usize::MAX])
     }
 
     /// Number of positions along the front plate, step of the directions (degrees), and noise samples per cell of a map.

@@ -8,7 +8,6 @@ mod claims {
     mod grasps;
     mod gripper;
     mod limits;
-    mod rate;
 }
 mod estimators {
     mod all;

@@ -11,7 +11,6 @@ pub mod experiments;
 pub mod grasps;
 pub mod gripper;
 pub mod limits;
-pub mod rate;
 mod single_finger;
 mod words;
 
@@ -111,7 +110,7 @@ pub fn ledger(study: &Study) -> Result<Vec<Claim>, ClaimError> {
     claims.extend(limits::claims(study, words)?);
     claims.push(camera::position_error(study.camera.as_ref(), words)?);
     let times = study.camera.as_ref().and_then(|camera| camera.times);
-    claims.push(rate::sensing_rate(&study.speed_error, times, words)?);
+    claims.push(camera::sensing_rate(&study.speed_error, times, words)?);
     claims.extend(words.untested());
     Ok(claims)
 }

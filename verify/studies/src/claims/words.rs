@@ -1,8 +1,7 @@
 //! Texts of all claims: templates that the computed numbers complete.
 
 use super::{Claim, ClaimError, ClaimVerdict};
-use crate::templates::templates;
-use minijinja::{Environment, Value};
+use minijinja::{Environment, UndefinedBehavior, Value};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -78,4 +77,17 @@ pub(super) fn percent(share: f64) -> String {
         p if p < 1.0 => format!("{:.2} %", 100.0 * share),
         _ => format!("{:.1} %", 100.0 * share),
     }
+}
+
+/// Builds the templates from pairs of name and text. Two filters format numbers: `plain`, and `fixed` with a number of decimals. A missing number is
+/// an error.
+fn templates(texts: impl IntoIterator<Item = (String, String)>) -> Result<Environment<'static>, minijinja::Error> {
+    let mut templates = Environment::new();
+    templates.set_undefined_behavior(UndefinedBehavior::Strict);
+    templates.add_filter("plain", |value: f64| value.to_string());
+    templates.add_filter("fixed", |value: f64, decimals: usize| format!("{value:.decimals$}"));
+    for (name, text) in texts {
+        templates.add_template_owned(name, text)?;
+    }
+    Ok(templates)
 }

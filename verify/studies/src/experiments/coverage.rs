@@ -72,7 +72,8 @@ pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, 
     if noise_mm == 0.0 {
         return Ok(Vec::new());
     }
-    let (positions, step_deg, samples) = effort.covered_cells();
+    // The paper's finger then has 720 samples (quick) or 12 960 (full). A coverage of 95 % has a standard deviation of 0.8 or 0.2 %.
+    let (positions, step_deg, samples) = effort.choose((17, 40.0, 3), (60, 20.0, 6));
     let request = |(positions_mm, angles_deg), samples| MapRequest {
         positions_mm,
         angles_deg,
@@ -83,7 +84,7 @@ pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, 
     };
     let cells = request(MapRequest::grid(finger, positions, step_deg), samples);
     let nodes_mm = finger.contact_nodes().rev().filter_map(|node| finger.front_position_mm(node)).collect();
-    let nodes = request((nodes_mm, vec![0.0]), effort.covered_at_nodes());
+    let nodes = request((nodes_mm, vec![0.0]), effort.choose(20, 100));
     let node_contacts = usize::from(is_paper) * nodes.contact_count();
     context.progress.part("coverage", cells.contact_count() + node_contacts);
     let step = || context.progress.step();

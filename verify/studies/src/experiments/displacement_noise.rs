@@ -170,7 +170,7 @@ impl Evidence for DisplacementNoiseStudy {
 
 /// Study of a report; `None` without noise.
 pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadError> {
-    let cases = context.effort.displacement_noise_cases();
+    let cases = context.effort.choose(20, 200);
     let study =
         || DisplacementNoiseStudy::run(context.finger, context.noise_mm, cases, context.checked_forces().half_n());
     (context.noise_mm > 0.0).then(study).transpose()

@@ -130,7 +130,7 @@ impl CameraStudy {
         (camera, markers): (&Camera, &Markers),
     ) -> Result<CameraStudy, ExperimentError> {
         let mesh = Mesh::key_nodes(finger);
-        let (most_nodes, most_conditions) = effort.camera();
+        let (most_nodes, most_conditions) = effort.choose((2, 9), (6, usize::MAX));
         let conditions = &CONDITIONS[..most_conditions.min(CONDITIONS.len())];
         progress.part("camera", conditions.len());
         let loaded: Vec<NodeId> = finger.contact_nodes().filter(|node| *node != finger.tip()).collect();

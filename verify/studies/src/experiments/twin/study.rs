@@ -74,7 +74,8 @@ pub(crate) fn run(context: &Context, before: Option<&TableOne>) -> Result<Option
     let Some(before) = before.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
     context.progress.part("digital twin", TwinStudy::STEPS);
     let step = || context.progress.step();
-    TwinStudy::run(context.finger, before, context.noise_mm, context.effort.twin(), &step).map(Some)
+    let counts = context.effort.choose([3, 40, 1], [10, 400, usize::MAX]);
+    TwinStudy::run(context.finger, before, context.noise_mm, counts, &step).map(Some)
 }
 
 impl TwinStudy {
