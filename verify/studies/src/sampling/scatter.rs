@@ -8,7 +8,7 @@ mod cases;
 mod scout;
 
 use crate::prelude::*;
-use cases::CaseEstimate;
+use cases::{Case, Sample};
 
 /// Mean of |x| for x of a normal distribution with standard deviation 1: sqrt(2 / pi).
 const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
@@ -211,8 +211,7 @@ fn rows(
         let mut rows = Vec::new();
         for (level, &noise_mm) in request.noise_levels_mm.iter().enumerate() {
             for (i, estimator) in estimators.iter().enumerate() {
-                let estimates = cases.iter().map(|case| case.estimate(level, i));
-                rows.push(row(estimator.id(), nodes, noise_mm, estimates));
+                rows.push(row(estimator.id(), nodes, noise_mm, &cases, [level, i]));
             }
         }
         Ok(rows)
@@ -239,32 +238,36 @@ pub fn pairs(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
     (0..nodes.len()).flat_map(from).collect()
 }
 
-fn row<'c>(
+/// Row of the estimator with index `number` at the noise level with index `level`.
+fn row(
     estimator: EstimatorId,
     nodes: &[NodeId],
     noise_mm: f64,
-    estimates: impl Iterator<Item = CaseEstimate<'c>>,
+    cases: &[Case],
+    [level, number]: [usize; 2],
 ) -> ScatterRow {
     let mut forces = vec![Sums::default(); nodes.len()];
     let mut sum = Sums::default();
-    let (mut cases, mut refused, mut not_carried) = (0, 0, 0);
-    for CaseEstimate { case, bound, first_order, sensed } in estimates {
+    let (mut answered, mut refused, mut not_carried) = (0, 0, 0);
+    for case in cases {
+        let Sample { bound, first_order, sensed } = &case.samples[level];
         not_carried += case.not_carried;
-        let Some(sensed) = sensed else {
+        let Some(sensed) = &sensed[number] else {
             refused += 1;
             continue;
         };
-        cases += 1;
+        answered += 1;
         for (i, sums) in forces.iter_mut().enumerate() {
             let sigma = |of: &Sensed| of.sigmas_n.as_ref().map(|sigmas| sigmas[i]);
-            let errors = [sensed.forces_n[i] - case.forces_n[i], first_order.map_or(f64::NAN, |errors| errors[i])];
-            sums.add(case.forces_n[i], errors, bound.and_then(sigma), sigma(sensed));
+            let errors =
+                [sensed.forces_n[i] - case.forces_n[i], first_order.as_ref().map_or(f64::NAN, |errors| errors[i])];
+            sums.add(case.forces_n[i], errors, bound.as_ref().and_then(sigma), sigma(sensed));
         }
-        let bound = bound.and_then(|bound| bound.sum_sigma_n);
+        let bound = bound.as_ref().and_then(|bound| bound.sum_sigma_n);
         let true_sum: f64 = case.forces_n.iter().sum();
         let errors = [
             sensed.forces_n.iter().sum::<f64>() - true_sum,
-            first_order.map_or(f64::NAN, |errors| errors.iter().sum::<f64>()),
+            first_order.as_ref().map_or(f64::NAN, |errors| errors.iter().sum::<f64>()),
         ];
         sum.add(true_sum, errors, bound, sensed.sum_sigma_n);
     }
@@ -273,7 +276,7 @@ fn row<'c>(
         estimator,
         nodes: nodes.iter().map(|node| node.0).collect(),
         noise_mm,
-        cases,
+        cases: answered,
         not_carried,
         refused,
         forces: forces.iter().filter_map(|sums| sums.mean(noisy)).collect(),

@@ -17,39 +17,19 @@ const LITTLE: f64 = 0.1;
 pub(super) struct Case {
     /// True forces, N.
     pub forces_n: Vec<f64>,
-    samples: Vec<Sample>,
+    /// Samples by noise level.
+    pub samples: Vec<Sample>,
     /// Number of draws that were repeated because the finger has no equilibrium under the drawn forces.
     pub not_carried: usize,
 }
 
-struct Sample {
+pub(super) struct Sample {
     /// Cramer-Rao bound: standard deviations stated by an estimator of the true finger. `None` without noise, or if a force is not identifiable.
-    bound: Option<Sensed>,
+    pub bound: Option<Sensed>,
     /// First-order errors caused by the noise, N, of an estimator of the true finger; `None` without noise, or if not requested.
-    first_order: Option<Vec<f64>>,
+    pub first_order: Option<Vec<f64>>,
     /// Estimates by estimator; `None` if the estimator refused.
-    sensed: Vec<Option<Sensed>>,
-}
-
-pub(super) struct CaseEstimate<'c> {
-    pub case: &'c Case,
-    pub bound: Option<&'c Sensed>,
-    /// Errors of the forces to first order in the noise of this sample, N.
-    pub first_order: Option<&'c [f64]>,
-    /// The estimate; `None` if the estimator refused.
-    pub sensed: Option<&'c Sensed>,
-}
-
-impl Case {
-    pub fn estimate(&self, level: usize, estimator: usize) -> CaseEstimate<'_> {
-        let sample = &self.samples[level];
-        CaseEstimate {
-            case: self,
-            bound: sample.bound.as_ref(),
-            first_order: sample.first_order.as_deref(),
-            sensed: sample.sensed[estimator].as_ref(),
-        }
-    }
+    pub sensed: Vec<Option<Sensed>>,
 }
 
 /// All cases of one set of contacts, in order; empty if the finger carries no force of the range.
@@ -119,9 +99,9 @@ impl<'a> CaseRunner<'a> {
         })
     }
 
-    /// Deforms the finger by all draws together. A draw without equilibrium is repeated; `None` if all its repetitions have none.
-    fn carried(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<CarriedDraw>> {
-        let mut carried: Vec<Option<CarriedDraw>> = draws.iter().map(|_| None).collect();
+    /// Deforms the finger by all draws together, and measures it without noise. A draw without equilibrium is repeated; `None` if all its repetitions have none.
+    fn carried(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<(Draw, Measurement)>> {
+        let mut carried: Vec<Option<(Draw, Measurement)>> = draws.iter().map(|_| None).collect();
         let size_n = |number: &usize| draws[*number].forces_n.iter().sum::<f64>();
         let mut open: Vec<usize> = (0..draws.len()).collect();
         open.sort_by(|a, b| size_n(b).total_cmp(&size_n(a)));
@@ -140,7 +120,7 @@ impl<'a> CaseRunner<'a> {
         &mut self,
         draws: &mut [Draw],
         mut open: Vec<usize>,
-        carried: &mut [Option<CarriedDraw>],
+        carried: &mut [Option<(Draw, Measurement)>],
         range_n: [f64; 2],
     ) -> Vec<usize> {
         if let Some(scout) = &mut self.scout {
@@ -162,10 +142,8 @@ impl<'a> CaseRunner<'a> {
         for (number, found) in open.into_iter().zip(found) {
             let draw = &mut draws[number];
             if let Ok(found) = found {
-                let Draw { forces_n, noise, not_carried, .. } = draw;
                 let clean = Measurement::of_shape(self.finger, &self.mesh.shape(&found.motion));
-                let (forces_n, noise, not_carried) = (forces_n.clone(), noise.clone(), *not_carried);
-                carried[number] = Some(CarriedDraw { forces_n, noise, clean, not_carried });
+                carried[number] = Some((draw.clone(), clean));
             } else {
                 self.scout.get_or_insert_with(|| self.ratio_limits.scout());
                 if draw.again(range_n) {
@@ -176,19 +154,19 @@ impl<'a> CaseRunner<'a> {
         again
     }
 
-    fn case(&mut self, request: &ScatterRequest, carried: &CarriedDraw, controlled: bool) -> Case {
+    fn case(&mut self, request: &ScatterRequest, (draw, clean): &(Draw, Measurement), controlled: bool) -> Case {
         let sample = |&noise_mm: &f64| {
-            let seen = with_sample(&carried.clean, &carried.noise, noise_mm);
+            let seen = with_sample(clean, &draw.noise, noise_mm);
             let sense = |estimator: &mut Box<dyn PreparedEstimator + 'a>| {
                 estimator.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()
             };
             let sensed = self.estimators.iter_mut().map(sense).collect();
             if noise_mm > 0.0 {
-                self.bound.expect_forces(&carried.forces_n);
+                self.bound.expect_forces(&draw.forces_n);
             }
-            let bound = if noise_mm > 0.0 { self.bound.estimate(&carried.clean, Some(noise_mm)).ok() } else { None };
+            let bound = if noise_mm > 0.0 { self.bound.estimate(clean, Some(noise_mm)).ok() } else { None };
             let first_order = bound.as_ref().filter(|_| controlled).and_then(|at_rest| {
-                let seen = with_sample(&carried.clean, &carried.noise, LITTLE * noise_mm);
+                let seen = with_sample(clean, &draw.noise, LITTLE * noise_mm);
                 let moved = self.bound.estimate(&seen, Some(noise_mm)).ok()?;
                 let pairs = moved.forces_n.iter().zip(&at_rest.forces_n);
                 Some(pairs.map(|(moved, at_rest)| (moved - at_rest) / LITTLE).collect())
@@ -196,11 +174,12 @@ impl<'a> CaseRunner<'a> {
             Sample { bound, first_order, sensed }
         };
         let samples = request.noise_levels_mm.iter().map(sample).collect();
-        Case { forces_n: carried.forces_n.clone(), samples, not_carried: carried.not_carried }
+        Case { forces_n: draw.forces_n.clone(), samples, not_carried: draw.not_carried }
     }
 }
 
 /// Random numbers of one case, the same for every estimator.
+#[derive(Clone)]
 struct Draw {
     forces_n: Vec<f64>,
     /// Noise of each coordinate, in standard deviations.
@@ -231,11 +210,4 @@ impl Draw {
         self.draw(range_n);
         self.not_carried < MOST_DRAWS
     }
-}
-
-struct CarriedDraw {
-    forces_n: Vec<f64>,
-    noise: Vec<f64>,
-    clean: Measurement,
-    not_carried: usize,
 }
