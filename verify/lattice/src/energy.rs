@@ -1,5 +1,6 @@
 //! Elastic energy of the lattice, and its equilibrium by Newton's method.
 
+use super::LatticeError;
 use super::bodies::{Assembly, BodyLoad};
 use super::pattern::Pattern;
 use super::springs::{BodyIndex, Deformation, Spring};
@@ -118,13 +119,6 @@ impl Spring {
             },
         }
     }
-}
-
-/// The point of a load path beyond which Newton's method finds no stable equilibrium.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BranchEnd {
-    /// Largest fraction of the load, 0 to 1, for which an equilibrium was found.
-    pub converged_fraction: f64,
 }
 
 /// Energy of a lattice under dead loads (constant in direction), as a function of the motion of all bodies.
@@ -313,14 +307,14 @@ impl<'a> Energy<'a> {
     /// Returns the number of Newton steps.
     ///
     /// # Errors
-    /// [`BranchEnd`] if no further stable equilibrium is found; `motions` is then the last equilibrium on the path.
+    /// [`LatticeError::NoEquilibrium`] if no further stable equilibrium is found; `motions` is then the last equilibrium on the path.
     pub fn follow(
         &self,
         motions: &mut Vec<BodyMotion>,
         loads: &[BodyLoad],
         from: f64,
         to: f64,
-    ) -> Result<usize, BranchEnd> {
+    ) -> Result<usize, LatticeError> {
         let (mut at, mut part, mut steps) = (from, to - from, 0);
         let mut elimination = None;
         while at < to {
@@ -338,7 +332,7 @@ impl<'a> Energy<'a> {
                 None => part *= 0.5,
             }
             if part < SMALLEST_PART * (to - from) {
-                return Err(BranchEnd { converged_fraction: at / to });
+                return Err(LatticeError::NoEquilibrium { converged_fraction: at / to });
             }
         }
         Ok(steps)

@@ -27,7 +27,7 @@ pub mod skin;
 pub mod springs;
 
 use bodies::{Assembly, BodyLoad};
-use energy::{BodyMotion, BranchEnd, Energy};
+use energy::{BodyMotion, Energy};
 use finray_model::Finger;
 use finray_model::mesh::{FingerShape, Load, LoadError};
 use settling::{Dynamics, Settling};
@@ -151,7 +151,7 @@ impl Lattice {
     /// As for [`settle`](Lattice::settle).
     pub fn settle_as(&self, loads: &[Load], how: Settling) -> Result<Settled, LatticeError> {
         let loads = self.body_loads(loads)?;
-        let mut dynamics = Dynamics::new(&self.assembly).settling_as(&how);
+        let mut dynamics = Dynamics::new(&self.assembly, &how);
         let rest = dynamics.settle(&loads, how.most_steps)?;
         Ok(Settled { shape: self.shape(&dynamics.motions()), steps: rest.steps, residual: rest.residual })
     }
@@ -163,16 +163,20 @@ impl Lattice {
     pub fn equilibrium(&self, loads: &[Load]) -> Result<FingerShape, LatticeError> {
         match self.path(loads, &[1.0])? {
             (mut shapes, None) => Ok(shapes.swap_remove(0)),
-            (_, Some(BranchEnd { converged_fraction })) => Err(LatticeError::NoEquilibrium { converged_fraction }),
+            (_, Some(lost)) => Err(lost),
         }
     }
 
     /// Equilibria under the loads times each of `factors`, which must increase; each is followed from the previous one. If the path ends before the last
-    /// factor, the second value says where.
+    /// factor, the second value is the [`LatticeError::NoEquilibrium`] that says where.
     ///
     /// # Errors
     /// [`LatticeError::Load`] or [`LatticeError::LoadNotFinite`] for a bad load.
-    pub fn path(&self, loads: &[Load], factors: &[f64]) -> Result<(Vec<FingerShape>, Option<BranchEnd>), LatticeError> {
+    pub fn path(
+        &self,
+        loads: &[Load],
+        factors: &[f64],
+    ) -> Result<(Vec<FingerShape>, Option<LatticeError>), LatticeError> {
         let loads = self.body_loads(loads)?;
         let energy = Energy::new(&self.assembly);
         let mut motions = vec![BodyMotion::default(); self.assembly.bodies.len()];

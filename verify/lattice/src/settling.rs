@@ -149,14 +149,14 @@ fn joint(spring: &Spring) -> GenericJoint {
 }
 
 impl<'a> Dynamics<'a> {
-    /// Puts the lattice, at rest and undeformed, into an empty rapier world without gravity.
-    pub(crate) fn new(assembly: &'a Assembly) -> Dynamics<'a> {
+    /// Puts the lattice, at rest and undeformed, into an empty rapier world without gravity; `how` has the number of sweeps and the precision.
+    pub(crate) fn new(assembly: &'a Assembly, how: &Settling) -> Dynamics<'a> {
         let mut world = PhysicsWorld::new();
         world.gravity = RapierVector::ZERO;
         world.integration_parameters = IntegrationParameters {
             dt: STEP_S,
             num_solver_iterations: 1,
-            num_internal_pgs_iterations: SWEEPS,
+            num_internal_pgs_iterations: how.sweeps,
             num_internal_stabilization_iterations: 0,
             max_ccd_substeps: 0,
             contact_recycling: false,
@@ -164,7 +164,7 @@ impl<'a> Dynamics<'a> {
             normalized_max_corrective_velocity: f64::MAX,
             ..IntegrationParameters::default()
         };
-        let positions = Precision::Double;
+        let positions = how.positions;
         let mut dynamics =
             Dynamics { assembly, world, handles: Vec::new(), moving: Vec::new(), positions, energy: 0.0 };
         for (body, (mass, moment)) in assembly.bodies.iter().zip(inertia(assembly)) {
@@ -180,13 +180,6 @@ impl<'a> Dynamics<'a> {
             dynamics.world.impulse_joints.insert(first, second, joint(spring), true);
         }
         dynamics
-    }
-
-    /// Sets the number of sweeps and the precision of the positions.
-    pub(crate) fn settling_as(mut self, how: &Settling) -> Dynamics<'a> {
-        self.world.integration_parameters.num_internal_pgs_iterations = how.sweeps;
-        self.positions = how.positions;
-        self
     }
 
     /// Adds a moving body at `position` (mm), with its mass and moment of inertia.

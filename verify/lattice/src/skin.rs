@@ -136,9 +136,7 @@ impl Lattice {
         };
         let loads: Vec<BodyLoad> = touches.iter().map(load).collect();
         let mut motions = vec![BodyMotion::default(); self.assembly.bodies.len()];
-        Energy::new(&self.assembly)
-            .follow(&mut motions, &loads, 0.0, 1.0)
-            .map_err(|lost| LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction })?;
+        Energy::new(&self.assembly).follow(&mut motions, &loads, 0.0, 1.0)?;
         Ok(self.shape(&motions))
     }
 }

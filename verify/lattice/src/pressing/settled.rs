@@ -9,7 +9,7 @@
 
 use super::{Pressed, Push};
 use crate::energy::{BodyMotion, Energy};
-use crate::settling::{self, Dynamics, mass_for, own, rapier};
+use crate::settling::{self, Dynamics, Settling, mass_for, own, rapier};
 use crate::skin::{Skin, Touch, TouchedPart, add_skin, groups_of_object, require_one_thickness};
 use crate::springs::BodyIndex;
 use crate::{Lattice, LatticeError};
@@ -90,7 +90,7 @@ impl<'l> EnginePressing<'l> {
         require_one_thickness(lattice)?;
         let length_mm = lattice.finger().plate_length_mm(Plate::Front);
         let (watch, middle_stiffness) = slowest_motion(lattice)?;
-        let mut dynamics = Dynamics::new(assembly);
+        let mut dynamics = Dynamics::new(assembly, &Settling::default());
         let parameters = &mut dynamics.world.integration_parameters;
         parameters.normalized_prediction_distance = FORESIGHT * length_mm;
         parameters.normalized_max_linear_velocity = 0.5 * FORESIGHT * length_mm / parameters.dt;
@@ -345,5 +345,5 @@ fn slowest_motion(lattice: &Lattice) -> Result<(usize, f64), LatticeError> {
     let stiffness = TINY_N / lattice.equilibrium(&[push(TINY_N)])?.largest_displacement_mm();
     let probe_n = PROBE * finger.plate_length_mm(Plate::Front) * stiffness;
     let loads = lattice.body_loads(&[push(probe_n)])?;
-    Ok((Dynamics::new(lattice.assembly()).settle(&loads, settling::MOST_STEPS)?.watch, stiffness))
+    Ok((Dynamics::new(lattice.assembly(), &Settling::default()).settle(&loads, settling::MOST_STEPS)?.watch, stiffness))
 }

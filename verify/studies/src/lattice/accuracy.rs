@@ -70,7 +70,7 @@ pub(crate) fn lattice_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<Vec<V
 fn lattice_path(lattice: &Lattice, at: &(NodeId, f64), grid: &LoadGrid) -> Result<Vec<FingerShape>, LatticeError> {
     match lattice.path(&[load(lattice.finger(), at, 1.0)], &grid.forces_n)? {
         (shapes, None) => Ok(shapes),
-        (_, Some(lost)) => Err(LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction }),
+        (_, Some(lost)) => Err(lost),
     }
 }
 
@@ -167,24 +167,16 @@ pub fn study(
 
 fn settling_cost(lattice: &Lattice, loads: &LoadGrid) -> Result<SettlingCost, LatticeError> {
     let equilibria = lattice_shapes(lattice, loads)?;
-    let settled = settled_shapes(lattice, loads)?;
-    let error = worst(worst_by_force(&equilibria, &settled.shapes, loads.forces_n.len()));
-    Ok(SettlingCost { error, steps: settled.steps, ms: settled.mean_ms })
+    let (shapes, steps, ms) = settled_shapes(lattice, loads)?;
+    Ok(SettlingCost { error: worst(worst_by_force(&equilibria, &shapes, loads.forces_n.len())), steps, ms })
 }
 
-/// Settled shapes over a grid of loads, with their computation time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SettledGrid {
-    /// Shapes by node and direction, then force.
-    pub shapes: Vec<Vec<FingerShape>>,
-    /// Largest number of steps to rest.
-    pub steps: usize,
-    /// Mean time under one load, ms.
-    pub mean_ms: f64,
-}
-
-/// Settles a lattice under every load of a grid, in sequence.
-pub(crate) fn settled_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<SettledGrid, LatticeError> {
+/// Settles a lattice under every load of a grid, in sequence. Returns the shapes by node and direction, then force, the largest number of steps to rest,
+/// and the mean time under one load, ms.
+pub(crate) fn settled_shapes(
+    lattice: &Lattice,
+    grid: &LoadGrid,
+) -> Result<(Vec<Vec<FingerShape>>, usize, f64), LatticeError> {
     let (mut steps, start) = (0, Instant::now());
     let mut settle = |at: &(NodeId, f64), force_n: f64| {
         let settled = lattice.settle(&[load(lattice.finger(), at, force_n)])?;
@@ -197,5 +189,5 @@ pub(crate) fn settled_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<Settl
         shapes.push(column.collect::<Result<Vec<_>, LatticeError>>()?);
     }
     let count = (shapes.len() * grid.forces_n.len()).max(1);
-    Ok(SettledGrid { shapes, steps, mean_ms: 1e3 * start.elapsed().as_secs_f64() / count as f64 })
+    Ok((shapes, steps, 1e3 * start.elapsed().as_secs_f64() / count as f64))
 }

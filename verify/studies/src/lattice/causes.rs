@@ -113,9 +113,7 @@ pub fn out_of_balance(lattice: &Lattice, grid: &LoadGrid, positions: Precision) 
     let share = |at: &(NodeId, f64), force_n: f64| -> Result<f64, LatticeError> {
         let loads = lattice.body_loads(&[load(lattice.finger(), at, force_n)])?;
         let mut motions = vec![BodyMotion::default(); lattice.assembly().bodies.len()];
-        energy
-            .follow(&mut motions, &loads, 0.0, 1.0)
-            .map_err(|lost| LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction })?;
+        energy.follow(&mut motions, &loads, 0.0, 1.0)?;
         for (motion, body) in motions.iter_mut().zip(&lattice.assembly().bodies) {
             let position = (body.position + motion.displacement).map(|x| positions.round(x));
             motion.displacement = position - body.position;

@@ -51,7 +51,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     checks.push(Check::new(Kind::Internal, problem, NEWTON, QUANTITY, 0.0, error, TINY_FORCE_TOLERANCE));
 
     let few = LoadGrid::few(finger);
-    let settled = settled_shapes(&lattice, &few)?.shapes;
+    let (settled, ..) = settled_shapes(&lattice, &few)?;
     let equilibria = lattice_shapes(&lattice, &few)?;
     let error = worst(worst_by_force(&equilibria, &settled, few.forces_n.len()));
     let problem = name("settled lattice against its own equilibrium, up to 5 N");
