@@ -1,15 +1,11 @@
-//! Matrix-vector products y += W x, for one vector x (a frame) or for many.
+//! Matrix-vector products y += W x.
 
 use super::vectors::{Aligned, Number};
 use pulp::Simd;
 
-/// Number of SIMD vectors of outputs that stay in registers while the inputs of one frame (one vector x) are read. With four independent sums per vector, the
+/// Number of SIMD vectors of outputs that stay in registers while the inputs are read. With four independent sums per vector, the
 /// latency of an addition is hidden.
 const WIDEST_PANEL: usize = 3;
-/// Number of outputs that stay in registers while the weights are read. With [`TILE_VECTORS`], 12 sums, 2 inputs and a weight fit into AVX2's 16 registers.
-const TILE_OUTPUTS: usize = 6;
-/// Number of SIMD vectors of frames that stay in registers while the weights are read.
-const TILE_VECTORS: usize = 2;
 
 /// Function applied to a complete sum. It is a trait, because closures are not reliably inlined; without inlining, the product takes ten times as long.
 pub trait Finish<N: Number>: Copy {
@@ -28,35 +24,22 @@ impl<N: Number> Finish<N> for Linear {
     }
 }
 
-/// A weight matrix W, stored in two orders: one for a single frame, the other for many frames.
+/// A weight matrix W.
 #[derive(Debug, Clone)]
 pub struct Weights<N: Number> {
     /// Number of inputs, the length of x.
     inputs: usize,
     /// Number of outputs, the length of y.
     outputs: usize,
-    /// Weights in the order for one frame: one panel (one to three SIMD vectors of outputs) after the other, input by input within a panel. Zeros fill the last
+    /// Weights in the order of reading: one panel (one to three SIMD vectors of outputs) after the other, input by input within a panel. Zeros fill the last
     /// vector.
     panels: Aligned<N>,
-    /// Weights in the order for many frames: one tile (`TILE_OUTPUTS` outputs) after the other, input by input within a tile. Zeros fill the last tile.
-    tiles: Aligned<N>,
-}
-
-/// Number of frames that [`Weights::add_products`] processes at once.
-#[inline(always)]
-pub fn tile_frames<N: Number, S: Simd>() -> usize {
-    TILE_VECTORS * N::lanes::<S>()
 }
 
 /// `count` rounded up to a multiple of the number of lanes.
 #[inline(always)]
 pub fn padded<N: Number, S: Simd>(count: usize) -> usize {
     count.next_multiple_of(N::lanes::<S>())
-}
-
-/// Number of outputs that [`Weights::add_products`] writes: `outputs` rounded up to whole tiles.
-pub fn tiled(outputs: usize) -> usize {
-    outputs.next_multiple_of(TILE_OUTPUTS)
 }
 
 /// Width of the next panel, in SIMD vectors: 2 or 3, or 1 if only one vector of outputs remains.
@@ -70,7 +53,7 @@ fn panel_width(vectors_left: usize) -> usize {
 }
 
 impl<N: Number> Weights<N> {
-    /// Stores a matrix in both orders, for the machine's SIMD width; `weight(output, input)` returns its entries.
+    /// Stores a matrix in the order of reading for the machine's SIMD width; `weight(output, input)` returns its entries.
     pub fn new<S: Simd>(outputs: usize, inputs: usize, weight: impl Fn(usize, usize) -> N) -> Weights<N> {
         let lanes = N::lanes::<S>();
         let entry = |output: usize, input: usize| if output < outputs { weight(output, input) } else { N::ZERO };
@@ -84,13 +67,7 @@ impl<N: Number> Weights<N> {
             entries.zip(&mut positions).for_each(|((output, input), position)| *position = entry(output, input));
             vector += width;
         }
-        let mut tiles = Aligned::zeros(tiled(outputs) * inputs);
-        for (tile, positions) in tiles.as_mut_slice().chunks_exact_mut(TILE_OUTPUTS * inputs).enumerate() {
-            for (k, position) in positions.iter_mut().enumerate() {
-                *position = entry(tile * TILE_OUTPUTS + k % TILE_OUTPUTS, k / TILE_OUTPUTS);
-            }
-        }
-        Weights { inputs, outputs, panels, tiles }
+        Weights { inputs, outputs, panels }
     }
 
     /// Number of outputs, the length of y.
@@ -98,7 +75,7 @@ impl<N: Number> Weights<N> {
         self.outputs
     }
 
-    /// Computes y = finish(y + W x) for one frame; `y` has [`padded`] outputs. Fetching weights from memory takes most of the time, so `finish` runs after each
+    /// Computes y = finish(y + W x); `y` has [`padded`] outputs. Fetching weights from memory takes most of the time, so `finish` runs after each
     /// panel, while the weights of the next panel arrive.
     #[inline(always)]
     pub fn add_product<S: Simd>(&self, simd: S, x: &[N], y: &mut [N], finish: impl Finish<N>) {
@@ -115,26 +92,6 @@ impl<N: Number> Weights<N> {
                 _ => panel_product::<N, S, WIDEST_PANEL, 4>(simd, panel, x, sums, finish),
             }
             (panels, y) = (other_panels, other_y);
-        }
-    }
-
-    /// Computes Y += W X for [`tile_frames`] frames. X has one row per input and Y one row per output, each with one entry per frame; Y has [`tiled`] rows.
-    #[inline(always)]
-    pub fn add_products<S: Simd>(&self, simd: S, x: &[N], y: &mut [N]) {
-        let x = N::vectors::<S>(x).as_chunks::<TILE_VECTORS>().0;
-        let y = N::vectors_mut::<S>(y).as_chunks_mut::<TILE_VECTORS>().0;
-        let weights = self.tiles.as_slice().as_chunks::<TILE_OUTPUTS>().0;
-        for (tile, rows) in weights.chunks_exact(self.inputs).zip(y.as_chunks_mut::<TILE_OUTPUTS>().0) {
-            let mut sums = *rows;
-            for (weights, x) in tile.iter().zip(x) {
-                for (weight, sums) in weights.iter().zip(&mut sums) {
-                    let weight = N::splat(simd, *weight);
-                    for (sum, x) in sums.iter_mut().zip(x) {
-                        *sum = N::mul_add(simd, weight, *x, *sum);
-                    }
-                }
-            }
-            *rows = sums;
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The hyperbolic tangent of many numbers at once.
+//! The hyperbolic tangent of the lanes of a SIMD vector.
 
 use super::products::Finish;
 use pulp::Simd;
@@ -10,19 +10,6 @@ const CLAMP: f32 = 8.0;
 const NUMERATOR: [f32; 5] = [1.0770481, 0.14477357, 0.0038432276, 2.3523542e-5, 1.6323131e-8];
 /// Coefficients of the denominator D in tanh(x) = x N(x^2) / D(x^2), constant term first.
 const DENOMINATOR: [f32; 5] = [1.0770481, 0.5037895, 0.028166784, 0.00036683367, 9.1461675e-7];
-
-/// Replaces every number by its hyperbolic tangent.
-#[inline(always)]
-pub fn tanh_all<S: Simd>(simd: S, numbers: &mut [f32]) {
-    let (vectors, rest) = S::as_mut_simd_f32s(numbers);
-    for vector in vectors {
-        *vector = tanh(simd, *vector);
-    }
-    if !rest.is_empty() {
-        let values = tanh(simd, simd.partial_load_f32s(rest));
-        simd.partial_store_f32s(rest, values);
-    }
-}
 
 /// The hyperbolic tangent as the last step of a layer.
 #[derive(Debug, Clone, Copy)]

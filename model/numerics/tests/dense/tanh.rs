@@ -1,6 +1,6 @@
 //! The hyperbolic tangent over all numbers.
 
-use finray_numerics::dense::tanh_all;
+use finray_numerics::dense::{Finish, Tanh};
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
 /// The stated error bound, for every number.
@@ -15,13 +15,17 @@ impl WithSimd for TanhAll<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        tanh_all(simd, self.0);
+        for vector in S::as_mut_simd_f32s(self.0).0 {
+            *vector = Tanh.finish(simd, *vector);
+        }
     }
 }
 
-/// The same on detected and on portable instructions.
+/// The same on detected and on portable instructions, with zeros behind the numbers to fill the last vector.
 fn both(numbers: &[f32]) -> [Vec<f32>; 2] {
-    let mut values = [numbers.to_vec(), numbers.to_vec()];
+    let mut filled = numbers.to_vec();
+    filled.resize(numbers.len().next_multiple_of(16), 0.0);
+    let mut values = [filled.clone(), filled];
     Arch::new().dispatch(TanhAll(&mut values[0]));
     TanhAll(&mut values[1]).with_simd(Scalar);
     values

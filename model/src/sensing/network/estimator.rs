@@ -128,19 +128,6 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Estimates the forces of many frames, each as [`forces`](NetworkEstimator::forces) does. Both slices hold one frame after the other.
-    ///
-    /// # Errors
-    /// [`NetworkError::Length`] if a slice has the wrong length.
-    pub fn forces_of_many(&mut self, displacements: &[f64], forces_n: &mut [f64]) -> Result<(), NetworkError> {
-        let (coordinates, outputs) = (self.forward.coordinates(), self.prepared.outputs());
-        let frames = displacements.len() / coordinates;
-        require_length("displacements", frames * coordinates, displacements.len())?;
-        require_length("forces", frames * outputs, forces_n.len())?;
-        self.forward.forces_of_many(displacements, forces_n);
-        Ok(())
-    }
-
     /// Estimates forces with their standard deviations. These include noise and hidden markers, through the network's derivatives, and the network's own error
     /// on held-out samples. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or if
     /// the residual contradicts it.

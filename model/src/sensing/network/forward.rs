@@ -1,7 +1,7 @@
 //! Fast evaluation of a network, without allocation of memory and with the SIMD instructions of the machine.
 
 use super::prepared::Prepared;
-use finray_numerics::dense::{Aligned, Linear, Tanh, Weights, padded, tanh_all, tile_frames, tiled};
+use finray_numerics::dense::{Aligned, Linear, Tanh, Weights, padded};
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
 /// Instruction set that evaluates a network.
@@ -19,8 +19,7 @@ pub(super) struct Forward {
     /// Detected instructions of the machine. `None` selects portable instructions.
     arch: Option<Arch>,
     plan: Plan,
-    one: Between,
-    many: Between,
+    between: Between,
 }
 
 /// Evaluates z = P x + offset; then h = tanh(W h + b) for each hidden layer, from h = z; then the forces f = W h + b + skip z.
@@ -33,11 +32,9 @@ struct Plan {
     skip: Option<Weights<f32>>,
 }
 
-/// Buffers between the layers, for one frame or for a tile of frames. A tile has one row per number and one column per frame.
+/// Buffers between the layers.
 #[derive(Debug, Clone)]
 struct Between {
-    /// Displacements of a tile, mm. Empty for one frame, which is read in place.
-    displacements: Aligned<f64>,
     projected: Aligned<f64>,
     inputs: Aligned<f32>,
     activations: [Aligned<f32>; 2],
@@ -59,14 +56,8 @@ impl Forward {
 
     /// Forces of one frame, N, from its displacements, mm. Lengths must be those of the network.
     pub(super) fn forces(&mut self, displacements: &[f64], forces_n: &mut [f64]) {
-        let Forward { arch, plan, one, .. } = self;
-        dispatch(*arch, EvaluateOne { plan, between: one, displacements, forces_n });
-    }
-
-    /// Forces of many frames, N, from their displacements, mm, frame after frame. Lengths must be multiples of those of the network.
-    pub(super) fn forces_of_many(&mut self, displacements: &[f64], forces_n: &mut [f64]) {
-        let Forward { arch, plan, many, .. } = self;
-        dispatch(*arch, EvaluateMany { plan, between: many, displacements, forces_n });
+        let Forward { arch, plan, between } = self;
+        dispatch(*arch, Evaluate { plan, between, displacements, forces_n });
     }
 }
 
@@ -103,31 +94,23 @@ impl WithSimd for Arrange<'_> {
             layers: layers.iter().map(arranged).collect(),
             skip: (!skip.is_empty()).then(|| Weights::new::<S>(outputs, inputs, |o, i| skip[o * inputs + i])),
         };
-        let one = Between {
-            displacements: Aligned::zeros(0),
+        let between = Between {
             projected: Aligned::zeros(padded::<f64, S>(inputs)),
             inputs: Aligned::zeros(inputs),
             activations: [(); 2].map(|()| Aligned::zeros(padded::<f32, S>(widest))),
         };
-        let (frames, frames_f64) = (tile_frames::<f32, S>(), tile_frames::<f64, S>());
-        let many = Between {
-            displacements: Aligned::zeros(coordinates * frames_f64),
-            projected: Aligned::zeros(tiled(inputs) * frames_f64),
-            inputs: Aligned::zeros(inputs * frames),
-            activations: [(); 2].map(|()| Aligned::zeros(tiled(widest) * frames)),
-        };
-        Forward { arch: self.arch, plan, one, many }
+        Forward { arch: self.arch, plan, between }
     }
 }
 
-struct EvaluateOne<'a> {
+struct Evaluate<'a> {
     plan: &'a Plan,
     between: &'a mut Between,
     displacements: &'a [f64],
     forces_n: &'a mut [f64],
 }
 
-impl WithSimd for EvaluateOne<'_> {
+impl WithSimd for Evaluate<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -158,63 +141,6 @@ impl WithSimd for EvaluateOne<'_> {
         }
         for (force_n, y) in self.forces_n.iter_mut().zip(&*from) {
             *force_n = f64::from(*y);
-        }
-    }
-}
-
-struct EvaluateMany<'a> {
-    plan: &'a Plan,
-    between: &'a mut Between,
-    displacements: &'a [f64],
-    forces_n: &'a mut [f64],
-}
-
-impl WithSimd for EvaluateMany<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Plan { coordinates, projection, offset, layers, skip } = self.plan;
-        let outputs = layers.last().map_or(0, |(weights, _)| weights.outputs());
-        let (frames, frames_f64) = (tile_frames::<f32, S>(), tile_frames::<f64, S>());
-        let Between { displacements: x, projected, inputs, activations: [from, to] } = self.between;
-        let (x, projected, z) = (x.as_mut_slice(), projected.as_mut_slice(), inputs.as_mut_slice());
-        let (mut from, mut to) = (from.as_mut_slice(), to.as_mut_slice());
-        let tiles = self.displacements.chunks(frames * coordinates).zip(self.forces_n.chunks_mut(frames * outputs));
-        for (displacements, forces_n) in tiles {
-            for (part, displacements) in displacements.chunks(frames_f64 * coordinates).enumerate() {
-                for (frame, displacements) in displacements.chunks_exact(*coordinates).enumerate() {
-                    for (row, displacement) in x.chunks_exact_mut(frames_f64).zip(displacements) {
-                        row[frame] = *displacement;
-                    }
-                }
-                for (row, offset) in projected.chunks_exact_mut(frames_f64).zip(offset) {
-                    row.fill(*offset);
-                }
-                projection.add_products(simd, x, projected);
-                for (z, projected) in z.chunks_exact_mut(frames).zip(projected.chunks_exact(frames_f64)) {
-                    for (z, projected) in z[part * frames_f64..].iter_mut().zip(projected) {
-                        *z = *projected as f32;
-                    }
-                }
-            }
-            for (k, (weights, bias)) in layers.iter().enumerate() {
-                for (row, bias) in to.chunks_exact_mut(frames).zip(bias) {
-                    row.fill(*bias);
-                }
-                weights.add_products(simd, if k == 0 { z } else { from }, to);
-                if k + 1 < layers.len() {
-                    tanh_all(simd, &mut to[..weights.outputs() * frames]);
-                } else if let Some(skip) = skip {
-                    skip.add_products(simd, z, to);
-                }
-                std::mem::swap(&mut from, &mut to);
-            }
-            for (frame, forces_n) in forces_n.chunks_exact_mut(outputs).enumerate() {
-                for (force_n, row) in forces_n.iter_mut().zip(from.chunks_exact(frames)) {
-                    *force_n = f64::from(row[frame]);
-                }
-            }
         }
     }
 }

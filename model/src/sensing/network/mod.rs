@@ -103,15 +103,6 @@ impl Network {
         self.card.contacts.len()
     }
 
-    /// Length of the first layer's input.
-    pub fn first_input_count(&self) -> usize {
-        let contacts = match self.card.contact_set {
-            ContactSet::Fixed => 0,
-            ContactSet::AnyOf => 2 * self.contact_count(),
-        };
-        self.inputs.count() + contacts
-    }
-
     /// Checks that all parts fit together and that every number is finite.
     ///
     /// # Errors
@@ -133,7 +124,8 @@ impl Network {
         require_not_negative("variances", &self.inputs.variances)?;
         require_not_negative("largest", &self.inputs.largest)?;
 
-        let mut inputs = self.first_input_count();
+        let any_of = self.card.contact_set == ContactSet::AnyOf;
+        let mut inputs = p + if any_of { 2 * contacts } else { 0 };
         for (k, layer) in self.layers.iter().enumerate() {
             let (weights, bias) = (Dense::weights_name(k), Dense::bias_name(k));
             let last = k + 1 == self.layers.len();
@@ -148,7 +140,6 @@ impl Network {
         if self.layers.is_empty() || inputs == 0 {
             return Err(NetworkError::of_part("layers", "at least one layer, none of them empty", self.layers.len()));
         }
-        let any_of = self.card.contact_set == ContactSet::AnyOf;
         if !self.skip.is_empty() {
             require_shape("skip", &[if any_of { 0 } else { contacts * p }], &[self.skip.len()])?;
             require_finite("skip", self.skip.iter().copied().map(f64::from))?;

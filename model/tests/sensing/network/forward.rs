@@ -59,11 +59,7 @@ proptest! {
         let mut detected = estimator(&network, &nodes, Instructions::Detected);
         let mut portable = estimator(&network, &nodes, Instructions::Portable);
         let mut backwards = estimator(&network, &reversed, Instructions::Detected);
-        let mut many_n = vec![0.0; frames * contacts];
-        detected.forces_of_many(&shapes.concat(), &mut many_n).expect("whole frames");
-        let mut many_portable_n = vec![0.0; frames * contacts];
-        portable.forces_of_many(&shapes.concat(), &mut many_portable_n).expect("whole frames");
-        for (k, shape) in shapes.iter().enumerate() {
+        for shape in &shapes {
             let expected_n = burn_forces(&network, inputs_of(&network, shape));
             let (mut one_n, mut portable_n, mut backwards_n) =
                 (vec![0.0; contacts], vec![0.0; contacts], vec![0.0; contacts]);
@@ -71,9 +67,8 @@ proptest! {
             portable.forces(shape, &mut portable_n).expect("a whole frame");
             backwards.forces(shape, &mut backwards_n).expect("a whole frame");
             backwards_n.reverse();
-            let frame = k * contacts..(k + 1) * contacts;
             prop_assert!(largest_difference(&one_n, &expected_n) <= AGAINST_BURN_N, "{one_n:?} against {expected_n:?}");
-            for other in [&portable_n, &backwards_n, &many_n[frame.clone()].to_vec(), &many_portable_n[frame].to_vec()] {
+            for other in [&portable_n, &backwards_n] {
                 prop_assert!(largest_difference(&one_n, other) <= BETWEEN_INSTRUCTIONS_N, "{one_n:?}, {other:?}");
             }
         }
@@ -124,13 +119,12 @@ fn what_is_not_a_number_gives_no_force() {
         let mut estimator = estimator(&network, &[19, 20], instructions);
         let mut shapes = [random_shape(&network, 1), random_shape(&network, 2)].concat();
         shapes[50] = f64::NAN;
-        let mut forces_n = [0.0; 4];
-        estimator.forces_of_many(&shapes, &mut forces_n).expect("two frames");
-        assert!(forces_n[..2].iter().all(|force_n| force_n.is_finite()) && forces_n[2..].iter().all(|f| f.is_nan()));
-        estimator.forces(&shapes[46..], &mut forces_n[..2]).expect("a frame");
+        let mut forces_n = [0.0; 2];
+        estimator.forces(&shapes[..46], &mut forces_n).expect("a frame");
+        assert!(forces_n.iter().all(|force_n| force_n.is_finite()));
+        estimator.forces(&shapes[46..], &mut forces_n).expect("a frame");
         assert!(forces_n.iter().all(|force_n| force_n.is_nan()));
-        assert!(estimator.forces(&shapes, &mut forces_n[..2]).is_err());
-        assert!(estimator.forces_of_many(&shapes[1..], &mut forces_n).is_err());
+        assert!(estimator.forces(&shapes, &mut forces_n).is_err());
     }
 }
 
