@@ -1,12 +1,19 @@
 //! The Levenberg-Marquardt method.
 
-use super::damping::Damping;
 use super::normal_equations::{NormalEquations, Residuals};
 use super::{Convergence, LeastSquaresProblem, Refusal, covariance};
 use nalgebra::{DMatrix, DVector};
 
 /// Default damping of the first step.
 const FIRST_DAMPING: f64 = 1e-3;
+/// Factor on the damping after an accepted step.
+const LOWERED: f64 = 0.1;
+/// Factor on the damping after a rejected step.
+const RAISED: f64 = 10.0;
+/// Smallest damping; a smaller one would change a step only by rounding.
+const LEAST_DAMPING: f64 = 1e-14;
+/// Largest damping; with a larger one, no significant step remains, and the search ends.
+const MOST_DAMPING: f64 = 1e10;
 /// Default number of steps of a search, including rejected steps.
 const MOST_STEPS: usize = 200;
 
@@ -86,10 +93,10 @@ impl LevenbergMarquardt {
     ) -> Result<Fit<P::Point>, Refusal<P::Error>> {
         let mut point = start;
         let mut now = Residuals::at(problem, &point)?.linearised(problem, &point)?;
-        let (mut damping, mut iterations) = (Damping(self.first_damping), 1);
+        let (mut damping, mut iterations) = (self.first_damping, 1);
         let mut outcome = Outcome::StepsUsedUp;
         for _ in 0..self.most_steps {
-            let step = now.step(damping.0, &problem.step_bounds(&point));
+            let step = now.step(damping, &problem.step_bounds(&point));
             if step.as_ref().is_some_and(|step| self.is_reached(&now, step)) {
                 outcome = Outcome::Converged;
                 break;
@@ -99,12 +106,14 @@ impl LevenbergMarquardt {
                 Some(lower) => {
                     (point, now) = lower;
                     iterations += 1;
-                    damping.lower();
+                    damping = (damping * LOWERED).max(LEAST_DAMPING);
                 }
-                None if damping.raise() => {}
                 None => {
-                    outcome = Outcome::NoStepHelps;
-                    break;
+                    damping = (damping * RAISED).max(LEAST_DAMPING);
+                    if damping > MOST_DAMPING {
+                        outcome = Outcome::NoStepHelps;
+                        break;
+                    }
                 }
             }
         }

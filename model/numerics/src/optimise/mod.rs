@@ -2,7 +2,7 @@
 //!
 //! A [`LeastSquaresProblem`] states its residuals in units of their standard deviations, its [`Prior`]s, and the [`StepBounds`] of its unknowns.
 //! [`LevenbergMarquardt`] minimises half the sum of squares and returns a [`Fit`] with the covariance of the unknowns. Each part of the method has a file:
-//! damping, convergence, bounds, and the linear solve.
+//! convergence, bounds, and the linear solve.
 //!
 //! A search that follows a path of equilibria cannot evaluate residuals at any chosen point, so it has its own loop. It uses the same parts: the trust region
 //! ([`TrustRegion`]), [`Convergence`], the covariance, and a linear solve without heap allocation ([`GramSchmidt`]).
@@ -27,7 +27,6 @@
 mod bounds;
 mod convergence;
 mod covariance;
-mod damping;
 mod gram_schmidt;
 mod levenberg_marquardt;
 mod normal_equations;
