@@ -9,9 +9,9 @@ use std::collections::HashMap;
 /// Gain matrices of ridge regression for every subset of contacts that occurs in the samples.
 pub(super) struct RidgeForces {
     /// Compliance, n x contacts for n displacement coordinates, mm/N.
-    compliance: DMatrix<f64>,
+    pub(super) compliance: DMatrix<f64>,
     ridge_mm_per_n: f64,
-    prior_n: f64,
+    pub(super) prior_n: f64,
     gains: HashMap<Vec<bool>, DMatrix<f64>>,
 }
 
@@ -28,18 +28,6 @@ impl RidgeForces {
         ridge
     }
 
-    pub(super) fn contact_count(&self) -> usize {
-        self.compliance.ncols()
-    }
-
-    pub(super) fn compliance(&self) -> &DMatrix<f64> {
-        &self.compliance
-    }
-
-    pub(super) fn prior_n(&self) -> f64 {
-        self.prior_n
-    }
-
     fn gain(&self, touching: &[bool]) -> DMatrix<f64> {
         ridge_gain(&self.compliance, touching, self.ridge_mm_per_n)
     }
@@ -54,7 +42,7 @@ impl RidgeForces {
 
     /// Root mean square difference between true and ridge force of each contact, N, over the cases with a force at this contact.
     pub(super) fn left_over_n(&self, samples: &Samples) -> Vec<f64> {
-        let contacts = self.contact_count();
+        let contacts = self.compliance.ncols();
         let (mut squares, mut counts) = (vec![0.0; contacts], vec![0_usize; contacts]);
         for (case, touching) in samples.touching.iter().enumerate() {
             let ridge_n = self.forces_n(touching, &samples.displacements.column(case).into_owned());

@@ -24,7 +24,8 @@ pub(super) struct Cases {
     regression: Option<Regression>,
     /// Ridge forces, if the samples load subsets of the contacts.
     ridge: Option<RidgeForces>,
-    units_n: Vec<f64>,
+    /// Unit of each force target, N.
+    pub(super) units_n: Vec<f64>,
 }
 
 impl Cases {
@@ -55,12 +56,7 @@ impl Cases {
 
     /// Number of inputs of the first layer.
     pub(super) fn input_count(&self) -> usize {
-        self.normalisation.noise.len() + self.ridge.as_ref().map_or(0, |ridge| 2 * ridge.contact_count())
-    }
-
-    /// Unit of each force target, N.
-    pub(super) fn units_n(&self) -> &[f64] {
-        &self.units_n
+        self.normalisation.noise.len() + self.ridge.as_ref().map_or(0, |ridge| 2 * ridge.compliance.ncols())
     }
 
     /// The normalisation of displacements to inputs, in the form in which a network stores it.
@@ -70,7 +66,7 @@ impl Cases {
 
     /// Displacements of the linear finger under unit forces, n x contacts, mm/N, if ridge forces are among the inputs.
     pub(super) fn compliance(&self) -> Option<&DMatrix<f64>> {
-        self.ridge.as_ref().map(RidgeForces::compliance)
+        self.ridge.as_ref().map(|ridge| &ridge.compliance)
     }
 
     /// Whether a linear estimate exists beside the layers. The output of the layers then starts at zero.
@@ -101,7 +97,7 @@ impl Cases {
     /// Inputs and targets of every case. The inputs contain camera noise if `rng` is given.
     pub(super) fn table(&self, samples: &Samples, mut rng: Option<ChaCha8Rng>) -> Table {
         let widths = [self.input_count(), self.units_n.len()];
-        let mut table = Table::with_room(samples.count(), widths, self.ridge.is_some());
+        let mut table = Table { widths, ..Table::default() };
         let clean = self.normalisation.inputs_of(samples);
         let mut coordinates = DVector::zeros(samples.displacements.nrows());
         let mut inputs = DVector::zeros(clean.nrows());
@@ -132,7 +128,7 @@ impl Cases {
             let ridge_n = ridge.forces_n(touching, &coordinates);
             table.inputs.extend(inputs.iter().map(|z| *z as f32));
             table.inputs.extend(touching.iter().map(|touches| f32::from(u8::from(*touches))));
-            table.inputs.extend(ridge_n.iter().map(|force_n| (force_n / ridge.prior_n()) as f32));
+            table.inputs.extend(ridge_n.iter().map(|force_n| (force_n / ridge.prior_n) as f32));
             table.targets.extend(self.in_units((forces_n - ridge_n).iter()));
             table.counts.extend(touching.iter().map(|touches| f32::from(u8::from(*touches))));
         }

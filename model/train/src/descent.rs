@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 const LEAST_RATE_SHARE: f64 = 1e-4;
 
 /// Inputs and targets, row-major, one row per case.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Table {
     /// Numbers of inputs and of targets per case.
     pub(super) widths: [usize; 2],
@@ -26,16 +26,6 @@ pub(super) struct Table {
 }
 
 impl Table {
-    pub(super) fn with_room(cases: usize, widths: [usize; 2], counts: bool) -> Table {
-        let [inputs, outputs] = widths.map(|width| Vec::with_capacity(cases * width));
-        Table {
-            widths,
-            inputs,
-            targets: outputs,
-            counts: Vec::with_capacity(if counts { cases * widths[1] } else { 0 }),
-        }
-    }
-
     fn cases(&self) -> usize {
         self.inputs.len() / self.widths[0]
     }
@@ -174,56 +164,48 @@ pub struct Epoch {
     pub validation_loss: f64,
 }
 
-/// Inputs of a training run.
-pub(super) struct Descent<'a> {
-    pub(super) recipe: &'a TrainingRecipe,
-    /// Training table of an epoch, with a new noise sample for each epoch.
-    pub(super) training: &'a dyn Fn(usize) -> Table,
-    pub(super) validation: &'a Table,
-    /// Generator that shuffles the cases.
-    pub(super) rng: ChaCha8Rng,
-}
-
-impl Descent<'_> {
-    /// Trains, and returns the weights with the smallest validation loss and their epoch.
-    pub(super) fn run(
-        mut self,
-        start: &Weights,
-        progress: &mut dyn FnMut(Epoch),
-    ) -> Result<(Weights, usize), TrainError> {
-        let TrainingRecipe { epochs, batch, learning_rate, patience, .. } = *self.recipe;
-        let device = Device::flex().autodiff();
-        let mut model = Perceptron::new(start, &device);
-        let mut best = (mean_loss(start, self.validation)?, start.clone(), 0);
-        let mut order: Vec<usize> = (0..self.recipe.count).collect();
-        let steps = epochs * order.len().div_ceil(batch);
-        let mut step = 0;
-        for number in 1..=epochs {
-            let table = (self.training)(number);
-            order.shuffle(&mut self.rng);
-            let mut training_loss = None;
-            for cases in order.chunks(batch) {
-                let cosine = 0.5 * (1.0 + (PI * step as f64 / steps as f64).cos());
-                let loss = model.squared_errors(table.batch(cases, &device)).mean();
-                step += 1;
-                let rate = learning_rate * cosine.max(LEAST_RATE_SHARE);
-                model.step(loss.backward(), &Step::new(step, rate))?;
-                if training_loss.is_none() {
-                    let loss = numbers(loss)?.first().copied();
-                    training_loss = loss.map(|loss| f64::from(loss) / table.counted_share(cases));
-                }
-            }
-            let weights = model.weights()?;
-            let validation_loss = mean_loss(&weights, self.validation)?;
-            progress(Epoch { number, training_loss: training_loss.unwrap_or(0.0), validation_loss });
-            if validation_loss < best.0 {
-                best = (validation_loss, weights, number);
-            } else if number - best.2 >= patience {
-                break;
+/// Trains from `start`, and returns the weights with the smallest loss on `validation` and their epoch. `training` gives the table of an epoch, with a new
+/// noise sample for each epoch; `rng` shuffles the cases.
+pub(super) fn descend(
+    recipe: &TrainingRecipe,
+    start: &Weights,
+    training: &dyn Fn(usize) -> Table,
+    validation: &Table,
+    mut rng: ChaCha8Rng,
+    progress: &mut dyn FnMut(Epoch),
+) -> Result<(Weights, usize), TrainError> {
+    let TrainingRecipe { epochs, batch, learning_rate, patience, .. } = *recipe;
+    let device = Device::flex().autodiff();
+    let mut model = Perceptron::new(start, &device);
+    let mut best = (mean_loss(start, validation)?, start.clone(), 0);
+    let mut order: Vec<usize> = (0..recipe.count).collect();
+    let steps = epochs * order.len().div_ceil(batch);
+    let mut step = 0;
+    for number in 1..=epochs {
+        let table = training(number);
+        order.shuffle(&mut rng);
+        let mut training_loss = None;
+        for cases in order.chunks(batch) {
+            let cosine = 0.5 * (1.0 + (PI * step as f64 / steps as f64).cos());
+            let loss = model.squared_errors(table.batch(cases, &device)).mean();
+            step += 1;
+            let rate = learning_rate * cosine.max(LEAST_RATE_SHARE);
+            model.step(loss.backward(), &Step::new(step, rate))?;
+            if training_loss.is_none() {
+                let loss = numbers(loss)?.first().copied();
+                training_loss = loss.map(|loss| f64::from(loss) / table.counted_share(cases));
             }
         }
-        Ok((best.1, best.2))
+        let weights = model.weights()?;
+        let validation_loss = mean_loss(&weights, validation)?;
+        progress(Epoch { number, training_loss: training_loss.unwrap_or(0.0), validation_loss });
+        if validation_loss < best.0 {
+            best = (validation_loss, weights, number);
+        } else if number - best.2 >= patience {
+            break;
+        }
     }
+    Ok((best.1, best.2))
 }
 
 /// Mean squared error, averaged over the outputs.

@@ -17,7 +17,7 @@ pub use recipe::TrainingRecipe;
 
 use crate::samples::{Samples, SamplesError, Stream};
 use cases::Cases;
-use descent::{Descent, LayerWeights, Weights};
+use descent::{LayerWeights, Weights, descend};
 use finray_model::finger::Finger;
 use finray_model::sensing::network::{
     ContactSet, Dense, FORMAT, Fingerprint, Network, NetworkCard, NetworkError, Origin, TestError,
@@ -27,17 +27,7 @@ use rand::RngExt;
 /// Reason why no network was trained.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrainError {
-    /// A value of the recipe is invalid.
-    #[error("{key}: expected {expected}, found {found}")]
-    Recipe {
-        /// Field of the recipe.
-        key: &'static str,
-        /// Expected value.
-        expected: &'static str,
-        /// Found value.
-        found: String,
-    },
-    /// Samples could not be drawn.
+    /// A value of the recipe is invalid, or samples could not be drawn.
     #[error(transparent)]
     Samples(#[from] SamplesError),
     /// The trained network is invalid because numbers overflowed.
@@ -61,13 +51,9 @@ pub fn train(finger: &Finger, recipe: &TrainingRecipe, progress: &mut dyn FnMut(
     let validation =
         cases.table(&draw(held_out, Stream::Validation)?, Some(Stream::ValidationNoise.rng(recipe.seed, 0)));
     let start = first_weights(recipe, &cases, &training);
-    let descent = Descent {
-        recipe,
-        training: &|epoch| cases.table(&training, Some(Stream::TrainingNoise.rng(recipe.seed, epoch as u64))),
-        validation: &validation,
-        rng: Stream::Weights.rng(recipe.seed, 1),
-    };
-    let (weights, epochs) = descent.run(&start, progress)?;
+    let noisy = |epoch| cases.table(&training, Some(Stream::TrainingNoise.rng(recipe.seed, epoch as u64)));
+    let rng = Stream::Weights.rng(recipe.seed, 1);
+    let (weights, epochs) = descend(recipe, &start, &noisy, &validation, rng, progress)?;
     let test = draw(held_out, Stream::Test)?;
     let test_errors = test_errors(&cases, &test, &weights, recipe.seed)?;
     let card = NetworkCard {
@@ -123,7 +109,7 @@ fn first_weights(recipe: &TrainingRecipe, cases: &Cases, training: &Samples) -> 
 
 /// Layers and linear branch with row-major weights, outputs x inputs, scaled from units of force to N.
 fn in_newtons(weights: &Weights, cases: &Cases) -> (Vec<Dense>, Vec<f32>) {
-    let units = cases.units_n();
+    let units = &cases.units_n;
     let last = weights.layers.len() - 1;
     let unit = |layer: usize, output: usize| if layer == last { units[output] as f32 } else { 1.0 };
     let dense = |(k, layer): (usize, &LayerWeights)| Dense {
@@ -147,7 +133,7 @@ fn in_newtons(weights: &Weights, cases: &Cases) -> (Vec<Dense>, Vec<f32>) {
 fn test_errors(cases: &Cases, test: &Samples, weights: &Weights, seed: u64) -> Result<Vec<TestError>, TrainError> {
     let noisy = descent::squared_errors(weights, &cases.table(test, Some(Stream::TestNoise.rng(seed, 0))))?;
     let clean = descent::squared_errors(weights, &cases.table(test, None))?;
-    let units = cases.units_n();
+    let units = &cases.units_n;
     let rms = |squares: &[f64], i: usize| units[i] * squares[i].sqrt();
     Ok((0..units.len()).map(|i| TestError { rms_n: rms(&noisy, i), clean_rms_n: rms(&clean, i) }).collect())
 }

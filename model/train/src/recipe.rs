@@ -1,7 +1,6 @@
 //! Recipe of a network: training samples, architecture and schedule.
 
-use super::TrainError;
-use crate::samples::{SampleRecipe, SamplesError};
+use crate::samples::{SampleRecipe, SamplesError, require};
 use finray_model::Kinematics;
 use finray_model::finger::Finger;
 use finray_model::sensing::Contact;
@@ -98,16 +97,8 @@ impl TrainingRecipe {
         (self.count / HELD_OUT_SHARE).clamp(1, MOST_HELD_OUT)
     }
 
-    pub(super) fn check(&self, finger: &Finger) -> Result<(), TrainError> {
-        let require = |holds: bool, key: &'static str, expected: &'static str, found: &dyn std::fmt::Debug| match holds
-        {
-            true => Ok(()),
-            false => Err(TrainError::Recipe { key, expected, found: format!("{found:?}") }),
-        };
-        self.samples.check().map_err(|error| match error {
-            SamplesError::Recipe { key, expected, found } => TrainError::Recipe { key, expected, found },
-            other => other.into(),
-        })?;
+    pub(super) fn check(&self, finger: &Finger) -> Result<(), SamplesError> {
+        self.samples.check()?;
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let not_negative = |x: f64| x.is_finite() && x >= 0.0;
         require(not_negative(self.noise_mm), "noise_mm", "a length in mm, zero or more", &self.noise_mm)?;

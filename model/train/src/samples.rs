@@ -73,11 +73,6 @@ impl SampleRecipe {
     /// # Errors
     /// [`SamplesError::Recipe`] for the first impossible number.
     pub fn check(&self) -> Result<(), SamplesError> {
-        let require = |holds: bool, key: &'static str, expected: &'static str, found: &dyn std::fmt::Debug| match holds
-        {
-            true => Ok(()),
-            false => Err(SamplesError::Recipe { key, expected, found: format!("{found:?}") }),
-        };
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let not_negative = |x: f64| x.is_finite() && x >= 0.0;
         require(positive(self.largest_force_n), "largest_force_n", "a force in N above zero", &self.largest_force_n)?;
@@ -184,7 +179,7 @@ impl Stream {
 /// Reason for which no samples are drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SamplesError {
-    /// A number of the recipe is impossible.
+    /// A value of the recipe is impossible.
     #[error("{key}: expected {expected}, found {found}")]
     Recipe {
         /// Field of the recipe.
@@ -203,6 +198,16 @@ pub enum SamplesError {
         /// Number of draws of the case.
         draws: usize,
     },
+}
+
+/// Refuses a value `found` of the field `key` unless it `holds`.
+pub(super) fn require(
+    holds: bool,
+    key: &'static str,
+    expected: &'static str,
+    found: &dyn std::fmt::Debug,
+) -> Result<(), SamplesError> {
+    if holds { Ok(()) } else { Err(SamplesError::Recipe { key, expected, found: format!("{found:?}") }) }
 }
 
 /// Load cases and the resulting shapes, one column per case.

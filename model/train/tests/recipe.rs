@@ -40,7 +40,7 @@ fn impossible_recipes_are_refused() {
         train(&finger, &recipe, &mut |_| {}).expect_err("an impossible recipe")
     };
     let names = |change: &dyn Fn(&mut TrainingRecipe), wrong: &str| match refused(change) {
-        TrainError::Recipe { key, .. } => assert_eq!(key, wrong),
+        TrainError::Samples(SamplesError::Recipe { key, .. }) => assert_eq!(key, wrong),
         other => panic!("{wrong}: {other:?}"),
     };
     for count in [0, 1] {

@@ -179,7 +179,7 @@ impl From<finray_train::TrainError> for Failure {
         use finray_train::samples::SamplesError;
         match error {
             TrainError::Samples(SamplesError::Contacts(inner)) => inner.into(),
-            TrainError::Recipe { .. } => bad_input(error),
+            TrainError::Samples(SamplesError::Recipe { .. }) => bad_input(error),
             TrainError::Samples(_) | TrainError::Network(_) | TrainError::Backend(_) => not_computed(error),
         }
     }
