@@ -1,9 +1,7 @@
 //! Gauss-Newton on the co-rotational finger.
 
 use super::{Answer, BeamEstimator, ELEMENTS, EstimatorError, EstimatorRow, Question};
-use crate::sensing::{
-    Discretisation, Meeting, NonlinearEstimate, NonlinearEstimator, Pushed, SensingError, sense_refining,
-};
+use crate::sensing::{Discretisation, NonlinearEstimate, NonlinearEstimator, Pushed, SensingError, sense_refining};
 use crate::{Finger, Mesh};
 
 pub(super) const ROW: EstimatorRow = EstimatorRow {
@@ -66,7 +64,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
 fn sensed(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, EstimatorError> {
     let &Question { contacts, pad, object, measurement, noise_mm, .. } = question;
     match question.mesh_nodes {
-        None => Ok(sense_refining(finger, contacts, Meeting { pad, object }, measurement, noise_mm)?),
+        None => Ok(sense_refining(finger, contacts, pad, object, measurement, noise_mm)?),
         Some(nodes) => {
             let mesh = Mesh::with_nodes(finger, nodes)?;
             let finer = Discretisation::finer(&mesh);

@@ -1,6 +1,5 @@
 //! An object of known shape that touches the front plate.
 
-use super::Pad;
 use crate::Vector;
 use nalgebra::{Isometry2, UnitComplex};
 
@@ -105,21 +104,6 @@ impl TouchedObject {
         let turn = UnitComplex::new(self.pose.rotation.angle() + turn_rad);
         let origin = self.pose.translation.vector + Vector::new(x_mm, y_mm);
         origin + turn * self.shape.furthest(turn.inverse() * normal)
-    }
-}
-
-/// Pad on the front plate and object that touches the pad.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Meeting<'o> {
-    /// Pad between the object and the plate.
-    pub pad: Pad,
-    /// The object, if its shape is known.
-    pub object: Option<&'o TouchedObject>,
-}
-
-impl From<Pad> for Meeting<'_> {
-    fn from(pad: Pad) -> Self {
-        Meeting { pad, object: None }
     }
 }
 

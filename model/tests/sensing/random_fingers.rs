@@ -97,7 +97,8 @@ impl Case {
     /// Errors in stated standard deviations, and whether a warning stands beside them.
     fn sensed(&self) -> Result<(Vec<f64>, bool), SensingError> {
         let questions: Vec<ContactQuestion> = self.contacts.iter().copied().map(ContactQuestion::from).collect();
-        let found = sense_refining(&self.finger, &questions, Pad::default(), &self.measurement, Some(self.noise_mm))?;
+        let found =
+            sense_refining(&self.finger, &questions, Pad::default(), None, &self.measurement, Some(self.noise_mm))?;
         let forces = found.forces.forces_n.iter().zip(&found.forces.sigmas_n).zip(&self.forces_n);
         let errors = forces.map(|((sensed, sigma), truth)| (sensed - truth) / sigma).collect();
         Ok((errors, found.forces.warning.is_some()))
@@ -186,8 +187,9 @@ fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
         let clean = seen(&mesh, &[contact], &[truth_n], Kinematics::Corotational).expect("an equilibrium");
         for draw in 0..DRAWS {
             let measurement = noisy(&clean, noise_mm, &mut random_stream(7, draw));
-            let Ok(found) = sense_refining(&finger, &[contact.into()], Pad::default(), &measurement, Some(noise_mm))
-                .map(|it| it.forces)
+            let Ok(found) =
+                sense_refining(&finger, &[contact.into()], Pad::default(), None, &measurement, Some(noise_mm))
+                    .map(|it| it.forces)
             else {
                 continue;
             };

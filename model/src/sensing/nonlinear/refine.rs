@@ -4,7 +4,7 @@ use super::{NonlinearEstimate, NonlinearEstimator};
 use crate::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
-use crate::sensing::{ContactQuestion, Meeting, SensingError, Warning};
+use crate::sensing::{ContactQuestion, Pad, SensingError, TouchedObject, Warning};
 
 /// Refinement ends when doubling the mesh changes no force by more than either of two limits: this share of the largest force, and `REFINEMENT_SIGMAS` standard
 /// deviations of the force. A change by at most the share `NEGLIGIBLE` is always small enough.
@@ -21,20 +21,20 @@ const LEAST_ELEMENTS: usize = 40;
 
 /// Refines the mesh until doubling it changes every force by at most half of its standard deviation and at most 0.2 % of the largest force. A change of 0.01 %
 /// is always small enough. The standard deviations include the remaining error of the last mesh. Refinement also ends at 64 elements per member; the whole last
-/// change then counts as error.
+/// change then counts as error. `object` touches the `pad` on the front plate; `None` if its shape is unknown.
 ///
 /// Small changes alone do not prove convergence: near a limit load, and for loads between nodes, they may be small by chance and grow again.
 ///
 /// # Errors
 /// [`SensingError`] from the estimate on any of the meshes.
-pub fn sense_refining<'o>(
+pub fn sense_refining(
     finger: &Finger,
     questions: &[ContactQuestion],
-    meeting: impl Into<Meeting<'o>>,
+    pad: Pad,
+    object: Option<&TouchedObject>,
     measurement: &Measurement,
     noise_mm: Option<f64>,
 ) -> Result<NonlinearEstimate, SensingError> {
-    let Meeting { pad, object } = meeting.into();
     // A finer mesh starts at the forces of the coarser one.
     let on = |elements, near: Option<&NonlinearEstimate>| {
         let mesh = Mesh::with_elements_per_member(finger, elements);
