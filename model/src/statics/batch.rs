@@ -186,7 +186,7 @@ impl<'a, R: Number> Batch<'a, R> {
         self.apply_loads();
         self.balance.factorise(&mut self.stiffness, &self.motion);
         self.balance.eliminate_gradient(&self.stiffness);
-        self.scale = self.balance.energy() * 2.0;
+        self.scale = self.balance.energy * 2.0;
         self.work = self.balance.correct(&self.stiffness, &mut self.motion);
         self.turn = self.work.zero();
         for (predicted, rotation) in self.predicted.iter().zip(&self.motion.rotations) {
@@ -211,7 +211,7 @@ impl<'a, R: Number> Batch<'a, R> {
         for (lane, place) in self.paths.iter_mut().enumerate() {
             let Some(path) = place else { continue };
             let mut taken = None;
-            if self.work.holds(self.stiffness.positive(), lane) {
+            if self.work.holds(self.stiffness.positive, lane) {
                 let (work, scale, turn) = (self.work.lane(lane), self.scale.lane(lane), self.turn.lane(lane));
                 match path.step.judge(work, scale, turn, || false) {
                     None => continue,

@@ -82,9 +82,6 @@ pub trait EquilibriumEquations {
     /// Natural logarithm of the determinant of the last factored tangent, up to an additive constant. `None` if it is unknown.
     fn log_determinant(&mut self) -> Option<f64>;
 
-    /// Drops the factor of the linear stiffness, which the solver keeps between loads because this stiffness never changes.
-    fn forget_factor(&mut self);
-
     /// Elastic energy at the last linearised motion, N mm.
     fn elastic_energy(&self) -> f64;
 

@@ -59,12 +59,6 @@ impl<E: EquilibriumEquations> Statics<E> {
         &mut self.equations
     }
 
-    /// Drops the linear factor, so that the next linear solution factorises again; used for timing. The factor is otherwise kept, because the linear
-    /// stiffness never changes.
-    pub fn forget_factor(&mut self) {
-        self.equations.forget_factor();
-    }
-
     /// Linearises the equations at a motion under loads. Returns `false` if the tangent stiffness is not positive definite.
     pub fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad]) -> bool {
         self.equations.linearise(motion, loads, 1.0)

@@ -58,10 +58,6 @@ impl EquilibriumEquations for SparseEquations<'_> {
         self.pivots.log_determinant()
     }
 
-    fn forget_factor(&mut self) {
-        self.factor.forget();
-    }
-
     fn elastic_energy(&self) -> f64 {
         self.assembly.elastic_energy()
     }

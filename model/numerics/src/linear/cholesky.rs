@@ -30,11 +30,6 @@ impl Cholesky {
         self.numeric.is_some()
     }
 
-    /// Drops the factor and keeps the ordering.
-    pub fn forget(&mut self) {
-        self.numeric = None;
-    }
-
     /// Whether a factor exists: the last factorisation succeeded and was not dropped.
     pub fn is_there(&self) -> bool {
         self.numeric.is_some()

@@ -1,6 +1,6 @@
 //! Residual of a finger in equilibrium equations: its elimination with a factored stiffness, and Newton's correction.
 
-use super::chain::{Between, ChainForces, ChainInterior, joints_of};
+use super::chain::{Between, ChainForces, joints_of};
 use super::elements::OneLine;
 use super::ends::{Ends, halves, joined};
 use super::factor::Factor;
@@ -28,7 +28,7 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     /// Forward substitution y = L^-1 g of the tip.
     tip_y: [R; 3],
     /// Elastic energy of all lines, N mm.
-    pub(super) energy: R,
+    pub(in crate::statics) energy: R,
     /// Work of the residual on the correction, N mm.
     work: R,
     /// Corrections of the nodes of each rung (pair of key nodes joined by a rib), mm and rad; back substitution sets them.
@@ -78,12 +78,6 @@ impl<'m, R: Number> Balance<'m, R> {
         factor: f64,
     ) {
         self.applied.add(lane, (self.mesh, self.kinematics), motion, loads, factor);
-    }
-
-    /// Elastic energy at the last linearised motion, N mm.
-    #[inline(always)]
-    pub(in crate::statics) fn energy(&self) -> R {
-        self.energy
     }
 
     /// The undeformable rib of the rung `level`; `None` if its rib deforms.
@@ -182,7 +176,7 @@ impl<'m, R: Number> Balance<'m, R> {
     #[inline(always)]
     pub(super) fn correct_nodes(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) -> R {
         if let Some(retraction) = &mut self.retraction {
-            retraction.remember(motion);
+            retraction.before.clone_from(motion);
         }
         let (mesh, frame, finger, linear) = (self.mesh, self.mesh.frame(), self.mesh.finger(), self.linear());
         let zero = self.work.zero();
@@ -228,8 +222,7 @@ impl<'m, R: Number> Balance<'m, R> {
             }
             let ends = self.line_ends(stiffness, index);
             let between = Between::of(frame, line);
-            let inner =
-                ChainInterior { joints: &stiffness.joints[joints.clone()], ys: &self.ys[joints], between: &between };
+            let inner = (&stiffness.joints[joints.clone()], &self.ys[joints], &between);
             stiffness.chains[index].correct(inner, &self.forces[index], motion, &ends);
         }
         self.work

@@ -10,7 +10,7 @@ use finray_numerics::linear::{Ldl, copy_lane};
 /// The factored stiffness of a block, and its coupling to the neighbours.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block<R: Number, const N: usize, const M: usize> {
-    factor: Ldl<R, N>,
+    pub(super) factor: Ldl<R, N>,
     /// W = L^-1 C.
     with: [[R; M]; N],
 }
@@ -37,23 +37,6 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         self.factor.factorise(stiffness);
         self.with = *coupling;
         self.factor.forward(&mut self.with);
-    }
-
-    /// Lanes in which the block's stiffness is positive definite.
-    #[inline(always)]
-    pub(super) fn positive(&self) -> R::Mask {
-        self.factor.positive
-    }
-
-    /// Lanes in which each pivot exceeds its limit in `limits`.
-    #[inline(always)]
-    pub(super) fn pivots_exceed(&self, limits: &[R; N]) -> R::Mask {
-        self.factor.pivots_exceed(limits)
-    }
-
-    /// Natural logarithm of the determinant of the block's stiffness.
-    pub(super) fn log_determinant(&self) -> R {
-        self.factor.log_determinant()
     }
 
     /// Subtracts C^T K^-1 C from the neighbours' stiffness, of which only the upper triangle is valid.

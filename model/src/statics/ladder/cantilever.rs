@@ -76,9 +76,9 @@ impl<R: Number> Forces<R> {
 /// Elimination of the deflection of one element that was appended to a cantilever.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Joint<R: Number = f64> {
-    block: Block<R, 3, 4>,
+    pub(super) block: Block<R, 3, 4>,
     /// Vector from the element's first to its second node, mm.
-    lever: Vector2<R>,
+    pub(super) lever: Vector2<R>,
 }
 
 impl<R: Number> Joint<R> {
@@ -95,23 +95,6 @@ impl<R: Number> Joint<R> {
         (one.lever.x, one.lever.y) = (self.lever.x.lane(lane), self.lever.y.lane(lane));
     }
 
-    /// Lanes in which the eliminated deflection has a positive definite stiffness.
-    #[inline(always)]
-    pub(super) fn positive(&self) -> R::Mask {
-        self.block.positive()
-    }
-
-    /// Work of the residual g on the correction of the element's deflection, N mm, given y = L^-1 g.
-    #[inline(always)]
-    pub(super) fn work(&self, y: &[R; 3]) -> R {
-        self.block.work(y)
-    }
-
-    /// Natural logarithm of the determinant of the eliminated stiffness.
-    pub(super) fn log_determinant(&self) -> R {
-        self.block.log_determinant()
-    }
-
     /// Deflection of the cantilever without this element, given its deflection with this element and y = L^-1 g of the residual g.
     #[inline(always)]
     pub(super) fn shortened(&self, y: &[R; 3], longer: &Deflection<R>) -> Deflection<R> {
@@ -119,11 +102,6 @@ impl<R: Number> Joint<R> {
         let rotation = longer[2] - rotation;
         let arm = quarter_turn(self.lever);
         [longer[0] - x - arm.x * rotation, longer[1] - y - arm.y * rotation, rotation, longer[TURN]]
-    }
-
-    #[inline(always)]
-    pub(super) fn lever(&self) -> Vector2<R> {
-        self.lever
     }
 }
 
@@ -133,7 +111,7 @@ pub(super) struct Cantilever<R: Number> {
     /// Stiffness by the deflection: a symmetric matrix of which only the upper triangle is valid.
     stiffness: [[R; 4]; 4],
     /// Vector from the first to the second end, mm.
-    lever: Vector2<R>,
+    pub(super) lever: Vector2<R>,
 }
 
 impl<R: Number> Cantilever<R> {
@@ -243,11 +221,6 @@ impl<R: Number> Cantilever<R> {
         let turning = arm.x * s[0][TURN] + arm.y * s[1][TURN] + s[2][TURN];
         ends[2][2] = arm.x * held[0] + arm.y * held[1] + held[2] - turning + s[TURN][TURN];
         ends
-    }
-
-    #[inline(always)]
-    pub(super) fn lever(&self) -> Vector2<R> {
-        self.lever
     }
 
     /// Diagonal entries of the stiffness by x, y and rotation of the deflection.

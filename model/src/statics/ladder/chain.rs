@@ -108,7 +108,7 @@ impl<R: Number> Chain<R> {
         forces.work = forces.work.zero();
         let (stiffness, carried, gradient) = first.cantilever();
         (self.first_lever, forces.raw) = (first.lever, gradient);
-        PartialChain { stiffness, carried }
+        (stiffness, carried)
     }
 
     /// Appends the next element and stores in `y` the forward substitution y = L^-1 g of the element's joint.
@@ -120,27 +120,27 @@ impl<R: Number> Chain<R> {
         forces: &mut ChainForces<R>,
         element: &Element<R>,
     ) {
-        let PartialChain { stiffness, carried } = partial;
+        let (stiffness, carried) = partial;
         let (next, next_carried, gradient) = element.cantilever();
         let before = stiffness.diagonal();
         stiffness.extend(joint, &next);
         let like = forces.work;
-        self.positive = like.both(self.positive, joint.positive());
+        self.positive = like.both(self.positive, joint.block.factor.positive);
         let now = stiffness.diagonal();
         for i in 0..3 {
             self.accurate = like.both(self.accurate, now[i].exceeds(before[i] * SMALL_PIVOT));
         }
         *y = carried.extend(joint, &next_carried);
-        forces.work += joint.work(y);
+        forces.work += joint.block.work(y);
         forces.raw[3..].copy_from_slice(&gradient[3..]);
     }
 
     /// Stores the stiffness and gradient of the completed chain.
     #[inline(always)]
-    pub(super) fn end(&mut self, partial: &PartialChain<R>, forces: &mut ChainForces<R>) {
-        self.lever = partial.stiffness.lever();
-        self.stiffness = partial.stiffness.on_ends();
-        forces.gradient = partial.carried.on_ends();
+    pub(super) fn end(&mut self, (stiffness, carried): &PartialChain<R>, forces: &mut ChainForces<R>) {
+        self.lever = stiffness.lever;
+        self.stiffness = stiffness.on_ends();
+        forces.gradient = carried.on_ends();
     }
 
     /// Stores the diagonal, eliminates pinned rotations, and transforms from the ends of brackets to the key nodes.
@@ -151,7 +151,7 @@ impl<R: Number> Chain<R> {
         }
         if let Some(block) = &mut self.pins {
             eliminate_pins(block, &mut self.stiffness);
-            self.positive = forces.work.both(self.positive, block.positive());
+            self.positive = forces.work.both(self.positive, block.factor.positive);
         }
         self.brackets = brackets;
         if let Some(brackets) = &self.brackets {
@@ -179,8 +179,8 @@ impl<R: Number> Chain<R> {
         if !joints.is_empty() {
             let mut carried = Forces::on(&first, self.first_lever);
             for ((joint, y), next) in joints.iter().zip(ys).zip(gradients) {
-                *y = carried.extend(joint, &Forces::on(&next, joint.lever()));
-                forces.work += joint.work(y);
+                *y = carried.extend(joint, &Forces::on(&next, joint.lever));
+                forces.work += joint.block.work(y);
                 forces.raw[3..].copy_from_slice(&next[3..]);
             }
             forces.gradient = carried.on_ends();
@@ -206,7 +206,7 @@ impl<R: Number> Chain<R> {
         if !joints.is_empty() {
             let mut carried = Forces::on(&gradient, self.first_lever);
             for (i, joint) in joints.iter().enumerate() {
-                carried.extend(joint, &Forces::on(&on_element(i + 1), joint.lever()));
+                carried.extend(joint, &Forces::on(&on_element(i + 1), joint.lever));
             }
             gradient = carried.on_ends();
         }
@@ -227,14 +227,15 @@ impl<R: Number> Chain<R> {
 
     /// Natural logarithm of the determinant of the eliminated pinned rotations; 0 without pins.
     pub(super) fn log_determinant(&self) -> R {
-        self.pins.as_ref().map_or(self.lever.x.zero(), Block::log_determinant)
+        self.pins.as_ref().map_or(self.lever.x.zero(), |block| block.factor.log_determinant())
     }
 
-    /// Back substitution: from the corrections of the two ends to those of the inner nodes and of the pinned rotations.
+    /// Back substitution: from the corrections of the two ends to those of the inner nodes and of the pinned rotations. The interior of the chain is given by
+    /// its joints (one elimination per element), the forward substitution y = L^-1 g of each joint, and its inner nodes.
     #[inline(always)]
     pub(super) fn correct(
         &self,
-        ChainInterior { joints, ys, between }: ChainInterior<R>,
+        (joints, ys, between): (&[Joint<R>], &[[R; 3]], &Between),
         forces: &ChainForces<R>,
         motion: &mut FrameMotion<R>,
         ends: &Ends<R>,
@@ -255,8 +256,8 @@ impl<R: Number> Chain<R> {
         let inner = displacements.iter_mut().zip(rotations);
         for (((u, rotation), joint), y_joint) in inner.zip(joints).zip(ys).rev() {
             deflection = joint.shortened(y_joint, &deflection);
-            lever.x -= joint.lever().x;
-            lever.y -= joint.lever().y;
+            lever.x -= joint.lever.x;
+            lever.y -= joint.lever.y;
             u.x += x + deflection[0] - lever.y * turn;
             u.y += y + deflection[1] + lever.x * turn;
             *rotation += turn + deflection[2];
@@ -313,17 +314,7 @@ impl<R: Number> ChainForces<R> {
 }
 
 /// The elements of a chain that are condensed so far, as a cantilever with its forces.
-pub(super) struct PartialChain<R: Number> {
-    stiffness: Cantilever<R>,
-    carried: Forces<R>,
-}
-
-/// The interior of a chain: its joints (one elimination per element), the forward substitution y = L^-1 g of each joint, and its inner nodes.
-pub(super) struct ChainInterior<'a, R: Number> {
-    pub joints: &'a [Joint<R>],
-    pub ys: &'a [[R; 3]],
-    pub between: &'a Between,
-}
+pub(super) type PartialChain<R> = (Cantilever<R>, Forces<R>);
 
 /// Index ranges of a chain's inner nodes and inner rotations in a motion. Both ranges are contiguous.
 #[derive(Debug, Clone)]

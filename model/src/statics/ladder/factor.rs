@@ -23,7 +23,7 @@ pub(crate) struct Factor<R: Number = f64> {
     /// The tip, coupled to the back and front node of the rib nearest to the tip.
     pub(super) tip: Block<R, 3, 6>,
     /// Lanes in which the stiffness is positive definite.
-    pub(super) positive: R::Mask,
+    pub(in crate::statics) positive: R::Mask,
     /// Lanes in which no pivot lost more than three digits to cancellation.
     pub(super) accurate: R::Mask,
 }
@@ -101,19 +101,13 @@ impl<R: Number> Factor<R> {
 
     /// Natural logarithm of the determinant of the stiffness; NaN if the stiffness is not positive definite.
     pub(super) fn log_determinant(&self, mesh: &Mesh) -> R {
-        let tip = self.tip.log_determinant();
+        let tip = self.tip.factor.log_determinant();
         let sum = |sum: R, part: R| sum + part;
         let joints = mesh.lines().iter().flat_map(|line| &self.joints[joints_of(line)]);
-        let joints = joints.map(Joint::log_determinant).fold(tip.zero(), sum);
+        let joints = joints.map(|joint| joint.block.factor.log_determinant()).fold(tip.zero(), sum);
         let chains = self.chains.iter().map(Chain::log_determinant).fold(tip.zero(), sum);
-        let rungs = self.rungs.iter().map(Rung::log_determinant).fold(tip.zero(), sum);
+        let rungs = self.rungs.iter().map(|rung| rung.block.factor.log_determinant()).fold(tip.zero(), sum);
         joints + chains + rungs + tip
-    }
-
-    /// Lanes in which the stiffness is positive definite.
-    #[inline(always)]
-    pub(in crate::statics) fn positive(&self) -> R::Mask {
-        self.positive
     }
 
     /// Eliminates the tip. `curvature` is the second derivative of the loads' potential by the rotation of the tip, N mm.
@@ -138,13 +132,13 @@ impl<R: Number> Factor<R> {
         }
         tip[2][2] += curvature;
         self.tip.factorise(&tip, &coupling);
-        self.positive = zero.both(self.positive, self.tip.positive());
+        self.positive = zero.both(self.positive, self.tip.factor.positive);
         let [back, front] = members.map(|line| &self.chains[line].diagonal);
         let mut limits = [zero; 3];
         for i in 0..3 {
             limits[i] = (back[3 + i] + front[3 + i]) * SMALL_PIVOT;
         }
-        self.accurate = zero.both(self.accurate, self.tip.pivots_exceed(&limits));
+        self.accurate = zero.both(self.accurate, self.tip.factor.pivots_exceed(&limits));
     }
 
     /// Eliminates a rung (pair of key nodes joined by a rib). `curvatures` are the second derivatives of the loads' potential by the rotations of the rung's
@@ -161,7 +155,7 @@ impl<R: Number> Factor<R> {
         stiffness[5][5] += curvatures[1];
         let [back, front] = self.plate_members(level).map(|line| &self.chains[line].stiffness);
         self.rungs[level].eliminate(rib, &stiffness, back, front);
-        self.positive = zero.both(self.positive, self.rungs[level].positive());
+        self.positive = zero.both(self.positive, self.rungs[level].block.factor.positive);
         let mut limits = self.rung_sum(level, |line| &self.chains[line].diagonal);
         for limit in &mut limits {
             *limit *= zero.constant(SMALL_PIVOT);

@@ -61,9 +61,6 @@ pub struct Ladder<'m> {
     own: Factor,
     /// Whether the last linearised motion uses the stiffness at rest, which the mesh stores.
     rests: bool,
-    /// Two flags: whether the ladder keeps its own linear factor instead of the mesh's, and whether that factor exists.
-    forgotten: bool,
-    factored: bool,
     balance: Balance<'m>,
     /// Gradients on each rung while sensitivities are computed, then the forward substitutions of these gradients.
     waiting: Vec<Ends>,
@@ -77,8 +74,6 @@ impl<'m> Ladder<'m> {
             kinematics,
             own: Factor::none(0.0),
             rests: false,
-            forgotten: false,
-            factored: false,
             balance: Balance::new(mesh, kinematics, 0.0),
             waiting: vec![[0.0; 6]; mesh.finger().rib_count()],
         }
@@ -103,7 +98,7 @@ impl<'m> Ladder<'m> {
     /// nodes. Loads on arms or between nodes contribute to the tangent.
     fn has_rest_stiffness(&self, unmoved: bool, loads: &[FrameLoad]) -> bool {
         if self.linear() {
-            return !self.forgotten;
+            return true;
         }
         let deforms = || self.mesh.finger().description().ribs.strip.is_some();
         unmoved && deforms() && loads.iter().all(|load| matches!(load, FrameLoad::Node { .. }))
@@ -124,11 +119,10 @@ impl EquilibriumEquations for Ladder<'_> {
         self.rests = self.has_rest_stiffness(unmoved, loads);
         self.balance.take_off_loads();
         self.balance.apply_loads(0, motion, loads, factor);
-        if self.rests || self.factored {
+        if self.rests {
             self.balance.load_lines(Factor::chosen(self.mesh, &self.own, self.rests), motion, unmoved);
         } else {
             self.factorise(motion);
-            self.factored = self.linear();
         }
         dispatched::eliminate_gradient(&mut self.balance, Factor::chosen(self.mesh, &self.own, self.rests));
         self.factor().positive
@@ -142,12 +136,8 @@ impl EquilibriumEquations for Ladder<'_> {
         Some(self.factor().log_determinant(self.mesh)).filter(|sum| sum.is_finite())
     }
 
-    fn forget_factor(&mut self) {
-        (self.forgotten, self.factored) = (true, false);
-    }
-
     fn elastic_energy(&self) -> f64 {
-        self.balance.energy()
+        self.balance.energy
     }
 
     fn correct(&mut self, motion: &mut FrameMotion) -> f64 {

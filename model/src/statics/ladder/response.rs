@@ -9,12 +9,8 @@ use crate::Vector;
 use crate::element::quarter_turn;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// A gradient by the motions of an element's two nodes: minus the forces, N and N mm.
-struct OnElement {
-    line: usize,
-    element: usize,
-    gradient: Ends,
-}
+/// Line and element, and a gradient by the motions of the element's two nodes: minus the forces, N and N mm.
+type OnElement = (usize, usize, Ends);
 
 impl Ladder<'_> {
     /// Writes to `out` the markers' first-order displacements, mm, due to the additional `load` at the last linearised `motion`. `out` is indexed by key node
@@ -30,7 +26,8 @@ impl Ladder<'_> {
                 frame.end_load(motion, end, force, moment_nmm, self.linear()).gradient
             }
         };
-        self.respond_to(motion, &self.placed(load, numbers(&gradient)), out);
+        let on = self.placed(load, numbers(&gradient));
+        self.respond_to(motion, on, out);
     }
 
     /// Writes to `out` the markers' first-order displacements per mm that a load moves along the front plate towards the tip, mm per mm. `out` is indexed by
@@ -47,7 +44,8 @@ impl Ladder<'_> {
                 frame.arm_load_slope(motion, end, self.mesh.finger().front_tangent(), force, self.linear())
             }
         };
-        self.respond_to(motion, &self.placed(load, numbers(&-slope)), out);
+        let on = self.placed(load, numbers(&-slope));
+        self.respond_to(motion, on, out);
     }
 
     /// Writes to `out` the markers' first-order displacements per unit of ln(modulus), mm, at the last linearised `motion`. `shares` pairs a member's
@@ -76,20 +74,19 @@ impl Ladder<'_> {
     /// Assigns the gradient of a load to the loaded element, or to an element that ends at the loaded node.
     fn placed(&self, load: &FrameLoad, gradient: Ends) -> OnElement {
         let line = match place(self.mesh, load) {
-            Location::Inside { line, element } => return OnElement { line, element, gradient },
+            Location::Inside { line, element } => return (line, element, gradient),
             Location::Tip => self.factor().plate_members(self.waiting.len())[0],
             Location::Rung { rung, row } => self.factor().plate_members(rung)[row / 3],
             // A load on a clamped node causes no motion.
-            Location::Clamped => return OnElement { line: 0, element: 0, gradient: [0.0; 6] },
+            Location::Clamped => return (0, 0, [0.0; 6]),
         };
         let [x, y, moment, ..] = gradient;
         let element = self.mesh.lines()[line].members.len() - 1;
-        OnElement { line, element, gradient: joined(&[0.0; 3], &[x, y, moment]) }
+        (line, element, joined(&[0.0; 3], &[x, y, moment]))
     }
 
     /// Writes to `out` the markers' response to a gradient on one element.
-    fn respond_to(&mut self, motion: &FrameMotion, on: &OnElement, out: &mut [Vector]) {
-        let OnElement { line, element, gradient } = *on;
+    fn respond_to(&mut self, motion: &FrameMotion, (line, element, gradient): OnElement, out: &mut [Vector]) {
         let on_element = |at: usize| if at == element { gradient } else { [0.0; 6] };
         let on_ends = self.condensed(line, on_element);
         let tip = self.take_off();

@@ -13,7 +13,7 @@
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
-use super::elements::{Elements, ParallelLines};
+use super::elements::Elements;
 use crate::element::quarter_turn;
 use crate::frame::{BeamEnd, FrameMotion, Member, PlaneFrame, end_motions};
 use crate::number::{Number, arctangent, sine_and_versine};
@@ -25,7 +25,7 @@ const NO_TURN: f64 = 1e-8;
 /// The motion before a correction, and buffers for one line.
 #[derive(Debug, Clone)]
 pub(super) struct Retraction<R> {
-    before: FrameMotion<R>,
+    pub(super) before: FrameMotion<R>,
     /// Chord of each element before the correction, mm, and rotation of the chord by the linear correction, rad.
     chords: Vec<(Vector2<R>, R)>,
 }
@@ -39,17 +39,6 @@ impl<R: Number> Retraction<R> {
     /// A retraction without buffers.
     pub(super) fn empty() -> Retraction<R> {
         Retraction { before: FrameMotion::empty(), chords: Vec::new() }
-    }
-
-    /// Copies the stored motion of some lines from the retraction of their frame.
-    #[inline(always)]
-    pub(super) fn take(&mut self, of_frame: &Retraction<f64>, lines: &ParallelLines<R>) {
-        lines.take_motion(&of_frame.before, &mut self.before);
-    }
-
-    /// Stores a motion before it is corrected.
-    pub(super) fn remember(&mut self, motion: &FrameMotion<R>) {
-        self.before.clone_from(motion);
     }
 
     /// Updates the inner nodes of a line after a correction was added, in the lanes in which at least one of its nodes rotates. `end_nodes` are the linear

@@ -103,7 +103,7 @@ impl<R: Number> TiedNode<R> {
 /// below.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rung<R: Number> {
-    block: Block<R, 6, 6>,
+    pub(super) block: Block<R, 6, 6>,
     rib: Option<RigidRib<R>>,
     tied: Option<TiedNode<R>>,
 }
@@ -150,21 +150,10 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Lanes in which the rung's stiffness is positive definite.
-    #[inline(always)]
-    pub(super) fn positive(&self) -> R::Mask {
-        self.block.positive()
-    }
-
     /// Lanes in which each pivot exceeds its limit; `None` with an undeformable rib, because its unknowns differ.
     #[inline(always)]
     pub(super) fn pivots_exceed(&self, limits: &Ends<R>) -> Option<R::Mask> {
-        self.rib.is_none().then(|| self.block.pivots_exceed(limits))
-    }
-
-    /// Natural logarithm of the determinant of the rung's stiffness.
-    pub(super) fn log_determinant(&self) -> R {
-        self.block.log_determinant()
+        self.rib.is_none().then(|| self.block.factor.pivots_exceed(limits))
     }
 
     /// Subtracts the contribution of the eliminated rung from the stiffness of the rung below.

@@ -117,7 +117,7 @@ impl Balance<'_> {
                     continue;
                 }
                 let elements = ParallelLines::new(frame, all, lines, like);
-                several.take(&retraction, &elements);
+                elements.take_motion(&retraction.before, &mut several.before);
                 elements.take_motion(motion, &mut of_lines);
                 let mut end_nodes = [Vector2::new(like, like); 2];
                 for lane in 0..L::LANES {
