@@ -1,7 +1,7 @@
 //! Estimates forces with a network in microseconds, with their known errors.
 
 use super::forward::{Forward, Instructions};
-use super::hidden::{Filling, directions, filling};
+use super::hidden::{directions, filling};
 use super::prepared::Prepared;
 use super::{ContactSet, Fingerprint, Network, NetworkError, Scaling};
 use crate::finger::{Finger, NodeId, Plate};
@@ -83,7 +83,7 @@ impl NetworkEstimator {
         if markers.len() < known && network.card.scaling != Scaling::Principal {
             return Err(hidden_markers);
         }
-        let Filling { matrix, missed } = filling(network, &seen).ok_or(hidden_markers)?;
+        let (matrix, missed) = filling(network, &seen).ok_or(hidden_markers)?;
         let mut prepared = Prepared::new(network, &selected);
         // The inputs are P (mean + F (x_s - mean_s)) + offset; all but P F x_s is constant.
         let all_mean = DVector::from_column_slice(&network.inputs.mean);
@@ -145,7 +145,7 @@ impl NetworkEstimator {
             return Err(NetworkError::Weighted { node: marker.node, weight: marker.weight });
         }
         let x: Vec<f64> = measurement.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]).collect();
-        let Residual { noise_mm, rms_mm, warning } = self.residual(&DVector::from_column_slice(&x), noise_mm)?;
+        let (noise_mm, residual_rms_mm, warning) = self.residual(&DVector::from_column_slice(&x), noise_mm)?;
         let z = self.prepared.inputs(&x);
         self.require_range(&z, noise_mm)?;
         let mut forces_n = vec![0.0; self.prepared.outputs()];
@@ -168,13 +168,15 @@ impl NetworkEstimator {
             model_error_n: self.clean_rms_n.clone(),
             noise_mm,
             warning,
-            residual_rms_mm: rms_mm,
+            residual_rms_mm,
             singular_values,
         })
     }
 
-    /// Tests the part of displacements `x`, mm, outside the principal directions against the stated noise (chi-squared).
-    fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<Residual, SensingError> {
+    /// Tests the part of displacements `x`, mm, outside the principal directions against the stated noise (chi-squared); no training sample has such a part.
+    /// Returns the standard deviation of a coordinate, mm, from which those of forces follow, the root mean square of the residual, mm, and a warning if the
+    /// residual exceeds the noise significantly.
+    fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<(f64, f64, Option<Warning>), SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;
         let residual = &from_mean - &self.span * (self.span.transpose() * &from_mean);
@@ -188,11 +190,8 @@ impl NetworkEstimator {
         }
         let degrees_of_freedom = x.len().saturating_sub(self.span.ncols());
         let test = ResidualTest::new(stated_mm, residual.norm_squared(), degrees_of_freedom);
-        Ok(Residual {
-            noise_mm: noise_of(test, stated_mm, residual.norm_squared(), degrees_of_freedom),
-            rms_mm: residual_rms_mm,
-            warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
-        })
+        let noise_mm = noise_of(test, stated_mm, residual.norm_squared(), degrees_of_freedom);
+        Ok((noise_mm, residual_rms_mm, test.filter(ResidualTest::contradicts).map(Warning::Residual)))
     }
 
     /// Refuses inputs outside the range of the training.
@@ -220,16 +219,6 @@ impl NetworkEstimator {
         }
         Ok(())
     }
-}
-
-/// Part of a measurement outside the principal directions. No training sample has such a part.
-struct Residual {
-    /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow.
-    noise_mm: f64,
-    /// Root mean square of the residual, mm.
-    rms_mm: f64,
-    /// Warning, if the residual exceeds the noise significantly.
-    warning: Option<Warning>,
 }
 
 fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(), NetworkError> {

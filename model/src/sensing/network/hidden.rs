@@ -10,15 +10,6 @@ use nalgebra::DMatrix;
 /// Noise that is assumed for networks trained without noise, as a share of the shapes' standard deviation. It keeps S_ss invertible.
 const LEAST_NOISE: f64 = 1e-6;
 
-/// Linear map from the measured coordinates to all coordinates.
-#[derive(Debug, Clone)]
-pub(super) struct Filling {
-    /// F, dimensionless: one row per coordinate of the network, one column per measured coordinate.
-    pub(super) matrix: DMatrix<f64>,
-    /// Covariance of the difference between F d and the shape without noise, mm^2. Zero if all coordinates are measured.
-    pub(super) missed: DMatrix<f64>,
-}
-
 /// The principal directions V as unit vectors, p x n for p inputs and n coordinates.
 pub(super) fn directions(network: &Network) -> DMatrix<f64> {
     let mut directions = network.inputs.projection.clone();
@@ -31,15 +22,16 @@ pub(super) fn directions(network: &Network) -> DMatrix<f64> {
     directions
 }
 
-/// Map for the measured coordinates `seen` (indices), in their order. `None` if these coordinates do not determine the shapes without noise.
-pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<Filling> {
+/// Linear map F from the measured coordinates `seen` (indices, in their order) to all coordinates, dimensionless: one row per coordinate of the network, one
+/// column per measured coordinate. Then the covariance of the difference between F d and the shape without noise, mm^2, zero if all are measured. `None` if these coordinates do not determine the shapes without noise.
+pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
     let n = network.inputs.coordinate_count();
     let mut matrix = DMatrix::zeros(n, seen.len());
     for (column, &coordinate) in seen.iter().enumerate() {
         matrix[(coordinate, column)] = 1.0;
     }
     if seen.len() == n {
-        return Some(Filling { matrix, missed: DMatrix::zeros(n, n) });
+        return Some((matrix, DMatrix::zeros(n, n)));
     }
     let v = directions(network);
     let variances = nalgebra::DVector::from_column_slice(&network.inputs.variances);
@@ -57,5 +49,5 @@ pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<Filling> {
         selection[(row, coordinate)] = 1.0;
     }
     let missing = &matrix * selection - DMatrix::identity(n, n);
-    Some(Filling { missed: &missing * shapes * missing.transpose(), matrix })
+    Some((matrix, &missing * shapes * missing.transpose()))
 }
