@@ -10,14 +10,6 @@ const WORSE: f64 = 2.0;
 /// A step ends after this number of rejected shorter steps, at the largest share of the step for which an equilibrium was found.
 const MOST_REJECTED: usize = 2;
 
-/// Result of following a step.
-pub(super) struct Followed {
-    /// `Ok`: misfit at the end of the step, mm^2. `Err`: share of the step (0 to 1) up to which equilibria exist.
-    pub misfit_mm2: Result<f64, f64>,
-    /// Equilibrium with the smallest misfit (sum of squared weighted residuals) on the path.
-    pub best: Option<OnTheWay>,
-}
-
 /// Equilibrium under a share of a step's change of loads.
 pub(super) struct OnTheWay {
     share: f64,
@@ -25,24 +17,19 @@ pub(super) struct OnTheWay {
     motion: FrameMotion,
 }
 
-/// A share of a step, and the state after this share.
-pub(super) struct PartOfStep {
-    /// Share of the step, 0 to 1.
-    pub share: f64,
-    /// State after this share.
-    pub state: State,
-}
-
 impl NonlinearEstimator<'_> {
     /// Follows the equilibrium from `state` to the loads of `next`, and stores the resulting motion in `next`. All misfits (sums of squared weighted residuals)
     /// use the weights of `state`, because new weights alone are no progress. `current_mm2` is the misfit of `state`.
+    ///
+    /// Returns the misfit at the end of the step, mm^2, or else the share of the step (0 to 1) up to which equilibria exist, and the equilibrium with the
+    /// smallest misfit on the path.
     pub(super) fn follow(
         &mut self,
         state: &State,
         next: &mut State,
         measurement: &Measurement,
         current_mm2: f64,
-    ) -> Followed {
+    ) -> (Result<f64, f64>, Option<OnTheWay>) {
         let (mesh, object, priors) = (self.mesh, &self.object, &self.priors);
         let misfit_mm2 = |motion: &FrameMotion| {
             let shape = Posed { motion, forces_n: &next.forces_n, nuisances: &next.nuisances };
@@ -67,10 +54,10 @@ impl NonlinearEstimator<'_> {
             Err(StaticsError::NoEquilibrium { converged_fraction }) => Err(converged_fraction),
             Err(_) => Err(0.0),
         };
-        Followed { misfit_mm2, best }
+        (misfit_mm2, best)
     }
 
-    /// State after the share of the step that `on_the_way` states, iterated to equilibrium. `None` if no equilibrium is found, or if the equilibrium's misfit
+    /// Share (0 to 1) and state after the share of the step that `on_the_way` states, iterated to equilibrium. `None` if no equilibrium is found, or if the equilibrium's misfit
     /// exceeds `current_mm2`, the misfit of `state`.
     pub(super) fn part_of_step(
         &mut self,
@@ -78,7 +65,7 @@ impl NonlinearEstimator<'_> {
         on_the_way: OnTheWay,
         measurement: &Measurement,
         current_mm2: f64,
-    ) -> Option<PartOfStep> {
+    ) -> Option<(f64, State)> {
         let OnTheWay { share, motion, .. } = on_the_way;
         let mut state = state.clone();
         state.linearised.step.iter_mut().for_each(|x| *x *= share);
@@ -86,6 +73,6 @@ impl NonlinearEstimator<'_> {
         let loads = [&state.loads[..], &state.loads];
         state.motion = self.statics.tried(&motion, loads, 1, |_, _| true).ok()?.motion;
         let is_better = self.misfit(&state, measurement) <= current_mm2;
-        is_better.then_some(PartOfStep { share, state })
+        is_better.then_some((share, state))
     }
 }

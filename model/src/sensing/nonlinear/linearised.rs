@@ -1,7 +1,6 @@
 //! The problem linearised at a state: residuals, and their derivatives with respect to the unknowns.
 
 use super::nuisances::{Nuisances, PriorRow, Priors};
-use super::touch_rows::TouchRows;
 use super::unknowns::{BaseMotion, Unknown};
 use super::{NonlinearEstimator, State};
 use crate::Vector;
@@ -34,8 +33,10 @@ pub(super) struct Linearised {
     /// The priors. `prior_rows` has their rows of the least-squares problem at the linearised state.
     pub priors: Priors,
     prior_rows: Vec<PriorRow>,
-    /// Conditions of contacts with an object at the linearised state.
-    touch_rows: TouchRows,
+    /// Violations of the conditions of contacts with an object at the linearised state, in their standard deviations times the noise, mm.
+    misses_mm: Vec<f64>,
+    /// Derivatives of these violations, conditions x unknowns, mm per unit of the unknown.
+    touch_rates: DMatrix<f64>,
     /// Scale of each unknown, in the unit of the unknown.
     pub scales: Vec<f64>,
     /// Number of forces, which are the first unknowns.
@@ -103,7 +104,8 @@ impl Linearised {
             across: vec![Vector::zeros(); key_nodes],
             weights: vec![1.0; key_nodes],
             prior_rows: Vec::with_capacity(priors.count()),
-            touch_rows: TouchRows::default(),
+            misses_mm: Vec::new(),
+            touch_rates: DMatrix::zeros(0, unknowns),
             priors,
             scales: vec![1.0; unknowns],
             forces,
@@ -120,16 +122,16 @@ impl Linearised {
         for (rate, point) in self.rates[unknown * key_nodes..].iter_mut().zip(&self.marker_points) {
             *rate = (point.displacement(after.0) - point.displacement(before.0)) / by;
         }
-        self.touch_rows.by_unknown_mut(unknown).zip(after.1.iter().zip(before.1)).for_each(
-            |(rate, (after, before))| {
-                *rate = (after - before) / by;
-            },
-        );
+        for (rate, (after, before)) in self.touch_rates.column_mut(unknown).iter_mut().zip(after.1.iter().zip(before.1))
+        {
+            *rate = (after - before) / by;
+        }
     }
 
     /// Sets the violations of the contact conditions at a state, mm, and the rows of the priors.
     pub(super) fn take_misses(&mut self, misses_mm: Vec<f64>, nuisances: &Nuisances, forces_n: &[f64]) {
-        self.touch_rows.reset(misses_mm, self.scales.len());
+        self.touch_rates = DMatrix::zeros(misses_mm.len(), self.scales.len());
+        self.misses_mm = misses_mm;
         self.prior_rows.clear();
         self.prior_rows.extend(self.priors.rows(nuisances, forces_n));
     }
@@ -205,7 +207,7 @@ impl Linearised {
         damping: f64,
     ) -> Result<Prediction, SensingError> {
         let (unknowns, coordinates) = (self.scales.len(), measurement.coordinate_count());
-        let damped_from = coordinates + self.prior_rows.len() + self.touch_rows.count();
+        let damped_from = coordinates + self.prior_rows.len() + self.misses_mm.len();
         self.pose(measurement, if damping > 0.0 { unknowns } else { 0 });
         self.lengths_mm.clear();
         for j in 0..unknowns {
@@ -224,9 +226,7 @@ impl Linearised {
         for (value, row) in right[coordinates..].iter_mut().zip(&self.prior_rows) {
             *value = row.left_mm;
         }
-        for (value, misses_mm) in
-            right[coordinates + self.prior_rows.len()..].iter_mut().zip(&self.touch_rows.misses_mm)
-        {
+        for (value, misses_mm) in right[coordinates + self.prior_rows.len()..].iter_mut().zip(&self.misses_mm) {
             *value = -misses_mm;
         }
         let solution = self.problem.solve().ok_or(ALL_ALIKE)?;
@@ -273,7 +273,7 @@ impl Linearised {
         let markers = measurement.markers();
         let coordinates = measurement.coordinate_count();
         let below_priors = coordinates + self.prior_rows.len();
-        self.problem.reset(below_priors + self.touch_rows.count() + rows_below, self.scales.len());
+        self.problem.reset(below_priors + self.misses_mm.len() + rows_below, self.scales.len());
         for ((j, scale), rates) in self.scales.iter().enumerate().zip(self.rates.chunks_exact(self.weights.len())) {
             let column = self.problem.column_mut(j);
             for (marker, row) in markers.iter().zip(column.chunks_exact_mut(2)) {
@@ -291,7 +291,7 @@ impl Linearised {
         }
         for (j, scale) in self.scales.iter().enumerate() {
             let rows = &mut self.problem.column_mut(j)[below_priors..];
-            for (value, by_unknown) in rows.iter_mut().zip(self.touch_rows.by_unknown(j)) {
+            for (value, by_unknown) in rows.iter_mut().zip(&self.touch_rates.column(j)) {
                 *value = by_unknown * scale;
             }
         }

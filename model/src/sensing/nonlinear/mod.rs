@@ -18,7 +18,6 @@ mod search;
 mod search_history;
 mod simultaneous;
 mod start;
-mod touch_rows;
 mod touching;
 mod unknowns;
 

@@ -5,7 +5,6 @@
 //! lead far away, or to no equilibrium. The trust region therefore limits steps to the range in which predictions held. A
 //! step also ends at an equilibrium with a larger misfit than its start ([`follow`](super::follow)).
 
-use super::follow::{Followed, PartOfStep};
 use super::search_history::SearchHistory;
 use super::{Found, NonlinearEstimator, SETTLED_ANGLE_DEG, State};
 use crate::measurement::Measurement;
@@ -163,8 +162,7 @@ impl Search<'_, '_> {
         let change = self.estimator.relative_change(&self.state);
         let mut next = self.state.clone();
         self.is_settled = self.estimator.advance(&mut next)? <= SETTLED_ANGLE_DEG;
-        let Followed { misfit_mm2: followed, best } =
-            self.estimator.follow(&self.state, &mut next, self.measurement, misfit_mm2);
+        let (followed, best) = self.estimator.follow(&self.state, &mut next, self.measurement, misfit_mm2);
         if let Ok(after_mm2) = followed {
             let slack = if self.is_settled { SETTLED_SLACK } else { TURNING_SLACK };
             if after_mm2 <= misfit_mm2 * (1.0 + slack) || CONVERGENCE.is_small_step(change) {
@@ -172,7 +170,7 @@ impl Search<'_, '_> {
             }
         }
         self.is_straight = false;
-        if let Some(PartOfStep { share, state }) =
+        if let Some((share, state)) =
             best.and_then(|best| self.estimator.part_of_step(&self.state, best, self.measurement, misfit_mm2))
         {
             self.arrive_at(state)?;
