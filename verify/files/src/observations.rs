@@ -9,6 +9,7 @@ use finray_model::observation::{MarkerError, Observation, ObservationError, Obse
 use finray_model::{Finger, Vector};
 use nalgebra::Isometry2;
 use serde::Serialize;
+use std::collections::HashMap;
 use std::path::Path;
 
 const POSITION: [&str; 2] = ["x_mm", "y_mm"];
@@ -44,6 +45,10 @@ pub struct ObservationTable {
     /// Columns of the markers' coordinates.
     xy: [&'static str; 2],
     table: Table,
+    /// Names of the images, in the order of their first rows.
+    images: Vec<String>,
+    /// Rows of each image.
+    rows: HashMap<String, Vec<usize>>,
 }
 
 impl ObservationTable {
@@ -62,7 +67,16 @@ impl ObservationTable {
         };
         let single = ["image", SIGMA, OWN_SIGMA, REFUSED];
         table.require(&["node", xy[0], xy[1]], &[&single[..], &POSITION, &POSE_COLUMNS, &BASE_COLUMNS].concat())?;
-        Ok(ObservationTable { coordinates, xy, table })
+        let (mut images, mut rows) = (Vec::new(), HashMap::<String, Vec<usize>>::new());
+        for (i, row) in table.rows.iter().enumerate().filter(|_| table.has(&["image"])) {
+            let image = table.cell(row, "image");
+            let of_image = rows.entry(image.to_owned()).or_default();
+            if of_image.is_empty() {
+                images.push(image.to_owned());
+            }
+            of_image.push(i);
+        }
+        Ok(ObservationTable { coordinates, xy, table, images, rows })
     }
 
     /// Names of the images, in the order of their first rows.
@@ -73,20 +87,13 @@ impl ObservationTable {
         if !self.table.has(&["image"]) {
             return Err(self.wrong("expected a column image, as locate writes it"));
         }
-        let mut images: Vec<&str> = Vec::new();
-        for row in &self.table.rows {
-            let image = self.table.cell(row, "image");
-            if !images.contains(&image) {
-                images.push(image);
-            }
-        }
-        Ok(images)
+        Ok(self.images.iter().map(String::as_str).collect())
     }
 
     /// Reason why `locate` refused an image; `None` if it did not refuse the image.
     pub fn refused(&self, image: &str) -> Option<&str> {
-        let of_image = self.table.rows.iter().filter(|row| self.table.cell(row, "image") == image);
-        of_image.map(|row| self.table.cell(row, REFUSED)).find(|reason| !reason.is_empty())
+        let mut of_image = self.rows.get(image)?.iter().map(|&i| self.table.cell(&self.table.rows[i], REFUSED));
+        of_image.find(|reason| !reason.is_empty())
     }
 
     /// The observation of the named image. Without a name, the table must have a single image or no column `image`.
@@ -136,6 +143,9 @@ impl ObservationTable {
                 Some(_) => Err(self.wrong("--image-name: expected a column image, as locate writes it")),
             };
         }
+        if let Some((name, _)) = image.and_then(|image| self.rows.get_key_value(image)) {
+            return Ok(Some(name));
+        }
         let images = self.images()?;
         let meant = match image {
             Some(name) => image_named(name, &images),
@@ -151,9 +161,11 @@ impl ObservationTable {
 
     /// The rows of an image with a visible marker; a row without coordinates belongs to a hidden marker.
     fn rows_of(&self, image: Option<&str>) -> Vec<&StringRecord> {
-        let of_image = |row: &&StringRecord| image.is_none_or(|image| self.table.cell(row, "image") == image);
         let is_seen = |row: &&StringRecord| !matches!(self.table.vector(row, self.xy), Ok(None));
-        self.table.rows.iter().filter(of_image).filter(is_seen).collect()
+        match image.and_then(|image| self.rows.get(image)) {
+            Some(of_image) => of_image.iter().map(|&i| &self.table.rows[i]).filter(is_seen).collect(),
+            None => self.table.rows.iter().filter(is_seen).collect(),
+        }
     }
 
     fn marker(&self, row: &StringRecord) -> Result<ObservedMarker, FileError> {
