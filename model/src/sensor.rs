@@ -3,7 +3,10 @@
 //! A [`Sensor`] combines a scene with contacts, an estimator and a noise. It turns each [`Observation`] into forces with standard deviations and warnings, or
 //! refuses it with a reason. An observation comes from an image, a table or a simulation.
 
+mod stream;
 mod unloaded;
+
+pub use stream::{RestPositions, StreamSensor};
 
 use crate::Vector;
 use crate::estimators::network::Networks;
@@ -183,6 +186,14 @@ pub enum Refusal {
     NotFinite {
         /// Position of the contact in the list, counted from 1.
         contact: usize,
+    },
+    /// The markers contradict the sensed forces, for every number of contacts that was tried.
+    #[error("no number of contacts explains the markers; with {contacts}: {warning}")]
+    Contradicted {
+        /// Number of contacts of the simplest explanation.
+        contacts: usize,
+        /// The contradiction.
+        warning: Warning,
     },
     /// Measured contacts require a known base, no pad, and the nonlinear estimator. The text names the unmet condition.
     #[error("contacts with standard deviations need {0}")]

@@ -29,6 +29,7 @@ guides! {
     your_finger, "your-finger": "Describe your finger in a scene file and deform it";
     sense, "sense": "Estimate contact forces from displacements, with their uncertainty";
     photographs, "photographs": "Get from an image of the markers to a force";
+    live, "live": "Sense the forces in a camera's stream";
     calibrate, "calibrate": "Find moduli, geometry and friction of a real finger";
     lens, "lens": "Find the lens of a camera from images of a grid";
     maps_and_sweeps, "maps-and-sweeps": "Map where a finger senses forces reliably";

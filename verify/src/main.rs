@@ -9,7 +9,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 #[cfg(feature = "train")]
 use commands::train;
 use commands::{
-    calibrate, grasp, gripper, guide, lens, locate, map, merge, press, render, report, sense, solve, sweep, words,
+    calibrate, grasp, gripper, guide, lens, live, locate, map, merge, press, render, report, sense, solve, sweep, words,
 };
 use finray_files::write_file;
 use std::path::Path;
@@ -45,6 +45,7 @@ enum Command {
     Press(press::Arguments),
     Render(render::Arguments),
     Locate(locate::Arguments),
+    Live(live::Arguments),
     Lens(lens::Arguments),
     Gripper(gripper::Arguments),
     Grasp(grasp::Arguments),
@@ -76,6 +77,7 @@ fn main() -> ExitCode {
         Command::Press(arguments) => press::run(&arguments).map(Some),
         Command::Render(arguments) => render::run(&arguments).map(Some),
         Command::Locate(arguments) => locate::run(&arguments).map(Some),
+        Command::Live(arguments) => live::run(&arguments).map(Some),
         Command::Lens(arguments) => lens::run(&arguments).map(Some),
         Command::Gripper(arguments) => gripper::run(&arguments).map(Some),
         Command::Grasp(arguments) => grasp::run(&arguments).map(Some),

@@ -9,8 +9,10 @@ mod scene;
 pub mod table;
 
 pub mod displacements;
+pub mod frames;
 pub mod measurements;
 pub mod observations;
+pub mod positions;
 pub mod views;
 
 pub use images::{image_named, image_names, load_image};

@@ -5,6 +5,7 @@ pub mod grasp;
 pub mod gripper;
 pub mod guide;
 pub mod lens;
+pub mod live;
 pub mod locate;
 pub mod map;
 pub mod merge;

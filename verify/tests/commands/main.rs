@@ -13,6 +13,7 @@ mod garbage;
 mod grasp;
 mod gripper;
 mod guide;
+mod live;
 mod map;
 mod output;
 mod photographs;

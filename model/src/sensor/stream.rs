@@ -1,0 +1,151 @@
+//! Contacts that come and go in a stream of observations.
+
+use super::{Refusal, SensedForces, Sensor, SensorContacts, SensorOptions, SensorWarning};
+use crate::measurement::Marker;
+use crate::observation::{Observation, ObservedMarker};
+use crate::scene::Scene;
+use crate::sensing::{ContactQuestion, ResidualTest, Warning};
+use crate::{NodeId, Vector};
+
+/// Probability with which noise alone makes a frame count as one that shows a force, or as one that contradicts its contacts. A stream has so many frames that
+/// the probability of the warnings of a single measurement, 1 %, would be too large.
+const FALSE_ALARM: f64 = 1e-4;
+
+/// Senses the forces in each observation of a stream, and finds how many contacts it shows.
+///
+/// Contacts at given positions are sensed as [`Sensor`] senses them. For a single contact of unknown position, a second one of the same kind is added if the
+/// markers contradict the first alone.
+#[derive(Debug, Clone)]
+pub struct StreamSensor<'s> {
+    scene: &'s Scene,
+    /// Noise of one displacement coordinate, mm, if it is stated.
+    noise_mm: Option<f64>,
+    /// Sensors for the contacts that were asked for, and for one contact more.
+    sensors: Vec<Sensor<'s>>,
+}
+
+impl<'s> StreamSensor<'s> {
+    /// Combines a scene with contacts and options.
+    ///
+    /// # Errors
+    /// [`Refusal`] if the estimator does not support the contacts, as for [`Sensor::new`].
+    pub fn new(
+        scene: &'s Scene,
+        contacts: SensorContacts,
+        options: SensorOptions<'s>,
+    ) -> Result<StreamSensor<'s>, Refusal> {
+        let one_more = match &contacts {
+            SensorContacts::Asked(questions) => match questions[..] {
+                [question @ ContactQuestion { position: None, .. }] => {
+                    Sensor::new(scene, SensorContacts::Asked(vec![question; 2]), options).ok()
+                }
+                _ => None,
+            },
+            SensorContacts::Measured { .. } => None,
+        };
+        let sensors = [Sensor::new(scene, contacts, options)?].into_iter().chain(one_more).collect();
+        Ok(StreamSensor { scene, noise_mm: options.noise_mm.or(scene.noise_mm), sensors })
+    }
+
+    /// The forces that an observation shows, as many as the markers need. `None` if the markers show no force: noise alone explains their displacements, or
+    /// the intervals of all forces contain zero.
+    ///
+    /// # Errors
+    /// [`Refusal`] as for [`Sensor::sense`], or if the markers contradict the contacts.
+    pub fn sense(&self, seen: &Observation) -> Result<Option<SensedForces>, Refusal> {
+        if self.is_noise(seen)? {
+            return Ok(None);
+        }
+        let mut refusal = None;
+        for sensor in &self.sensors {
+            let sensed = sensor.sense(seen).and_then(|sensed| match contradiction(&sensed) {
+                Some(warning) => Err(Refusal::Contradicted { contacts: sensed.contacts.len(), warning }),
+                None => Ok(sensed),
+            });
+            match sensed {
+                Ok(sensed) => {
+                    let shows = |i: usize| !(sensed.interval_n(i)[0]..=sensed.interval_n(i)[1]).contains(&0.0);
+                    return Ok((0..sensed.forces_n.len()).any(shows).then_some(sensed));
+                }
+                // The reason against the fewest contacts says most.
+                Err(reason) => refusal = refusal.or(Some(reason)),
+            }
+        }
+        Err(refusal.unwrap_or_else(|| crate::sensing::SensingError::NoContact.into()))
+    }
+
+    /// Whether the noise of the markers and the uncertainty of the base explain all displacements. False if the noise is unknown.
+    fn is_noise(&self, seen: &Observation) -> Result<bool, Refusal> {
+        let found = seen.for_sensing(self.scene, true, self.noise_mm)?;
+        let stated_mm = self.noise_mm.map(|noise_mm| self.scene.marker_errors.sd_mm(noise_mm));
+        let Some(noise_mm) = stated_mm.or(found.noise_mm) else { return Ok(false) };
+        let base = found.measurement.base().unwrap_or_default();
+        let square = |marker: &Marker| {
+            let weight = if stated_mm.is_some() { 1.0 } else { marker.weight };
+            let turned_mm = base.sd_rad * self.scene.finger.marker_position(marker.node).norm();
+            let sd_mm = (noise_mm / weight).hypot(base.sd_mm).hypot(turned_mm);
+            marker.displacement.norm_squared() / (sd_mm * sd_mm)
+        };
+        let squares: f64 = found.measurement.markers().iter().map(square).sum();
+        let test = ResidualTest::new(Some(1.0), squares, found.measurement.coordinate_count());
+        Ok(test.is_some_and(|test| test.p_value() >= FALSE_ALARM))
+    }
+}
+
+/// The warning that the markers contradict the sensed forces.
+fn contradiction(sensed: &SensedForces) -> Option<Warning> {
+    sensed.warnings.iter().find_map(|warning| match warning {
+        SensorWarning::Model { warning: Warning::Residual(test), .. } if test.p_value() < FALSE_ALARM => {
+            Some(Warning::Residual(*test))
+        }
+        _ => None,
+    })
+}
+
+/// Mean positions of the markers in observations of the unloaded finger, from which later displacements are measured.
+#[derive(Debug, Clone, Default)]
+pub struct RestPositions {
+    /// Sum of the positions, mm, sum of their variances, mm^2, and number of observations of each marker.
+    markers: Vec<(NodeId, Vector, f64, usize)>,
+}
+
+impl RestPositions {
+    /// Whether no observation was added.
+    pub fn is_empty(&self) -> bool {
+        self.markers.is_empty()
+    }
+
+    /// Adds an observation of the unloaded finger.
+    pub fn add(&mut self, seen: &Observation) {
+        for marker in &seen.markers {
+            let Some(position) = marker.position else { continue };
+            let variance_mm2 = marker.sd_mm.unwrap_or(0.0).powi(2);
+            match self.markers.iter_mut().find(|(node, ..)| *node == marker.node) {
+                Some((_, sum, variances_mm2, count)) => {
+                    *sum += position;
+                    *variances_mm2 += variance_mm2;
+                    *count += 1;
+                }
+                None => self.markers.push((marker.node, position, variance_mm2, 1)),
+            }
+        }
+    }
+
+    /// The observation with displacements from the mean positions. Markers that were never seen at rest are left out. Standard deviations include those of the
+    /// mean positions.
+    pub fn displaced(&self, seen: &Observation) -> Observation {
+        let displaced = |marker: &ObservedMarker| {
+            let (_, sum, variances_mm2, count) = self.markers.iter().find(|(node, ..)| *node == marker.node)?;
+            let count = *count as f64;
+            let of_mean_mm = variances_mm2.sqrt() / count;
+            let wider = |sd_mm: Option<f64>| sd_mm.map(|sd_mm| sd_mm.hypot(of_mean_mm));
+            Some(ObservedMarker {
+                displacement: Some(marker.position? - sum / count),
+                sd_mm: wider(marker.sd_mm),
+                own_sd_mm: wider(marker.own_sd_mm),
+                ..*marker
+            })
+        };
+        Observation { markers: seen.markers.iter().filter_map(displaced).collect(), ..seen.clone() }
+    }
+}

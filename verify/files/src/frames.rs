@@ -1,0 +1,242 @@
+//! Frames of a video stream: YUV4MPEG2, or raw RGB.
+
+use image::RgbImage;
+use std::io::{BufRead, Read};
+
+/// Longest header of a stream or frame, bytes.
+const LONGEST_HEADER: u64 = 4096;
+
+/// Reason why a stream of frames cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum FrameError {
+    /// The stream cannot be read.
+    #[error("cannot be read: {0}")]
+    Unreadable(#[from] std::io::Error),
+    /// The header of the stream is not that of a supported format.
+    #[error("{0}")]
+    Header(String),
+    /// The stream continues with something other than a frame.
+    #[error("frame {frame}: expected a line that begins with FRAME, found {found:?}; does its size change?")]
+    NotAFrame {
+        /// Number of the frame, from 1.
+        frame: usize,
+        /// Begin of the line.
+        found: String,
+    },
+    /// The stream ends within a frame.
+    #[error("frame {frame} is cut off: {found} of {expected} bytes")]
+    CutOff {
+        /// Number of the frame, from 1.
+        frame: usize,
+        /// Bytes found.
+        found: usize,
+        /// Bytes of a frame.
+        expected: usize,
+    },
+}
+
+/// Arrangement of the bytes of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Samples {
+    /// Red, green and blue of each pixel.
+    Rgb,
+    /// A plane of luma, and two planes of chroma whose width and height are divided by these numbers. `None`: luma alone.
+    Yuv(Option<[usize; 2]>),
+}
+
+/// Size, arrangement and rate of the frames of a stream.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameLayout {
+    /// Width and height, px.
+    pub size_px: [u32; 2],
+    /// Frames per second, if the stream states it.
+    pub per_second: Option<f64>,
+    samples: Samples,
+    /// Whether luma and chroma use all values from 0 to 255. Otherwise luma ends at 16 and 235, chroma at 16 and 240 (ITU-R BT.601).
+    is_full_range: bool,
+}
+
+impl FrameLayout {
+    /// Raw frames: red, green and blue of each pixel, row by row, without headers.
+    pub fn rgb(size_px: [u32; 2]) -> FrameLayout {
+        FrameLayout { size_px, per_second: None, samples: Samples::Rgb, is_full_range: true }
+    }
+
+    /// Layout from the header line of a YUV4MPEG2 stream.
+    fn of_header(header: &str) -> Result<FrameLayout, FrameError> {
+        let mut fields = header.split_ascii_whitespace();
+        if fields.next() != Some("YUV4MPEG2") {
+            return Err(FrameError::Header("expected a stream that begins with YUV4MPEG2".to_owned()));
+        }
+        let mut layout = FrameLayout {
+            size_px: [0, 0],
+            per_second: None,
+            samples: Samples::Yuv(Some([2, 2])),
+            is_full_range: false,
+        };
+        for field in fields {
+            let (key, value) = field.split_at_checked(1).unwrap_or((field, ""));
+            match key {
+                "W" => layout.size_px[0] = value.parse().unwrap_or(0),
+                "H" => layout.size_px[1] = value.parse().unwrap_or(0),
+                "F" => layout.per_second = rate(value),
+                "C" => layout.samples = samples(value)?,
+                "X" if value == "COLORRANGE=FULL" => layout.is_full_range = true,
+                "I" if !matches!(value, "p" | "?") => {
+                    return Err(FrameError::Header(format!("expected progressive frames (Ip), found I{value}")));
+                }
+                _ => {}
+            }
+        }
+        match layout.size_px.contains(&0) {
+            false => Ok(layout),
+            true => {
+                Err(FrameError::Header(format!("expected width and height (W, H) in the header, found {header:?}")))
+            }
+        }
+    }
+
+    /// Number of bytes of a frame.
+    pub fn byte_count(&self) -> usize {
+        let [width, height] = self.size_px.map(|px| px as usize);
+        match self.samples {
+            Samples::Rgb => 3 * width * height,
+            Samples::Yuv(None) => width * height,
+            Samples::Yuv(Some([across, down])) => width * height + 2 * width.div_ceil(across) * height.div_ceil(down),
+        }
+    }
+
+    /// Converts the bytes of a frame to an image of the same size. Chroma of fewer samples is repeated.
+    ///
+    /// # Reference
+    /// ITU-R BT.601: R = Y + 1.402 Cr, G = Y - 0.344136 Cb - 0.714136 Cr, B = Y + 1.772 Cb.
+    pub fn to_rgb(&self, bytes: &[u8], image: &mut RgbImage) {
+        let [width, height] = self.size_px.map(|px| px as usize);
+        let Samples::Yuv(chroma) = self.samples else {
+            return image.copy_from_slice(bytes);
+        };
+        let (luma, rest) = bytes.split_at(width * height);
+        // In 1/65536: gain and offset of luma, and the gains of chroma.
+        let (gain, black, of_chroma) = if self.is_full_range {
+            (65536, 0, [91881, -22554, -46802, 116130])
+        } else {
+            (76309, 16, [104597, -25675, -53279, 132201])
+        };
+        let byte = |value: i32| ((value + 32768) >> 16).clamp(0, 255) as u8;
+        for (row, (line, luma)) in image.chunks_exact_mut(3 * width).zip(luma.chunks_exact(width)).enumerate() {
+            let Some([across, down]) = chroma else {
+                for (pixel, y) in line.chunks_exact_mut(3).zip(luma) {
+                    pixel.fill(byte(gain * (i32::from(*y) - black)));
+                }
+                continue;
+            };
+            let (columns, rows) = (width.div_ceil(across), height.div_ceil(down));
+            let (blue, red) = rest.split_at(columns * rows);
+            let of_row = row / down * columns..(row / down + 1) * columns;
+            let (blue, red) = (&blue[of_row.clone()], &red[of_row]);
+            let set = |pixel: &mut [u8], y: u8, cb: u8, cr: u8| {
+                let y = gain * (i32::from(y) - black);
+                let [cb, cr] = [cb, cr].map(|c| i32::from(c) - 128);
+                pixel[0] = byte(y + of_chroma[0] * cr);
+                pixel[1] = byte(y + of_chroma[1] * cb + of_chroma[2] * cr);
+                pixel[2] = byte(y + of_chroma[3] * cb);
+            };
+            match across {
+                1 => line
+                    .chunks_exact_mut(3)
+                    .zip(luma)
+                    .zip(blue)
+                    .zip(red)
+                    .for_each(|(((p, y), cb), cr)| set(p, *y, *cb, *cr)),
+                _ => line
+                    .chunks_exact_mut(3)
+                    .zip(luma)
+                    .enumerate()
+                    .for_each(|(i, (p, y))| set(p, *y, blue[i / across], red[i / across])),
+            }
+        }
+    }
+}
+
+/// Frames per second from `numerator:denominator`.
+fn rate(value: &str) -> Option<f64> {
+    let (numerator, denominator) = value.split_once(':')?;
+    let rate = numerator.parse::<f64>().ok()? / denominator.parse::<f64>().ok()?;
+    (rate > 0.0 && rate.is_finite()).then_some(rate)
+}
+
+fn samples(colour_space: &str) -> Result<Samples, FrameError> {
+    match colour_space {
+        "mono" => Ok(Samples::Yuv(None)),
+        "420" | "420jpeg" | "420mpeg2" | "420paldv" => Ok(Samples::Yuv(Some([2, 2]))),
+        "422" => Ok(Samples::Yuv(Some([2, 1]))),
+        "444" => Ok(Samples::Yuv(Some([1, 1]))),
+        other => Err(FrameError::Header(format!(
+            "expected 8 bits a sample in the form C444, C422, C420 or Cmono, found C{other}; ffmpeg writes it with -pix_fmt yuv444p"
+        ))),
+    }
+}
+
+/// Reads the frames of a stream one after another.
+pub struct FrameReader<R> {
+    source: R,
+    layout: FrameLayout,
+    has_headers: bool,
+    /// Number of frames read.
+    frame: usize,
+}
+
+impl<R: BufRead> FrameReader<R> {
+    /// A YUV4MPEG2 stream. Reads its header.
+    ///
+    /// # Errors
+    /// [`FrameError`] for a stream of another or an unsupported format.
+    pub fn yuv4mpeg2(mut source: R) -> Result<FrameReader<R>, FrameError> {
+        let layout = FrameLayout::of_header(&header(&mut source)?)?;
+        Ok(FrameReader { source, layout, has_headers: true, frame: 0 })
+    }
+
+    /// A stream of raw frames.
+    pub fn raw(source: R, layout: FrameLayout) -> FrameReader<R> {
+        FrameReader { source, layout, has_headers: false, frame: 0 }
+    }
+
+    /// Layout of the frames.
+    pub fn layout(&self) -> FrameLayout {
+        self.layout
+    }
+
+    /// Reads the next frame into `bytes`. False at the end of the stream.
+    ///
+    /// # Errors
+    /// [`FrameError`] if the stream cannot be read, ends within the frame, or continues with something else.
+    pub fn read(&mut self, bytes: &mut Vec<u8>) -> Result<bool, FrameError> {
+        let frame = self.frame + 1;
+        if self.has_headers {
+            let line = header(&mut self.source)?;
+            match line.split_ascii_whitespace().next() {
+                Some("FRAME") => {}
+                None => return Ok(false),
+                Some(_) => return Err(FrameError::NotAFrame { frame, found: line.chars().take(40).collect() }),
+            }
+        }
+        let expected = self.layout.byte_count();
+        bytes.clear();
+        let found = (&mut self.source).take(expected as u64).read_to_end(bytes)?;
+        match found {
+            0 if !self.has_headers => Ok(false),
+            _ if found < expected => Err(FrameError::CutOff { frame, found, expected }),
+            _ => {
+                self.frame = frame;
+                Ok(true)
+            }
+        }
+    }
+}
+
+/// A line of a header without its end; empty at the end of the stream.
+fn header(source: &mut impl BufRead) -> Result<String, FrameError> {
+    let mut line = Vec::new();
+    source.take(LONGEST_HEADER).read_until(b'\n', &mut line)?;
+    Ok(String::from_utf8_lossy(&line).trim_end().to_owned())
+}

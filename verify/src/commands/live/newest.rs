@@ -1,0 +1,91 @@
+//! Hands frames from a reading thread to the evaluation: the newest one, or every one.
+
+use super::input::{Frame, Source};
+use crate::commands::Failure;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+/// Slot between a reading thread and the evaluation.
+pub struct Newest(Arc<Slot>);
+
+#[derive(Default)]
+struct Slot {
+    state: Mutex<Waiting>,
+    changed: Condvar,
+}
+
+/// The frame that waits for evaluation.
+#[derive(Default)]
+struct Waiting {
+    frame: Option<Frame>,
+    /// Evaluated or dropped frame whose memory is used again.
+    spare: Option<Frame>,
+    /// Reason why reading has ended: an error, or the end of the stream.
+    ended: Option<Option<Failure>>,
+}
+
+impl Slot {
+    // A panic of the other thread does not make the frame invalid.
+    fn lock(&self) -> MutexGuard<'_, Waiting> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Newest {
+    /// Starts to read a source. With `every_frame` no frame is dropped: reading waits for the evaluation.
+    pub fn of(mut source: Source, every_frame: bool) -> Newest {
+        let slot = Arc::new(Slot::default());
+        let writer = Arc::clone(&slot);
+        thread::spawn(move || {
+            let mut bytes = Vec::new();
+            for number in 0.. {
+                let spare = writer.lock().spare.take();
+                let next = source.next(number, &mut bytes, spare);
+                let mut waiting = writer.lock();
+                match next {
+                    Ok(Some(mut frame)) => {
+                        while every_frame && waiting.frame.is_some() {
+                            waiting = writer.changed.wait(waiting).unwrap_or_else(PoisonError::into_inner);
+                        }
+                        if let Some(dropped) = waiting.frame.take() {
+                            frame.dropped = dropped.dropped + 1;
+                            waiting.spare = Some(dropped);
+                        }
+                        waiting.frame = Some(frame);
+                        writer.changed.notify_all();
+                    }
+                    end => {
+                        waiting.ended = Some(end.err());
+                        writer.changed.notify_all();
+                        return;
+                    }
+                }
+            }
+        });
+        Newest(slot)
+    }
+
+    /// Waits for the next frame. `None` at the end of the stream.
+    ///
+    /// # Errors
+    /// [`Failure`] if the stream cannot be read on.
+    pub fn take(&self) -> Option<Result<Frame, Failure>> {
+        let mut waiting = self.0.lock();
+        loop {
+            if let Some(frame) = waiting.frame.take() {
+                self.0.changed.notify_all();
+                return Some(Ok(frame));
+            }
+            if let Some(ended) = waiting.ended.take() {
+                waiting.ended = Some(None);
+                return ended.map(Err);
+            }
+            waiting = self.0.changed.wait(waiting).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Gives an evaluated frame back, so that its memory is used again.
+    pub fn give_back(&self, frame: Frame) {
+        self.0.lock().spare = Some(frame);
+    }
+}

@@ -1,0 +1,347 @@
+//! Forces in a stream: video frames, positions, images; contacts that come and go; streams that end or break.
+
+use crate::kit::*;
+use finray_files::frames::{FrameLayout, FrameReader};
+use finray_model::mesh::{FingerShape, Load};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector, statics};
+use finray_tests::{finger_of, random_stream};
+use image::RgbImage;
+use rand_distr::{Distribution, StandardNormal};
+use serde_json::Value;
+use std::fmt::Write;
+use std::io::{BufRead, BufReader};
+
+/// The paper's finger with coloured markers and a camera.
+const CAMERA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/camera.toml");
+/// Standard deviation of a coordinate, mm.
+const NOISE_MM: f64 = 0.02;
+
+/// The lines of a run.
+fn lines(out: &str) -> Vec<Value> {
+    out.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect()
+}
+
+fn states(lines: &[Value]) -> Vec<&str> {
+    lines.iter().map(|line| line["state"].as_str().expect("a state")).collect()
+}
+
+fn force_n(line: &Value) -> f64 {
+    line["contacts"][0]["force_n"].as_f64().unwrap_or_else(|| panic!("{line}"))
+}
+
+/// Images of the finger under forces at 80 mm, -20 degrees, N.
+fn images(folder: &Folder, forces_n: &[f64]) -> Vec<RgbImage> {
+    let image = |force_n: &f64| {
+        let (path, load) = (folder.path("image.png"), format!("80:{force_n},-20"));
+        finray(&["render", CAMERA, "--load-at", &load, "--grey-noise", "2", "--blur-px", "0.8", "--out", &path]).done();
+        image::open(&path).expect("an image").to_rgb8()
+    };
+    forces_n.iter().map(image).collect()
+}
+
+/// A byte of luma or chroma from floating-point weights of red, green and blue (ITU-R BT.601), and the offset.
+fn weighted(rgb: [u8; 3], [red, green, blue]: [f64; 3], offset: f64) -> u8 {
+    let [r, g, b] = rgb.map(f64::from);
+    (offset + red * r + green * g + blue * b).round().clamp(0.0, 255.0) as u8
+}
+
+/// Frames as YUV4MPEG2, encoded by another formula than that which decodes them. Chroma has every `across`-th column and `down`-th row.
+fn yuv4mpeg2(images: &[RgbImage], colour_space: &str, [across, down]: [u32; 2], is_full_range: bool) -> Vec<u8> {
+    let (width, height) = images[0].dimensions();
+    let range = if is_full_range { " XCOLORRANGE=FULL" } else { "" };
+    let mut stream = format!("YUV4MPEG2 W{width} H{height} F25:1 Ip A1:1 C{colour_space}{range}\n").into_bytes();
+    let (luma, chroma, black) = if is_full_range { (1.0, 1.0, 0.0) } else { (219.0 / 255.0, 224.0 / 255.0, 16.0) };
+    let blue = [-0.168736, -0.331264, 0.5].map(|weight| weight * chroma);
+    let red = [0.5, -0.418688, -0.081312].map(|weight| weight * chroma);
+    for image in images {
+        stream.extend(b"FRAME\n");
+        let of_luma = [0.299, 0.587, 0.114].map(|weight| weight * luma);
+        stream.extend(image.pixels().map(|pixel| weighted(pixel.0, of_luma, black)));
+        for weights in [blue, red] {
+            let of_plane = (0..height)
+                .step_by(down as usize)
+                .flat_map(|v| (0..width).step_by(across as usize).map(move |u| (u, v)));
+            stream.extend(of_plane.map(|(u, v)| weighted(image.get_pixel(u, v).0, weights, 128.0)));
+        }
+    }
+    stream
+}
+
+/// Shape of the finger under loads.
+fn shape(loads: &[Load]) -> FingerShape {
+    let mesh = Mesh::with_elements_per_member(&finger(), 8);
+    statics::solve(&mesh, loads, Kinematics::Corotational).expect("an equilibrium")
+}
+
+/// Positions of all markers, as one line of JSON and as rows of a table, with noise of the random stream `case`.
+fn positions(shape: &FingerShape, time_s: f64, case: u64) -> [String; 2] {
+    let (finger, chance) = (finger(), &mut random_stream(4700, case));
+    let (mut markers, mut rows) = (Vec::new(), String::new());
+    for node in 1..=finger.key_node_count() {
+        let noise: [f64; 2] = [0, 1].map(|_| NOISE_MM * Distribution::<f64>::sample(&StandardNormal, chance));
+        let at = finger.position(NodeId(node)) + shape.motion(NodeId(node)).displacement + Vector::from(noise);
+        markers.push(format!(r#"{{"node":{node},"x_mm":{},"y_mm":{},"sigma_mm":{NOISE_MM}}}"#, at.x, at.y));
+        writeln!(rows, "{time_s},{node},{},{},{NOISE_MM}", at.x, at.y).expect("text");
+    }
+    [format!(r#"{{"t_s":{time_s},"markers":[{}]}}"#, markers.join(",")) + "\n", rows]
+}
+
+/// A frame of the finger under 1 N at 70 mm.
+fn pressed_frame() -> String {
+    positions(&shape(&[pushed(70.0, 1.0)]), 0.0, 1)[0].clone()
+}
+
+fn finger() -> Finger {
+    finger_of(finray_fixtures::CAMERA_SCENE)
+}
+
+fn pushed(s_mm: f64, force_n: f64) -> Load {
+    Load::at_position(s_mm, finger().direction(0.0) * force_n)
+}
+
+/// A video gives the forces of its frames: chroma of every form, both ranges, and raw frames.
+#[test]
+fn forces_are_found_in_every_form_of_video() {
+    let folder = Folder::new();
+    let images = images(&folder, &[0.0, 2.0, 0.0]);
+    let [width, height] = [images[0].width(), images[0].height()];
+    let raw: Vec<u8> = images.iter().flat_map(|image| image.as_raw().iter().copied()).collect();
+    let size = format!("{width}x{height}");
+    let forms: [(&str, Vec<u8>, Vec<&str>); 5] = [
+        ("444", yuv4mpeg2(&images, "444", [1, 1], false), vec![]),
+        ("444, full", yuv4mpeg2(&images, "444", [1, 1], true), vec![]),
+        ("422", yuv4mpeg2(&images, "422", [2, 1], false), vec![]),
+        ("420", yuv4mpeg2(&images, "420jpeg", [2, 2], true), vec![]),
+        ("raw", raw, vec!["--format", "rgb24", "--size", &size]),
+    ];
+    for (form, stream, more) in forms {
+        let path = folder.put("stream", stream);
+        let live = ["live", CAMERA, "--contact-at", "auto@-20", "--every-frame", "--input", &path];
+        let answer = finray(&[&live[..], &more].concat());
+        let summary = answer.summary.clone();
+        let found = lines(&answer.done());
+        assert_eq!(states(&found), ["none", "contact", "none"], "{form}: {found:?}");
+        assert!((force_n(&found[1]) - 2.0).abs() < 0.01, "{form}: {}", found[1]);
+        assert_eq!(found[1]["markers"], 25, "{form}");
+        let time_s = found[1]["time_s"].as_f64();
+        assert_eq!(time_s, if form == "raw" { None } else { Some(0.04) });
+        assert_eq!(summary.as_deref(), Some("done: 3 frames: 1 in contact, 2 free, 0 refused, 0 without finger"));
+    }
+}
+
+/// Decoded frames have the colours that were encoded, within rounding.
+#[test]
+fn decoded_colours_are_those_that_were_encoded() {
+    let image =
+        RgbImage::from_fn(7, 5, |u, v| image::Rgb([(37 * u + 11) as u8, (50 * v + 5) as u8, (u * v * 7) as u8]));
+    for is_full_range in [false, true] {
+        let stream = yuv4mpeg2(std::slice::from_ref(&image), "444", [1, 1], is_full_range);
+        let mut reader = FrameReader::yuv4mpeg2(&stream[..]).expect("a stream");
+        let (mut bytes, mut found) = (Vec::new(), RgbImage::new(7, 5));
+        assert!(reader.read(&mut bytes).expect("a frame"));
+        reader.layout().to_rgb(&bytes, &mut found);
+        for (found, expected) in found.iter().zip(image.iter()) {
+            // Rounding of luma by half a step and of chroma by half a step, times the largest gain of 1.772 x 255 / 224.
+            assert!(found.abs_diff(*expected) <= 2, "{found} for {expected}");
+        }
+        assert!(!reader.read(&mut bytes).expect("the end"));
+    }
+    assert_eq!(FrameLayout::rgb([7, 5]).byte_count(), 105);
+}
+
+/// Positions as JSON and as a table give the force and sigma of `sense`.
+#[test]
+fn positions_give_the_forces_of_sense() {
+    let folder = Folder::new();
+    let shapes = [shape(&[]), shape(&[pushed(70.0, 1.5)]), shape(&[])];
+    let frames: Vec<_> = (0..3).map(|i| positions(&shapes[i], i as f64, i as u64)).collect();
+    let json: String = frames.iter().map(|[line, _]| line.as_str()).collect();
+    let rows: String = frames.iter().map(|[_, rows]| rows.as_str()).collect();
+    let table = format!("t_s,node,x_mm,y_mm,sigma_mm\n{rows}");
+    let live = ["live", CAMERA, "--contact-at", "auto@0", "--every-frame"];
+    let of_json = lines(&finray_reading(json.as_bytes(), &live).done());
+    let of_table = lines(&finray_reading(table.as_bytes(), &live).done());
+    assert_eq!(states(&of_json), ["none", "contact", "none"]);
+    // The readers of JSON and CSV round numbers differently in their last digit.
+    assert!((force_n(&of_json[1]) / force_n(&of_table[1]) - 1.0).abs() < 1e-12);
+    assert_eq!(of_table[1]["time_s"], 1.0);
+    // `sense` takes displacements.
+    let rest = finger();
+    let mut displaced = "node,ux_mm,uy_mm,sigma_mm\n".to_owned();
+    for row in frames[1][1].lines() {
+        let cells: Vec<&str> = row.split(',').collect();
+        let number = |i: usize| cells[i].parse::<f64>().expect("a number");
+        let from = rest.position(NodeId(number(1) as usize));
+        writeln!(displaced, "{},{},{},{NOISE_MM}", cells[1], number(2) - from.x, number(3) - from.y).expect("text");
+    }
+    let displaced = folder.put("displaced.csv", displaced);
+    let sensed = finray(&["sense", CAMERA, "--displacements", &displaced, "--contact-at", "auto@0"]).done();
+    let sensed = Csv::of(&sensed);
+    for (column, key) in [("s_mm", "s_mm"), ("force_n", "force_n"), ("sigma_n", "sigma_n")] {
+        let [theirs, ours] = [sensed.numbers(column)[0], of_json[1]["contacts"][0][key].as_f64().expect("a number")];
+        assert!((ours / theirs - 1.0).abs() < 1e-9, "{key}: {ours} for {theirs}");
+    }
+}
+
+/// Two forces at unknown positions are found as two, one as one, and none as none; a wrong position is refused.
+#[test]
+fn the_number_of_contacts_is_found() {
+    let frame = |loads: &[Load], case| positions(&shape(loads), 0.0, case)[0].clone();
+    let one = frame(&[pushed(70.0, 1.0)], 2);
+    let stream = frame(&[], 1) + &one + &frame(&[pushed(50.0, 2.0), pushed(110.0, 1.0)], 3);
+    let live = ["live", CAMERA, "--every-frame", "--contact-at"];
+    let found = lines(&finray_reading(stream.as_bytes(), &[&live[..], &["auto@0"]].concat()).done());
+    let contacts: Vec<usize> = found.iter().map(|line| line["contacts"].as_array().map_or(0, Vec::len)).collect();
+    assert_eq!((states(&found), contacts), (vec!["none", "contact", "contact"], vec![0, 1, 2]));
+    let forces: Vec<f64> = [0, 1].map(|i| found[2]["contacts"][i]["force_n"].as_f64().expect("a force")).to_vec();
+    let [less, more] = [forces[0].min(forces[1]), forces[0].max(forces[1])];
+    assert!((less - 1.0).abs() < 0.1 && (more - 2.0).abs() < 0.1, "{forces:?}");
+    let at_100 = lines(&finray_reading(one.as_bytes(), &[&live[..], &["100@0"]].concat()).done());
+    assert_eq!(states(&at_100), ["refused"]);
+    assert_says(at_100[0]["refused"].as_str().expect("a reason"), &["contradicts the model"]);
+}
+
+/// Noise alone is taken for a force in less than 1 % of free frames, and intervals hold in 93 to 97 % of frames in contact.
+#[test]
+fn free_frames_show_no_force_and_intervals_hold() {
+    let count = finray_tests::case_count(200, 1000) as u64;
+    let shapes = [shape(&[]), shape(&[pushed(70.0, 1.0)])];
+    let frame = |i: u64| positions(&shapes[usize::from(i >= count)], i as f64, 100 + i)[0].clone();
+    let folder = Folder::new();
+    let stream = folder.put("stream", (0..2 * count).map(frame).collect::<String>());
+    let found = lines(&finray(&["live", CAMERA, "--contact-at", "auto@0", "--every-frame", "--input", &stream]).done());
+    let (free, pressed) = found.split_at(count as usize);
+    let wrong = free.iter().filter(|line| line["state"] != "none").count();
+    assert!((wrong as f64) < 0.01 * count as f64, "{wrong} of {count}");
+    let holds = |line: &&Value| {
+        let ends = [0, 1].map(|i| line["contacts"][0]["interval_n"][i].as_f64().unwrap_or(f64::NAN));
+        ends[0] <= 1.0 && 1.0 <= ends[1]
+    };
+    let held = pressed.iter().filter(holds).count() as f64 / count as f64;
+    let allowed = 0.02 + 2.5 * finray_tests::share_error(0.95, count as usize);
+    assert!((held - 0.95).abs() < allowed, "{held}");
+}
+
+/// With markers that all stand 0.3 mm off, the finger seems pressed, unless the first frames show where the markers rest.
+#[test]
+fn first_frames_may_show_the_unloaded_finger() {
+    let shapes = [shape(&[]), shape(&[pushed(70.0, 1.0)])];
+    let shifted: String = (0..8).map(|i| positions(&shapes[usize::from(i == 7)], 0.0, i)[0].clone()).collect();
+    let shifted = lines(&shifted)
+        .into_iter()
+        .map(|mut line| {
+            for marker in line["markers"].as_array_mut().expect("markers") {
+                let node = marker["node"].as_u64().expect("a node");
+                // Clamped markers of this finger are nodes 1 and 25.
+                let off_mm = if node == 1 || node == 25 { 0.0 } else { 0.3 };
+                marker["y_mm"] = (marker["y_mm"].as_f64().expect("a number") + off_mm).into();
+            }
+            line.to_string() + "\n"
+        })
+        .collect::<String>();
+    let live = ["live", CAMERA, "--contact-at", "auto@0", "--every-frame"];
+    let wrong = lines(&finray_reading(shifted.as_bytes(), &live).done());
+    assert!(states(&wrong)[..7].iter().all(|state| *state != "none"), "{:?}", states(&wrong));
+    let found = lines(&finray_reading(shifted.as_bytes(), &[&live[..], &["--rest-frames", "5"]].concat()).done());
+    assert_eq!(states(&found), ["none", "none", "none", "none", "none", "none", "none", "contact"]);
+    assert!((force_n(&found[7]) - 1.0).abs() < 0.05, "{}", found[7]);
+}
+
+/// What cannot be used is said, with the frame, and the other frames are evaluated.
+#[test]
+fn broken_frames_are_refused_alone() {
+    let folder = Folder::new();
+    let live = ["live", CAMERA, "--contact-at", "auto@-20", "--every-frame"];
+    let one = pressed_frame();
+    let broken = format!("{one}{{\"markers\":[{{\"node\":13}}]}}\nnonsense\n{one}");
+    let found = lines(
+        &finray_reading(
+            broken.as_bytes(),
+            &[&["live", CAMERA, "--contact-at", "auto@0", "--every-frame"][..], &[]].concat(),
+        )
+        .done(),
+    );
+    assert_eq!(states(&found), ["contact", "refused", "refused", "contact"]);
+    assert_says(found[1]["refused"].as_str().expect("a reason"), &["line 2", "x_mm"]);
+    let table = "t_s,node,x_mm,y_mm\n0.0,2,here,3.0\n";
+    let found = lines(&finray_reading(table.as_bytes(), &live).done());
+    assert_says(found[0]["refused"].as_str().expect("a reason"), &["line 2", "x_mm", "\"here\""]);
+    // A frame without the finger is lost; the next one is found again.
+    let mut images = images(&folder, &[2.0]);
+    images.insert(1, RgbImage::new(images[0].width(), images[0].height()));
+    images.push(images[0].clone());
+    let stream = yuv4mpeg2(&images, "444", [1, 1], false);
+    let found = lines(&finray(&[&live[..], &["--input", &folder.put("lost", &stream)]].concat()).done());
+    assert_eq!(states(&found), ["contact", "lost", "contact"]);
+    // A stream that ends within a frame.
+    let path = folder.put("cut", &stream[..stream.len() - 1000]);
+    let (out, warnings) = finray(&[&live[..], &["--input", &path]].concat()).warned();
+    assert_eq!(states(&lines(&out)), ["contact", "lost"]);
+    assert_says(&warnings[0], &["frame 3 is cut off"]);
+}
+
+/// Streams of an unknown form are refused with what was expected.
+#[test]
+fn streams_of_another_form_are_refused() {
+    let live = ["live", CAMERA, "--contact-at", "auto@0"];
+    let refused = |stream: &[u8], expected: &[&str]| assert_says(&finray_reading(stream, &live).refused(), expected);
+    refused(b"", &["standard input", "expected a stream, found nothing"]);
+    refused(b"\x89PNG\r\n", &["--format and --size"]);
+    refused(b"node,ux_mm\n", &["line 1", "image", "t_s"]);
+    refused(b"YUV4MPEG2 W10 H10 C420p10\n", &["C420p10", "yuv444p"]);
+    refused(b"YUV4MPEG2 W10\n", &["width and height"]);
+    refused(b"YUV4MPEG2 W10 H10 It\n", &["progressive"]);
+    assert_says(&finray(&["live", CAMERA, "--contact-at", "auto@0", "--format", "rgb24"]).refused(), &["--size"]);
+    // The lines of earlier frames remain.
+    let folder = Folder::new();
+    let mut stream = yuv4mpeg2(&images(&folder, &[2.0]), "444", [1, 1], false);
+    stream.extend(b"YUV4MPEG2 W20 H20\n");
+    let answer = finray(&[&live[..], &["--every-frame", "--input", &folder.put("changed", stream)]].concat());
+    assert_eq!((answer.code, answer.out.lines().count()), (Some(2), 1));
+    assert_says(&answer.err, &["frame 2", "FRAME", "size"]);
+}
+
+/// Each line arrives while the stream goes on, and a reader that leaves ends the run without an error.
+#[test]
+fn lines_arrive_at_once_and_the_reader_may_leave() {
+    let one = pressed_frame();
+    let mut command = command(&["live", CAMERA, "--contact-at", "auto@0"]);
+    command.stdin(std::process::Stdio::piped()).stdout(std::process::Stdio::piped());
+    let mut child = command.spawn().expect("finray starts");
+    let mut input = child.stdin.take().expect("an input");
+    let mut out = BufReader::new(child.stdout.take().expect("an output"));
+    for _ in 0..3 {
+        std::io::Write::write_all(&mut input, one.as_bytes()).expect("a frame");
+        let mut line = String::new();
+        // The input is still open, so this waits for ever if the line is not written at once.
+        out.read_line(&mut line).expect("a line");
+        assert_eq!(states(&lines(&line)), ["contact"]);
+    }
+    drop(out);
+    while std::io::Write::write_all(&mut input, one.as_bytes()).is_ok() {}
+    assert_eq!(child.wait().expect("the end").code(), Some(0));
+}
+
+/// Frames that arrive during an evaluation are dropped except for the newest, and counted.
+#[test]
+fn dropped_frames_are_counted() {
+    let one = pressed_frame();
+    let count = 300;
+    let found =
+        lines(&finray_reading(one.repeat(count).as_bytes(), &["live", CAMERA, "--contact-at", "auto@0"]).done());
+    let dropped: u64 = found.iter().map(|line| line["dropped"].as_u64().expect("a number")).sum();
+    assert_eq!(found.len() as u64 + dropped, count as u64);
+    let last = found.last().expect("a line");
+    assert_eq!(last["frame"], count - 1, "the newest frame is evaluated");
+    assert!(dropped > 0, "reading is faster than sensing");
+}
+
+/// A full disk ends the run with exit code 1.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_an_error() {
+    let one = pressed_frame();
+    let message =
+        finray_reading(one.as_bytes(), &["live", CAMERA, "--contact-at", "auto@0", "--out", "/dev/full"]).failed();
+    assert_says(&message, &["/dev/full", "cannot be written"]);
+}
