@@ -1,6 +1,6 @@
 //! Estimates the force in one view together with errors of the unloaded finger.
 
-use super::positions::{Spread, scan};
+use super::positions::{ForceAt, Spread, scan};
 use super::problem::{OWN, Point, Problem, ViewUnknowns, free_part_mm};
 use super::{CONVERGENCE, Quantity, Sought, View, ViewModel};
 use crate::finger::{Finger, Plate};
@@ -106,17 +106,15 @@ pub fn force_in_view(
         let mut spread = Spread { sigma_n: found.sigma_n, position_sd_mm, is_bounded: true };
         if position_sd_mm > UNCERTAIN_POSITION * to_end_mm {
             let wider = found.test.map_or(1.0, |test| test.trusted_noise_mm() / asked.view.noise_mm);
-            spread = scan(
-                (&found, &shared),
-                position_sd_mm,
-                (length_mm, free_part_mm(finger)),
-                wider,
-                |s_mm, near, shared| {
-                    let start = SensedBefore { s_mm, angle_deg: near.angle_deg, force_n: near.force_n };
+            let limits = (length_mm, free_part_mm(finger));
+            let near = SensedBefore { s_mm: found.s_mm, angle_deg: found.angle_deg, force_n: found.force_n };
+            spread =
+                scan((found.at(), &(near, shared.clone())), position_sd_mm, limits, wider, |s_mm, (near, shared)| {
                     let question = ContactQuestion { position: Some(ContactPosition::At(s_mm)), ..question };
-                    from(question, start, Some(shared)).map(|found| (found.force, found.shared))
-                },
-            );
+                    let Found { force, shared, .. } = from(question, SensedBefore { s_mm, ..*near }, Some(shared))?;
+                    let near = SensedBefore { s_mm, angle_deg: force.angle_deg, force_n: force.force_n };
+                    Some((force.at(), (near, shared)))
+                });
         }
         if !spread.is_bounded || spread.position_sd_mm > LARGEST_POSITION_SIGMA * length_mm {
             return undetermined("the position", spread.position_sd_mm, "mm");
@@ -144,6 +142,12 @@ pub fn force_in_view(
         found.sigma_n = found.sigma_n.hypot(more_n2.max(0.0).sqrt());
     }
     Ok(found)
+}
+
+impl ForceInView {
+    fn at(&self) -> ForceAt {
+        ForceAt { s_mm: self.s_mm, force_n: self.force_n, sigma_n: self.sigma_n, squares: self.squares }
+    }
 }
 
 /// A minimum that a search found.

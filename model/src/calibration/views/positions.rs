@@ -3,8 +3,6 @@
 //! A force near the base bends the finger as a smaller force farther away does. If the position is uncertain by a large share of its distance from an end of the
 //! plate, the force is far from linear in it, and a linearised standard deviation is too small.
 
-use super::one_view::ForceInView;
-
 /// Step between the positions of a scan, in standard deviations of the position.
 const STEP_SDS: f64 = 0.75;
 /// Largest step, as a share of the plate's length, and largest number of steps on either side.
@@ -14,6 +12,19 @@ const MOST_STEPS: usize = 12;
 const BEYOND: f64 = 9.0;
 /// The markers do not bound the position if the sum of squares grows by less than this, one standard deviation, up to an end of the plate.
 const BOUNDED: f64 = 1.0;
+
+/// Estimate of a force at one position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ForceAt {
+    /// Position along the front plate, mm.
+    pub s_mm: f64,
+    /// Force, N.
+    pub force_n: f64,
+    /// Standard deviation of the force, N.
+    pub sigma_n: f64,
+    /// Sum of squared residuals divided by their variances, dimensionless.
+    pub squares: f64,
+}
 
 /// Posterior distribution of a force and of its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,24 +37,25 @@ pub(super) struct Spread {
     pub is_bounded: bool,
 }
 
-/// Scans the positions on both sides of the best one. `at` estimates the force at a known position, mm, starting from the estimate at a position nearby. `wider`
+/// Scans the positions on both sides of the best one. `at` estimates the force at a known position, mm, from a starting point found at a position
+/// nearby. `wider`
 /// is the factor of the standard deviations by which the residual exceeds the noise.
 ///
 /// # Reference
 /// Mixture of normal distributions with the weights of the profile likelihood (Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 6).
 pub(super) fn scan<N>(
-    best: (&ForceInView, &N),
+    best: (ForceAt, &N),
     position_sd_mm: f64,
     (length_mm, [least_mm, most_mm]): (f64, [f64; 2]),
     wider: f64,
-    at: impl Fn(f64, &ForceInView, &N) -> Option<(ForceInView, N)>,
+    at: impl Fn(f64, &N) -> Option<(ForceAt, N)>,
 ) -> Spread {
     let (found, near) = best;
     let step_mm = (STEP_SDS * position_sd_mm).min(LARGEST_STEP * length_mm);
-    let growth = |other: &ForceInView| (other.squares - found.squares) / (wider * wider);
+    let growth = |other: &ForceAt| (other.squares - found.squares) / (wider * wider);
     // Sum of the weights, and weighted squares of the deviations of force and position.
     let (mut weights, mut of_force_n2, mut of_position_mm2) = (0.0, 0.0, 0.0);
-    let mut count = |other: &ForceInView, sigma_n: f64| {
+    let mut count = |other: &ForceAt, sigma_n: f64| {
         let weight = (-0.5 * growth(other)).exp();
         weights += weight;
         of_force_n2 += weight * ((other.force_n - found.force_n).powi(2) + sigma_n.powi(2));
@@ -52,15 +64,15 @@ pub(super) fn scan<N>(
     let mut is_bounded = true;
     let mut own_sigma_n: Option<f64> = None;
     for step_mm in [-step_mm, step_mm] {
-        let mut last: Option<(ForceInView, N)> = None;
+        let mut last: Option<(ForceAt, N)> = None;
         for number in 1..=MOST_STEPS {
             let s_mm = found.s_mm + number as f64 * step_mm;
-            let (from, near) = last.as_ref().map_or((found, near), |(from, near)| (from, near));
+            let (from, near) = last.as_ref().map_or((&found, near), |(from, near)| (from, near));
             if !(least_mm..=most_mm).contains(&s_mm) {
                 is_bounded &= growth(from) > BOUNDED;
                 break;
             }
-            let Some(next) = at(s_mm, from, near) else { break };
+            let Some(next) = at(s_mm, near) else { break };
             own_sigma_n = own_sigma_n.or(Some(next.0.sigma_n));
             count(&next.0, next.0.sigma_n);
             if growth(&next.0) > BEYOND {
@@ -70,6 +82,6 @@ pub(super) fn scan<N>(
         }
     }
     // The deviation at the best position alone is close to that at its neighbour.
-    count(found, own_sigma_n.unwrap_or(found.sigma_n));
+    count(&found, own_sigma_n.unwrap_or(found.sigma_n));
     Spread { sigma_n: (of_force_n2 / weights).sqrt(), position_sd_mm: (of_position_mm2 / weights).sqrt(), is_bounded }
 }
