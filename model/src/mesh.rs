@@ -6,6 +6,7 @@
 mod apportion;
 mod build;
 mod load;
+mod prepared;
 mod shape;
 mod zones;
 
@@ -15,9 +16,8 @@ pub use shape::{FingerShape, NodeMotion};
 use crate::Vector;
 use crate::finger::{Finger, MarkerPoints, NodeId, Part, Plate};
 use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame};
-use crate::statics::Factor;
 use build::{hinge_node, line_lengths};
-use std::sync::{Arc, OnceLock};
+use prepared::Prepared;
 
 /// Number of points on a plate segment at which its normal is sampled for the mean.
 const NORMALS: usize = 5;
@@ -57,7 +57,7 @@ enum FrontSpan {
 }
 
 /// A finger divided into elements.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     finger: Finger,
     frame: PlaneFrame,
@@ -70,8 +70,7 @@ pub struct Mesh {
     elements: Vec<usize>,
     /// Number of nodes, including those that are counted but not built.
     node_count: usize,
-    /// The factored stiffness at rest, which the solver computes once.
-    at_rest: OnceLock<Arc<Factor>>,
+    prepared: Prepared,
 }
 
 impl Mesh {
@@ -112,11 +111,6 @@ impl Mesh {
     /// Number of elements, including those that are counted but not built: on the base line and on undeformable ribs.
     pub fn element_count(&self) -> usize {
         self.elements.iter().sum()
-    }
-
-    /// The factored stiffness at rest. `make` runs only at the first call.
-    pub(crate) fn at_rest(&self, make: fn(&Mesh) -> Factor) -> &Factor {
-        self.at_rest.get_or_init(|| Arc::new(make(self)))
     }
 
     /// The finger that this mesh divides.

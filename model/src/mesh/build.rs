@@ -1,5 +1,6 @@
 //! Construction of the frame of a finger: plates, ribs and rigid links, line by line.
 
+use super::prepared::Prepared;
 use super::zones::element_start;
 use super::{FrontSpan, Line, Mesh};
 use crate::finger::{Finger, Joints, NodeId, Part, Plate};
@@ -37,7 +38,7 @@ impl Mesh {
             front: Vec::new(),
             node_count: finger.key_node_count() + elements.iter().map(|n| n - 1).sum::<usize>(),
             elements: elements.clone(),
-            at_rest: Default::default(),
+            prepared: Prepared::default(),
         };
         let mut elements = elements.into_iter();
         let mut next = || elements.next().unwrap_or(1);

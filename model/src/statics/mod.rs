@@ -16,7 +16,6 @@ mod sparse;
 pub use arc_length::{ArcLength, EquilibriumPath, LimitPoint, PathPoint};
 pub use assembly::Assembly;
 pub use batch::equilibria;
-pub(crate) use ladder::Factor;
 pub use ladder::Ladder;
 pub use newton::{Equilibrium, Statics};
 pub use outcome::{Reaction, elastic_energy, reaction};

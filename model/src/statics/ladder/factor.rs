@@ -178,6 +178,7 @@ impl Factor {
 
     /// Returns the stiffness at rest, which the mesh stores, if `rests`; otherwise the ladder's own factor.
     pub(super) fn chosen<'a>(mesh: &'a Mesh, own: &'a Factor, rests: bool) -> &'a Factor {
-        if rests { mesh.at_rest(Factor::at_rest) } else { own }
+        let at_rest = rests.then(|| mesh.prepared(Factor::at_rest)).flatten();
+        at_rest.unwrap_or(own)
     }
 }

@@ -30,7 +30,7 @@ use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::Mesh;
 pub(super) use balance::Balance;
 use ends::Ends;
-pub(crate) use factor::Factor;
+pub(super) use factor::Factor;
 
 /// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same holds for an element's share of a
 /// member's stiffness. The paper's finger stays at 2e-2 on any mesh. Thin plates, and random fingers with errors above 1e-8, fall below the limit.

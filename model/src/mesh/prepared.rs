@@ -1,0 +1,23 @@
+//! Cache in a mesh for results that a solver computes once per mesh.
+
+use super::Mesh;
+use std::any::Any;
+use std::sync::{Arc, OnceLock};
+
+/// A cached value that depends only on the mesh. Only the code that creates the value knows its type.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Prepared(OnceLock<Arc<dyn Any + Send + Sync>>);
+
+/// Two meshes are equal even if their caches differ.
+impl PartialEq for Prepared {
+    fn eq(&self, _: &Prepared) -> bool {
+        true
+    }
+}
+
+impl Mesh {
+    /// Returns the result of `make`, which runs only at the first call. `None` if the cache holds a value of another type.
+    pub(crate) fn prepared<T: Any + Send + Sync>(&self, make: fn(&Mesh) -> T) -> Option<&T> {
+        self.prepared.0.get_or_init(|| Arc::new(make(self))).downcast_ref()
+    }
+}
