@@ -1,11 +1,12 @@
 //! Contacts that come and go in a stream of observations.
 
 use super::{Refusal, SensedForces, Sensor, SensorContacts, SensorOptions, SensorWarning};
-use crate::measurement::Marker;
+use crate::estimators::EstimatorError;
 use crate::observation::{Observation, ObservedMarker};
 use crate::scene::Scene;
-use crate::sensing::{ContactQuestion, ResidualTest, Warning};
+use crate::sensing::{ContactQuestion, ResidualTest, SensingError, Warning};
 use crate::{NodeId, Vector};
+use nalgebra::{Matrix3, Vector3};
 
 /// Probability with which noise alone makes a frame count as one that shows a force, or as one that contradicts its contacts. A stream has so many frames that
 /// the probability of the warnings of a single measurement, 1 %, would be too large.
@@ -18,8 +19,7 @@ const FALSE_ALARM: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub struct StreamSensor<'s> {
     scene: &'s Scene,
-    /// Noise of one displacement coordinate, mm, if it is stated.
-    noise_mm: Option<f64>,
+    options: SensorOptions<'s>,
     /// Sensors for the contacts that were asked for, and for one contact more.
     sensors: Vec<Sensor<'s>>,
 }
@@ -44,11 +44,11 @@ impl<'s> StreamSensor<'s> {
             SensorContacts::Measured { .. } => None,
         };
         let sensors = [Sensor::new(scene, contacts, options)?].into_iter().chain(one_more).collect();
-        Ok(StreamSensor { scene, noise_mm: options.noise_mm.or(scene.noise_mm), sensors })
+        Ok(StreamSensor { scene, options, sensors })
     }
 
     /// The forces that an observation shows, as many as the markers need. `None` if the markers show no force: noise alone explains their displacements, or
-    /// the intervals of all forces contain zero.
+    /// the interval of a single force contains zero.
     ///
     /// # Errors
     /// [`Refusal`] as for [`Sensor::sense`], or if the markers contradict the contacts.
@@ -63,33 +63,60 @@ impl<'s> StreamSensor<'s> {
                 None => Ok(sensed),
             });
             match sensed {
+                Ok(sensed) if sensed.warnings.contains(&SensorWarning::NoResidual) => {
+                    return Err(SensingError::NoiseNotStated.into());
+                }
                 Ok(sensed) => {
-                    let shows = |i: usize| !(sensed.interval_n(i)[0]..=sensed.interval_n(i)[1]).contains(&0.0);
-                    return Ok((0..sensed.forces_n.len()).any(shows).then_some(sensed));
+                    // Correlated forces may each include zero although their sum does not.
+                    let [low_n, high_n] = sensed.interval_n(0);
+                    let shows = sensed.contacts.len() > 1 || !(low_n..=high_n).contains(&0.0);
+                    return Ok(shows.then_some(sensed));
                 }
                 // The reason against the fewest contacts says most.
-                Err(reason) => refusal = refusal.or(Some(reason)),
+                Err(reason) if is_contradiction(&reason) => refusal = refusal.or(Some(reason)),
+                Err(reason) => return Err(refusal.unwrap_or(reason)),
             }
         }
-        Err(refusal.unwrap_or_else(|| crate::sensing::SensingError::NoContact.into()))
+        Err(refusal.unwrap_or_else(|| SensingError::NoContact.into()))
     }
 
     /// Whether the noise of the markers and the uncertainty of the base explain all displacements. False if the noise is unknown.
+    ///
+    /// # Reference
+    /// Chi-squared test of d^T S^-1 d, where the covariance S of the displacements d is that of the noise plus that of a rigid motion of the base (Woodbury
+    /// identity).
     fn is_noise(&self, seen: &Observation) -> Result<bool, Refusal> {
-        let found = seen.for_sensing(self.scene, true, self.noise_mm)?;
-        let stated_mm = self.noise_mm.map(|noise_mm| self.scene.marker_errors.sd_mm(noise_mm));
+        let stated_mm = self.options.noise_mm.or(self.scene.noise_mm);
+        let found = seen.for_sensing(self.scene, self.options.estimator.searches(), stated_mm)?;
+        let stated_mm = stated_mm.map(|noise_mm| self.scene.marker_errors.sd_mm(noise_mm));
         let Some(noise_mm) = stated_mm.or(found.noise_mm) else { return Ok(false) };
         let base = found.measurement.base().unwrap_or_default();
-        let square = |marker: &Marker| {
-            let weight = if stated_mm.is_some() { 1.0 } else { marker.weight };
-            let turned_mm = base.sd_rad * self.scene.finger.marker_position(marker.node).norm();
-            let sd_mm = (noise_mm / weight).hypot(base.sd_mm).hypot(turned_mm);
-            marker.displacement.norm_squared() / (sd_mm * sd_mm)
-        };
-        let squares: f64 = found.measurement.markers().iter().map(square).sum();
-        let test = ResidualTest::new(Some(1.0), squares, found.measurement.coordinate_count());
+        let (mut squares, mut along, mut normal) = (0.0, Vector3::zeros(), Matrix3::identity());
+        for marker in found.measurement.markers() {
+            let sd_mm = noise_mm / if stated_mm.is_some() { 1.0 } else { marker.weight };
+            let at = self.scene.finger.marker_position(marker.node);
+            let by_base = [[base.sd_mm, 0.0, -at.y * base.sd_rad], [0.0, base.sd_mm, at.x * base.sd_rad]];
+            for (by_base, moved_mm) in by_base.into_iter().zip(&marker.displacement) {
+                let (by_base, moved) = (Vector3::from(by_base) / sd_mm, moved_mm / sd_mm);
+                squares += moved * moved;
+                along += by_base * moved;
+                normal += by_base * by_base.transpose();
+            }
+        }
+        let of_base = normal.cholesky().map_or(0.0, |normal| along.dot(&normal.solve(&along)));
+        let test = ResidualTest::new(Some(1.0), squares - of_base, found.measurement.coordinate_count());
         Ok(test.is_some_and(|test| test.p_value() >= FALSE_ALARM))
     }
+}
+
+/// Whether the markers contradict the number of contacts, so that one contact more may explain them.
+fn is_contradiction(reason: &Refusal) -> bool {
+    use SensingError::{NotConverged, Unexplained};
+    matches!(
+        reason,
+        Refusal::Contradicted { .. }
+            | Refusal::Estimator(EstimatorError::Sensing(Unexplained { .. } | NotConverged { .. }))
+    )
 }
 
 /// The warning that the markers contradict the sensed forces.
@@ -110,11 +137,6 @@ pub struct RestPositions {
 }
 
 impl RestPositions {
-    /// Whether no observation was added.
-    pub fn is_empty(&self) -> bool {
-        self.markers.is_empty()
-    }
-
     /// Adds an observation of the unloaded finger.
     pub fn add(&mut self, seen: &Observation) {
         for marker in &seen.markers {

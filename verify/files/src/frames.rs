@@ -5,6 +5,8 @@ use std::io::{BufRead, Read};
 
 /// Longest header of a stream or frame, bytes.
 const LONGEST_HEADER: u64 = 4096;
+/// Largest width and height of a frame, px.
+pub const LARGEST_SIDE_PX: u32 = 20_000;
 
 /// Reason why a stream of frames cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -16,9 +18,11 @@ pub enum FrameError {
     #[error("{0}")]
     Header(String),
     /// The stream continues with something other than a frame.
-    #[error("frame {frame}: expected a line that begins with FRAME, found {found:?}; does its size change?")]
+    #[error(
+        "frame {frame}: expected a line that begins with FRAME, found {found:?}; does the size of the frames change?"
+    )]
     NotAFrame {
-        /// Number of the frame, from 1.
+        /// Number of the frame, from 0.
         frame: usize,
         /// Begin of the line.
         found: String,
@@ -26,7 +30,7 @@ pub enum FrameError {
     /// The stream ends within a frame.
     #[error("frame {frame} is cut off: {found} of {expected} bytes")]
     CutOff {
-        /// Number of the frame, from 1.
+        /// Number of the frame, from 0.
         frame: usize,
         /// Bytes found.
         found: usize,
@@ -88,11 +92,11 @@ impl FrameLayout {
                 _ => {}
             }
         }
-        match layout.size_px.contains(&0) {
-            false => Ok(layout),
-            true => {
-                Err(FrameError::Header(format!("expected width and height (W, H) in the header, found {header:?}")))
-            }
+        match layout.size_px.iter().all(|side| (1..=LARGEST_SIDE_PX).contains(side)) {
+            true => Ok(layout),
+            false => Err(FrameError::Header(format!(
+                "expected width and height (W, H) from 1 to {LARGEST_SIDE_PX} px in the header, found {header:?}"
+            ))),
         }
     }
 
@@ -192,7 +196,7 @@ impl<R: BufRead> FrameReader<R> {
     /// # Errors
     /// [`FrameError`] for a stream of another or an unsupported format.
     pub fn yuv4mpeg2(mut source: R) -> Result<FrameReader<R>, FrameError> {
-        let layout = FrameLayout::of_header(&header(&mut source)?)?;
+        let layout = FrameLayout::of_header(&header(&mut source)?.unwrap_or_default())?;
         Ok(FrameReader { source, layout, has_headers: true, frame: 0 })
     }
 
@@ -211,32 +215,33 @@ impl<R: BufRead> FrameReader<R> {
     /// # Errors
     /// [`FrameError`] if the stream cannot be read, ends within the frame, or continues with something else.
     pub fn read(&mut self, bytes: &mut Vec<u8>) -> Result<bool, FrameError> {
-        let frame = self.frame + 1;
+        let (frame, expected) = (self.frame, self.layout.byte_count());
         if self.has_headers {
-            let line = header(&mut self.source)?;
+            let Some(line) = header(&mut self.source)? else { return Ok(false) };
             match line.split_ascii_whitespace().next() {
                 Some("FRAME") => {}
-                None => return Ok(false),
-                Some(_) => return Err(FrameError::NotAFrame { frame, found: line.chars().take(40).collect() }),
+                _ if "FRAME".starts_with(&line) && self.source.fill_buf()?.is_empty() => {
+                    return Err(FrameError::CutOff { frame, found: 0, expected });
+                }
+                _ => return Err(FrameError::NotAFrame { frame, found: line.chars().take(40).collect() }),
             }
         }
-        let expected = self.layout.byte_count();
         bytes.clear();
         let found = (&mut self.source).take(expected as u64).read_to_end(bytes)?;
         match found {
             0 if !self.has_headers => Ok(false),
             _ if found < expected => Err(FrameError::CutOff { frame, found, expected }),
             _ => {
-                self.frame = frame;
+                self.frame += 1;
                 Ok(true)
             }
         }
     }
 }
 
-/// A line of a header without its end; empty at the end of the stream.
-fn header(source: &mut impl BufRead) -> Result<String, FrameError> {
+/// A line of a header without its end; `None` at the end of the stream.
+fn header(source: &mut impl BufRead) -> Result<Option<String>, FrameError> {
     let mut line = Vec::new();
-    source.take(LONGEST_HEADER).read_until(b'\n', &mut line)?;
-    Ok(String::from_utf8_lossy(&line).trim_end().to_owned())
+    let count = source.take(LONGEST_HEADER).read_until(b'\n', &mut line)?;
+    Ok((count > 0).then(|| String::from_utf8_lossy(&line).trim_end().to_owned()))
 }

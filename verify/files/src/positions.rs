@@ -3,10 +3,32 @@
 use finray_model::observation::{Observation, ObservedMarker};
 use finray_model::{NodeId, Vector};
 use serde::Deserialize;
-use std::io::BufRead;
+use std::io::{BufRead, Read};
 
-/// A frame of positions, and its time in s if it is stated.
-pub type TimedObservation = (Observation, Option<f64>);
+/// Longest line, bytes.
+const LONGEST_LINE: u64 = 1 << 20;
+/// Largest number of rows of one frame of a table.
+const MOST_ROWS: usize = 100_000;
+
+/// Frame of positions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PositionFrame {
+    /// Time of the frame, s, if it is stated.
+    pub time_s: Option<f64>,
+    /// The markers, or the reason why a line of the frame is invalid.
+    pub seen: Result<Observation, String>,
+}
+
+/// Reason why a stream of positions cannot be read on.
+#[derive(Debug, thiserror::Error)]
+pub enum PositionError {
+    /// The stream cannot be read.
+    #[error("cannot be read: {0}")]
+    Unreadable(#[from] std::io::Error),
+    /// The header or the form of the stream is invalid.
+    #[error("{0}")]
+    Form(String),
+}
 
 /// One frame as a line of JSON.
 #[derive(Deserialize)]
@@ -33,14 +55,17 @@ struct MarkerLine {
 /// `t_s` or `image` changes.
 pub struct PositionReader<R> {
     source: R,
-    /// Columns of a table: name of the frame, node, x, y, standard deviation. `None` for JSON.
+    /// Columns of a table. `None` for JSON.
     columns: Option<Columns>,
     /// Number of the last line read, from 1.
     line: usize,
     /// First row of the next frame of a table.
-    next: Option<(String, Option<ObservedMarker>)>,
-    text: String,
+    next: Option<Row>,
+    bytes: Vec<u8>,
 }
+
+/// Name of the frame, and marker of a row; no marker if it is hidden.
+type Row = (String, Result<Option<ObservedMarker>, String>);
 
 #[derive(Clone, Copy)]
 struct Columns {
@@ -52,99 +77,110 @@ struct Columns {
 }
 
 impl<R: BufRead> PositionReader<R> {
-    /// A stream whose first line decides between JSON (`{`) and CSV.
+    /// A stream whose first byte decides between JSON (`{`) and CSV.
     ///
     /// # Errors
-    /// The reason if the stream cannot be read, or its header lacks a column.
-    pub fn new(mut source: R) -> Result<PositionReader<R>, String> {
-        let is_json = source.fill_buf().map_err(|error| format!("cannot be read: {error}"))?.first() == Some(&b'{');
-        let mut reader = PositionReader { source, columns: None, line: 0, next: None, text: String::new() };
+    /// [`PositionError`] if the stream cannot be read, or its header lacks a column.
+    pub fn new(mut source: R) -> Result<PositionReader<R>, PositionError> {
+        let is_json = source.fill_buf()?.first() == Some(&b'{');
+        let mut reader = PositionReader { source, columns: None, line: 0, next: None, bytes: Vec::new() };
         if !is_json {
-            reader.read_line()?;
-            reader.columns = Some(Columns::of(&reader.text)?);
+            let header = reader.read_line()?.unwrap_or(Ok(String::new())).map_err(PositionError::Form)?;
+            reader.columns = Some(Columns::of(&header).map_err(PositionError::Form)?);
         }
         Ok(reader)
     }
 
-    /// The next frame. `None` at the end of the stream. A frame with an invalid line is an error, after which the stream can be read on.
-    pub fn next(&mut self) -> Option<Result<TimedObservation, String>> {
+    /// The next frame. `None` at the end of the stream.
+    ///
+    /// # Errors
+    /// [`PositionError`] if the stream cannot be read on. An invalid line is no such error: it belongs to its frame.
+    pub fn read(&mut self) -> Result<Option<PositionFrame>, PositionError> {
         match self.columns {
-            None => self.next_json(),
-            Some(columns) => self.next_csv(columns).transpose(),
+            None => self.read_json(),
+            Some(columns) => self.read_csv(columns),
         }
     }
 
-    /// Reads a line into `text`. False at the end of the stream.
-    fn read_line(&mut self) -> Result<bool, String> {
-        self.text.clear();
-        self.line += 1;
-        let line = self.line;
-        let count =
-            self.source.read_line(&mut self.text).map_err(|error| format!("line {line}: cannot be read: {error}"))?;
-        Ok(count > 0)
-    }
-
-    fn next_json(&mut self) -> Option<Result<TimedObservation, String>> {
+    /// The next line that is not blank, or what is wrong with it. `None` at the end of the stream.
+    fn read_line(&mut self) -> Result<Option<Result<String, String>>, PositionError> {
         loop {
-            match self.read_line() {
-                Ok(false) => return None,
-                Err(reason) => return Some(Err(reason)),
-                Ok(true) if self.text.trim().is_empty() => {}
-                Ok(true) => break,
+            self.bytes.clear();
+            self.line += 1;
+            let line = self.line;
+            let count = (&mut self.source).take(LONGEST_LINE).read_until(b'\n', &mut self.bytes)?;
+            if count as u64 == LONGEST_LINE && !self.bytes.ends_with(b"\n") {
+                return Err(PositionError::Form(format!("line {line}: expected at most {LONGEST_LINE} bytes")));
+            }
+            match std::str::from_utf8(&self.bytes) {
+                _ if count == 0 => return Ok(None),
+                Ok(text) if text.trim().is_empty() => {}
+                Ok(text) => return Ok(Some(Ok(text.trim_end().to_owned()))),
+                Err(_) => return Ok(Some(Err(format!("line {line}: expected text in UTF-8")))),
             }
         }
-        let frame: Result<FrameLine, _> = serde_json::from_str(&self.text);
-        Some(frame.map_err(|error| format!("line {}: {error}", self.line)).map(|frame| {
+    }
+
+    fn read_json(&mut self) -> Result<Option<PositionFrame>, PositionError> {
+        let Some(text) = self.read_line()? else { return Ok(None) };
+        let line = self.line;
+        let of_text = |text: String| serde_json::from_str(&text).map_err(|error| format!("line {line}: {error}"));
+        let frame: Result<FrameLine, String> = text.and_then(of_text);
+        let time_s = frame.as_ref().ok().and_then(|frame| frame.t_s);
+        let seen = frame.map(|frame| {
             let marker = |of: MarkerLine| marker(NodeId(of.node), Vector::new(of.x_mm, of.y_mm), of.sigma_mm);
             let markers = frame.markers.into_iter().map(marker).collect();
-            (Observation { image: frame.image.unwrap_or_default(), markers, base: None }, frame.t_s)
-        }))
+            Observation { image: frame.image.unwrap_or_default(), markers, base: None }
+        });
+        Ok(Some(PositionFrame { time_s, seen }))
     }
 
-    fn next_csv(&mut self, columns: Columns) -> Result<Option<TimedObservation>, String> {
-        let (mut name, mut markers) = (None, Vec::new());
-        if let Some((first, marker)) = self.next.take() {
-            (name, markers) = (Some(first), marker.into_iter().collect());
-        }
-        let mut wrong = None;
-        while self.read_line()? {
-            if self.text.trim().is_empty() {
-                continue;
+    fn read_csv(&mut self, columns: Columns) -> Result<Option<PositionFrame>, PositionError> {
+        let mut name: Option<String> = None;
+        let mut seen: Result<Vec<ObservedMarker>, String> = Ok(Vec::new());
+        let mut rows = 0;
+        loop {
+            let (of, marker) = match self.next.take() {
+                Some(row) => row,
+                None => match self.read_line()? {
+                    None => break,
+                    Some(Ok(text)) => columns.row(&text, self.line),
+                    // A line that is no text belongs to the current frame.
+                    Some(Err(reason)) => (name.clone().unwrap_or_default(), Err(reason)),
+                },
+            };
+            if name.as_ref().is_some_and(|name| *name != of) {
+                self.next = Some((of, marker));
+                break;
             }
-            let row = columns.row(&self.text).map_err(|reason| format!("line {}: {reason}", self.line));
-            match row {
-                Err(reason) => wrong = wrong.or(Some(reason)),
-                Ok((of, marker)) if name.as_ref().is_none_or(|name| *name == of) => {
-                    name = Some(of);
-                    markers.extend(marker);
-                }
-                Ok((of, marker)) => {
-                    self.next = Some((of, marker));
-                    break;
-                }
+            rows += 1;
+            if rows > MOST_ROWS {
+                let message = format!("line {}: expected t_s or image to change within {MOST_ROWS} rows", self.line);
+                return Err(PositionError::Form(message));
             }
-        }
-        match (wrong, name) {
-            (Some(reason), _) => Err(reason),
-            (None, None) => Ok(None),
-            (None, Some(name)) => {
-                let t_s = columns.is_time.then(|| name.trim().parse().ok()).flatten();
-                let image = if columns.is_time { String::new() } else { name };
-                Ok(Some((Observation { image, markers, base: None }, t_s)))
+            name = Some(of);
+            match (marker, &mut seen) {
+                (Ok(marker), Ok(markers)) => markers.extend(marker),
+                (Err(reason), Ok(_)) => seen = Err(reason),
+                (_, Err(_)) => {}
             }
         }
+        let Some(name) = name else { return Ok(None) };
+        let time_s = columns.is_time.then(|| name.parse().ok()).flatten();
+        let image = if columns.is_time { String::new() } else { name };
+        Ok(Some(PositionFrame { time_s, seen: seen.map(|markers| Observation { image, markers, base: None }) }))
     }
 }
 
 impl Columns {
     fn of(header: &str) -> Result<Columns, String> {
-        let names: Vec<&str> = header.trim().trim_start_matches('\u{feff}').split(',').map(str::trim).collect();
+        let header = header.trim_start_matches('\u{feff}');
+        let names: Vec<&str> = header.split(',').map(str::trim).collect();
         let column = |name: &str| names.iter().position(|found| *found == name);
         let needed = |name| {
             column(name).ok_or_else(|| {
                 format!(
-                    "line 1: expected a header with t_s or image, node, x_mm, y_mm; {name} is missing in {:?}",
-                    header.trim()
+                    "line 1: expected a header with t_s or image, node, x_mm, y_mm; {name} is missing in {header:?}"
                 )
             })
         };
@@ -157,24 +193,29 @@ impl Columns {
         })
     }
 
-    /// Name of the frame and marker of a row. No marker for a row without coordinates, whose marker is hidden.
-    fn row(&self, line: &str) -> Result<(String, Option<ObservedMarker>), String> {
-        let cells: Vec<&str> = line.trim_end().split(',').map(str::trim).collect();
+    fn row(&self, text: &str, line: usize) -> Row {
+        let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+        let name = cells.get(self.frame).copied().unwrap_or_default().to_owned();
+        (name, self.marker(&cells).map_err(|reason| format!("line {line}: {reason}")))
+    }
+
+    /// Marker of a row; `None` for a row without coordinates, whose marker is hidden.
+    fn marker(&self, cells: &[&str]) -> Result<Option<ObservedMarker>, String> {
         let cell = |column: usize| cells.get(column).copied().ok_or_else(|| format!("expected {} cells", column + 1));
         let number = |column: usize, name: &str| -> Result<f64, String> {
             let text = cell(column)?;
-            text.parse().map_err(|_| format!("{name}: expected a number, found {text:?}"))
+            let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+            number.ok_or_else(|| format!("{name}: expected a number, found {text:?}"))
         };
-        let name = cell(self.frame)?.to_owned();
         let text = cell(self.node)?;
         let node = NodeId(text.parse().map_err(|_| format!("node: expected a number of a node, found {text:?}"))?);
         if self.at.iter().all(|column| cells.get(*column) == Some(&"")) {
-            return Ok((name, None));
+            return Ok(None);
         }
         let at = Vector::new(number(self.at[0], "x_mm")?, number(self.at[1], "y_mm")?);
         let sigma = self.sigma.filter(|column| cells.get(*column).is_some_and(|cell| !cell.is_empty()));
         let sigma_mm = sigma.map(|column| number(column, "sigma_mm")).transpose()?;
-        Ok((name, Some(marker(node, at, sigma_mm))))
+        Ok(Some(marker(node, at, sigma_mm)))
     }
 }
 

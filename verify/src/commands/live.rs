@@ -6,11 +6,12 @@ mod newest;
 
 use super::contacts::Contacts;
 use crate::commands::prelude::*;
+use finray_files::frames::LARGEST_SIDE_PX;
 use finray_files::{open_stream, streamed};
-use finray_imaging::locate::Observer;
+use finray_imaging::locate::{LocateError, Observer};
 use finray_model::observation::Observation;
 use finray_model::sensor::{RestPositions, SensorOptions, StreamSensor};
-use input::{Content, Frame, Source};
+use input::{Content, Format, Frame, Source};
 use line::{Line, State};
 use newest::Newest;
 use std::io::Write;
@@ -18,7 +19,7 @@ use std::io::Write;
 /// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
-  ffmpeg -i /dev/video0 -f yuv4mpegpipe -pix_fmt yuv444p - | finray live scene.toml --contact-at auto@normal
+  ffmpeg -i /dev/video0 -f yuv4mpegpipe - | finray live scene.toml --contact-at auto@normal
   finray live scene.toml --contact-at auto@normal --image frames/*.png --every-frame
   finray live scene.toml --contact-at 80@-20 --input positions.csv --every-frame
 
@@ -30,19 +31,19 @@ Guide: finray guide live";
 pub struct Arguments {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// Stream of frames (YUV4MPEG2, or raw with --format), or of positions (JSON lines, CSV); - for standard input
+    /// Stream of frames (YUV4MPEG2, or raw with --format rgb24), or of positions (JSON lines, CSV); - for standard input
     #[arg(long, help_heading = "Input", value_name = "FILE", default_value = "-")]
     input: PathBuf,
     /// Images (PNG, JPEG) instead of a stream, in the order in which they were taken
-    #[arg(long, help_heading = "Input", value_name = "FILE", num_args = 1.., conflicts_with_all = ["input", "format"])]
+    #[arg(long, help_heading = "Input", value_name = "FILE", num_args = 1.., conflicts_with_all = ["input", "format", "size"])]
     image: Vec<PathBuf>,
-    /// Format of raw frames
-    #[arg(long, help_heading = "Input", value_enum, requires = "size")]
+    /// Format of the stream [default: from its first byte]
+    #[arg(long, help_heading = "Input", value_enum)]
     format: Option<Format>,
-    /// Size of raw frames, px
-    #[arg(long, help_heading = "Input", value_name = "WxH", value_parser = size, requires = "format")]
+    /// Size of raw frames (rgb24), px
+    #[arg(long, help_heading = "Input", value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// Evaluate every frame; without it, frames that arrive during an evaluation are dropped except for the newest
+    /// Evaluate every frame, not only the newest
     #[arg(long, help_heading = "Input")]
     every_frame: bool,
     /// Measure displacements from the mean of the first N frames, which show the unloaded finger
@@ -61,19 +62,12 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Format of raw frames.
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Format {
-    /// Red, green and blue of each pixel, 8 bits each
-    Rgb24,
-}
-
 /// Width and height, px, from `WxH`.
 fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     sides
-        .filter(|[width, height]| *width > 0 && *height > 0)
-        .ok_or("expected WIDTHxHEIGHT in px, such as 1600x1400".to_owned())
+        .filter(|sides: &[u32; 2]| sides.iter().all(|side| (1..=LARGEST_SIDE_PX).contains(side)))
+        .ok_or_else(|| format!("expected WIDTHxHEIGHT from 1 to {LARGEST_SIDE_PX} px, such as 1600x1400"))
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
@@ -83,96 +77,110 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let scene = load_scene(&arguments.scene)?;
     hints::of_moduli(&arguments.scene, &scene.finger);
     let networks = Networks::read(&finray_fixtures::NETWORKS)?;
+    // Displacements from a mean of several frames have the noise of that mean as well.
+    let wider = if arguments.rest_frames == 0 { 1.0 } else { (1.0 + 1.0 / arguments.rest_frames as f64).sqrt() };
     let options = SensorOptions {
         estimator: arguments.estimator,
         networks: &networks,
-        noise_mm: arguments.noise_mm,
+        noise_mm: arguments.noise_mm.or(scene.noise_mm).map(|noise_mm| wider * noise_mm),
         mesh_nodes: None,
     };
     let sensor = StreamSensor::new(&scene, arguments.contacts.of(&scene, 0.0, None)?, options)?;
-    let mut out = open_stream(&arguments.out)?;
     let source = match &arguments.image[..] {
-        [] => Source::open(&arguments.input, arguments.size)?,
+        [] => Source::open(&arguments.input, arguments.format, arguments.size)?,
         images => Source::of_images(images),
     };
+    let observer = match source.shows_pixels() {
+        true => Some(Observer::new(&scene, None).map_err(bad_input)?),
+        false => None,
+    };
+    source.require_size(camera_size_px(&scene))?;
+    let mut out = open_stream(&arguments.out)?;
     let mut watched = Watched {
         scene: &scene,
         sensor,
-        observer: None,
+        observer,
         rest: RestPositions::default(),
         rest_frames: arguments.rest_frames,
+        measures_from_rest: arguments.rest_frames > 0,
     };
-    let newest = Newest::of(source, arguments.every_frame);
-    let mut counts = [0; 4];
-    let mut ended = None;
+    let newest = Newest::of(source, arguments.every_frame)?;
+    let (mut counts, mut dropped) = ([0; 4], 0);
+    let mut ended = Ok(());
     while let Some(next) = newest.take() {
         let frame = match next {
             Ok(frame) => frame,
             Err(failure) => {
-                ended = Some(failure);
+                ended = Err(failure);
                 break;
             }
         };
-        let line = watched.line(&frame)?;
+        let line = watched.line(&frame);
         counts[line.state as usize] += 1;
+        dropped += frame.dropped;
         newest.give_back(frame);
-        if let Err(reason) = writeln!(out, "{}", line.to_json()?).and_then(|()| out.flush()) {
+        let text = line.to_json()? + "\n";
+        if let Err(reason) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
             streamed(&arguments.out, Err(reason))?;
             break;
         }
     }
+    ended?;
     let [in_contact, free, refused, lost] = counts;
     let frames = count(counts.iter().sum(), "frame");
-    let done = format!("{frames}: {in_contact} in contact, {free} free, {refused} refused, {lost} without finger");
-    match ended {
-        None => Ok(summary(done, [&arguments.out])),
-        Some(failure) => {
-            print_message(done);
-            Err(failure)
-        }
-    }
+    let states = format!("{in_contact} in contact, {free} free, {refused} refused, {lost} without finger");
+    Ok(summary(format!("{frames}: {states}; {dropped} dropped"), [&arguments.out]))
+}
+
+/// Width and height of the scene's camera, px.
+fn camera_size_px(scene: &Scene) -> Option<[u32; 2]> {
+    scene.camera.map(|camera| camera.lens.size_px())
 }
 
 /// The finger in a stream.
 struct Watched<'s> {
     scene: &'s Scene,
     sensor: StreamSensor<'s>,
-    /// Locator of the markers; `None` until a frame with pixels arrives.
+    /// Locator of the markers; `None` for a stream of positions.
     observer: Option<Observer<'s>>,
     rest: RestPositions,
     /// Number of frames that still show the unloaded finger.
     rest_frames: usize,
+    /// Whether the first frames show the unloaded finger.
+    measures_from_rest: bool,
 }
 
 impl Watched<'_> {
     /// The line of a frame.
-    ///
-    /// # Errors
-    /// [`Failure`] for a scene that does not describe camera and markers, if the frame has pixels.
-    fn line(&mut self, frame: &Frame) -> Result<Line, Failure> {
-        let seen = match &frame.content {
-            Content::Pixels(image) => {
-                let observer = match &mut self.observer {
-                    Some(observer) => observer,
-                    none => none.insert(Observer::new(self.scene, None).map_err(bad_input)?),
-                };
-                observer.observe(image).map_err(|error| (State::Lost, error.to_string()))
-            }
-            Content::Markers(seen) => Ok(seen.clone()),
-            Content::Unreadable(reason) => Err((State::Refused, reason.clone())),
+    fn line(&mut self, frame: &Frame) -> Line {
+        let seen = match (&frame.content, &mut self.observer) {
+            (Content::Pixels(image), Some(observer)) => observer.observe(image).map_err(|error| match error {
+                LocateError::Size { .. } => (State::Refused, error.to_string()),
+                _ => (State::Lost, error.to_string()),
+            }),
+            (Content::Pixels(_), None) => Err((State::Refused, "expected positions, found an image".to_owned())),
+            (Content::Markers(seen), _) => Ok(seen.clone()),
+            (Content::Unreadable(reason), _) => Err((State::Refused, reason.clone())),
         };
         let seen = match seen {
-            Err((state, reason)) => return Ok(Line::without_forces(frame, state, 0, Some(reason))),
+            Err((state, reason)) => return Line::without_forces(frame, state, 0, Some(reason)),
             Ok(seen) => seen,
         };
         let markers = seen.markers.len();
-        if self.rest_frames > 0 {
-            self.rest_frames -= 1;
-            self.rest.add(&seen);
-            return Ok(Line::without_forces(frame, State::None, markers, None));
+        if self.rest_frames == 0 {
+            let seen = if self.measures_from_rest { self.rest.displaced(&seen) } else { seen };
+            return self.sensed(frame, &seen, markers);
         }
-        let seen = if self.rest.is_empty() { seen } else { self.rest.displaced(&seen) };
-        Ok(self.sensed(frame, &seen, markers))
+        // Markers that the finger does not have would make every later frame invalid.
+        match seen.for_sensing(self.scene, true, None) {
+            Ok(found) if !found.measurement.markers().is_empty() => {
+                self.rest_frames -= 1;
+                self.rest.add(&seen);
+                Line::without_forces(frame, State::None, markers, None)
+            }
+            Ok(_) => Line::without_forces(frame, State::Refused, markers, Some("no marker is seen".to_owned())),
+            Err(error) => Line::without_forces(frame, State::Refused, markers, Some(error.to_string())),
+        }
     }
 
     fn sensed(&self, frame: &Frame, seen: &Observation, markers: usize) -> Line {

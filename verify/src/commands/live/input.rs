@@ -2,7 +2,7 @@
 
 use crate::commands::prelude::*;
 use finray_files::frames::{FrameError, FrameLayout, FrameReader};
-use finray_files::positions::PositionReader;
+use finray_files::positions::{PositionError, PositionFrame, PositionReader};
 use finray_model::observation::Observation;
 use image::RgbImage;
 use std::fs::File;
@@ -11,8 +11,16 @@ use std::time::Instant;
 
 /// Bytes that are read from a stream at once.
 const AT_ONCE: usize = 1 << 20;
-/// First bytes of a stream of frames.
-const MAGIC: &[u8] = b"YUV4MPEG2";
+
+/// Format of a stream: YUV4MPEG2 (`Y4m`); red, green and blue of each pixel, 8 bits each (`Rgb24`); positions of markers, one row a marker (`Csv`) or one line a
+/// frame (`Jsonl`). The variants have no comments of their own, because the help would list them line by line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    Y4m,
+    Rgb24,
+    Csv,
+    Jsonl,
+}
 
 /// What a frame holds.
 pub enum Content {
@@ -40,8 +48,8 @@ pub struct Frame {
 
 type Stream = Box<dyn BufRead + Send>;
 
-/// Source of frames.
-pub enum Source {
+/// Frames, in their order.
+enum Frames {
     /// A stream of images.
     Images(FrameReader<Stream>),
     /// A stream of positions.
@@ -50,58 +58,101 @@ pub enum Source {
     Files(Vec<PathBuf>),
 }
 
+/// Source of frames.
+pub struct Source {
+    /// Path of the stream; `-` for standard input.
+    path: PathBuf,
+    frames: Frames,
+    /// Bytes of one frame.
+    bytes: Vec<u8>,
+}
+
 impl Source {
-    /// A stream from a file, or from standard input for `-`. `size_px` is the size of raw frames; without it, the first bytes decide the format.
+    /// A stream from a file, or from standard input for `-`. Without a format, the first byte decides. `size_px` is the size of raw frames.
     ///
     /// # Errors
     /// [`Failure`] if the stream cannot be read or its format is unknown.
-    pub fn open(path: &Path, size_px: Option<[u32; 2]>) -> Result<Source, Failure> {
+    pub fn open(path: &Path, format: Option<Format>, size_px: Option<[u32; 2]>) -> Result<Source, Failure> {
+        let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
         let source: Box<dyn Read + Send> = match is_standard_stream(path) {
             true => Box::new(std::io::stdin()),
-            false => {
-                Box::new(File::open(path).map_err(|reason| FileError::Unreadable { path: path.to_owned(), reason })?)
-            }
+            false => Box::new(File::open(path).map_err(unreadable)?),
         };
         let mut source: Stream = Box::new(BufReader::with_capacity(AT_ONCE, source));
         let wrong = |reason: &dyn ToString| Failure::from(FileError::content(path, reason.to_string()));
-        if let Some(size_px) = size_px {
-            return Ok(Source::Images(FrameReader::raw(source, FrameLayout::rgb(size_px))));
+        if size_px.is_some() != (format == Some(Format::Rgb24)) {
+            return Err(bad_input("expected --size together with --format rgb24"));
         }
-        let begin = source.fill_buf().map_err(|reason| FileError::Unreadable { path: path.to_owned(), reason })?;
-        match begin {
-            [] => Err(wrong(&"expected a stream, found nothing")),
-            _ if begin.starts_with(MAGIC) => {
-                FrameReader::yuv4mpeg2(source).map(Source::Images).map_err(|error| wrong(&error))
+        let format = match (format, source.fill_buf().map_err(unreadable)?.first()) {
+            (Some(format), _) => format,
+            (None, None) => return Err(wrong(&"expected a stream, found nothing")),
+            (None, Some(b'Y')) => Format::Y4m,
+            (None, Some(b'{')) => Format::Jsonl,
+            (None, Some(b'a'..=b'z' | 0xef)) => Format::Csv,
+            _ => {
+                return Err(wrong(&"expected YUV4MPEG2, JSON lines or CSV; raw frames need --format rgb24 and --size"));
             }
-            _ if begin.is_ascii() || begin.starts_with(b"\xef\xbb\xbf") => {
-                PositionReader::new(source).map(Source::Positions).map_err(|error| wrong(&error))
+        };
+        let frames = match (format, size_px) {
+            (Format::Rgb24, Some(size_px)) => Frames::Images(FrameReader::raw(source, FrameLayout::rgb(size_px))),
+            (Format::Y4m | Format::Rgb24, _) => {
+                Frames::Images(FrameReader::yuv4mpeg2(source).map_err(|error| wrong(&error))?)
             }
-            _ => Err(wrong(&"expected YUV4MPEG2, JSON lines or CSV; raw frames need --format and --size")),
-        }
+            (Format::Csv | Format::Jsonl, _) => {
+                Frames::Positions(PositionReader::new(source).map_err(|error| wrong(&error))?)
+            }
+        };
+        Ok(Source { path: path.to_owned(), frames, bytes: Vec::new() })
     }
 
     /// Image files, in this order.
     pub fn of_images(images: &[PathBuf]) -> Source {
-        Source::Files(images.iter().rev().cloned().collect())
+        let frames = Frames::Files(images.iter().rev().cloned().collect());
+        Source { path: PathBuf::new(), frames, bytes: Vec::new() }
     }
 
-    /// The next frame, with the dropped frame `spare` for reuse of its memory. `None` at the end.
+    /// Whether the frames are images.
+    pub fn shows_pixels(&self) -> bool {
+        !matches!(self.frames, Frames::Positions(_))
+    }
+
+    /// Refuses a stream of images whose size is not that of the scene's camera.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with both sizes.
+    pub fn require_size(&self, camera_px: Option<[u32; 2]>) -> Result<(), Failure> {
+        let Frames::Images(reader) = &self.frames else { return Ok(()) };
+        let found = reader.layout().size_px;
+        match camera_px {
+            Some(expected) if expected != found => {
+                let [expected, found] = [expected, found].map(|[width, height]| format!("{width} x {height} px"));
+                let message = format!("expected frames of {expected}, as the scene's camera has, found {found}");
+                Err(FileError::content(&self.path, message).into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The next frame. The memory of `spare`, an evaluated or dropped frame, is used again. `None` at the end.
     ///
     /// # Errors
     /// [`Failure`] if the stream cannot be read on.
-    pub fn next(&mut self, number: usize, bytes: &mut Vec<u8>, spare: Option<Frame>) -> Result<Option<Frame>, Failure> {
+    pub fn next(&mut self, number: usize, spare: Option<Frame>) -> Result<Option<Frame>, Failure> {
+        let unreadable = |reason| Failure::from(FileError::Unreadable { path: self.path.clone(), reason });
+        let wrong = |reason: String| Failure::from(FileError::content(&self.path, reason));
         let frame = |time_s, arrived, content| Some(Frame { number, time_s, arrived, dropped: 0, content });
-        Ok(match self {
-            Source::Images(reader) => {
+        Ok(match &mut self.frames {
+            Frames::Images(reader) => {
                 let layout = reader.layout();
-                match reader.read(bytes) {
+                match reader.read(&mut self.bytes) {
                     Ok(true) => {}
                     Ok(false) => return Ok(None),
                     Err(error @ FrameError::CutOff { .. }) => {
-                        print_message(format_args!("warning: {error}; the stream ends here"));
+                        print_message(format_args!("warning: {}: {error}; the stream ends here", name_of(&self.path)));
                         return Ok(None);
                     }
-                    Err(error) => return Err(bad_input(error)),
+                    Err(FrameError::Unreadable(reason)) => return Err(unreadable(reason)),
+                    Err(error) => return Err(wrong(error.to_string())),
                 }
                 let arrived = Instant::now();
                 let [width, height] = layout.size_px;
@@ -109,24 +160,24 @@ impl Source {
                     Some(Content::Pixels(image)) => image,
                     _ => RgbImage::new(width, height),
                 };
-                layout.to_rgb(bytes, &mut image);
+                layout.to_rgb(&self.bytes, &mut image);
                 frame(layout.per_second.map(|rate| number as f64 / rate), arrived, Content::Pixels(image))
             }
-            Source::Positions(reader) => match reader.next() {
-                None => None,
-                Some(Ok((seen, t_s))) => frame(t_s, Instant::now(), Content::Markers(seen)),
-                Some(Err(reason)) => frame(None, Instant::now(), Content::Unreadable(reason)),
-            },
-            Source::Files(paths) => match paths.pop() {
-                None => None,
-                Some(path) => {
-                    let content = match load_image(&path) {
-                        Ok((image, _)) => Content::Pixels(image),
-                        Err(error) => Content::Unreadable(error.to_string()),
-                    };
-                    frame(None, Instant::now(), content)
+            Frames::Positions(reader) => match reader.read() {
+                Ok(None) => None,
+                Ok(Some(PositionFrame { time_s, seen })) => {
+                    frame(time_s, Instant::now(), seen.map_or_else(Content::Unreadable, Content::Markers))
                 }
+                Err(PositionError::Unreadable(reason)) => return Err(unreadable(reason)),
+                Err(PositionError::Form(reason)) => return Err(wrong(reason)),
             },
+            Frames::Files(paths) => paths.pop().and_then(|path| {
+                let content = match load_image(&path) {
+                    Ok((image, _)) => Content::Pixels(image),
+                    Err(error) => Content::Unreadable(error.to_string()),
+                };
+                frame(None, Instant::now(), content)
+            }),
         })
     }
 }

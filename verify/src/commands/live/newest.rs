@@ -1,7 +1,7 @@
 //! Hands frames from a reading thread to the evaluation: the newest one, or every one.
 
 use super::input::{Frame, Source};
-use crate::commands::Failure;
+use crate::commands::{Failure, not_computed};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
@@ -31,16 +31,29 @@ impl Slot {
     }
 }
 
+/// Ends the stream however the reading thread ends, so that the evaluation does not wait for ever.
+struct EndOnDrop(Arc<Slot>);
+
+impl Drop for EndOnDrop {
+    fn drop(&mut self) {
+        self.0.lock().ended.get_or_insert_with(|| Some(not_computed("reading the stream stopped unexpectedly")));
+        self.0.changed.notify_all();
+    }
+}
+
 impl Newest {
     /// Starts to read a source. With `every_frame` no frame is dropped: reading waits for the evaluation.
-    pub fn of(mut source: Source, every_frame: bool) -> Newest {
+    ///
+    /// # Errors
+    /// [`Failure`] if no thread can be started.
+    pub fn of(mut source: Source, every_frame: bool) -> Result<Newest, Failure> {
         let slot = Arc::new(Slot::default());
         let writer = Arc::clone(&slot);
-        thread::spawn(move || {
-            let mut bytes = Vec::new();
+        let reading = thread::Builder::new().spawn(move || {
+            let _end = EndOnDrop(Arc::clone(&writer));
             for number in 0.. {
                 let spare = writer.lock().spare.take();
-                let next = source.next(number, &mut bytes, spare);
+                let next = source.next(number, spare);
                 let mut waiting = writer.lock();
                 match next {
                     Ok(Some(mut frame)) => {
@@ -62,7 +75,7 @@ impl Newest {
                 }
             }
         });
-        Newest(slot)
+        reading.map(|_| Newest(slot)).map_err(not_computed)
     }
 
     /// Waits for the next frame. `None` at the end of the stream.
