@@ -296,7 +296,7 @@ fn streams_of_another_form_are_refused() {
     let live = ["live", CAMERA, "--contact-at", "auto@0"];
     let refused = |stream: &[u8], expected: &[&str]| assert_says(&finray_reading(stream, &live).refused(), expected);
     refused(b"", &["standard input", "expected a stream, found nothing"]);
-    refused(b"\x89PNG\r\n", &["--format and --size"]);
+    refused(b"\x89PNG\r\n", &["--format rgb24 and --size"]);
     refused(b"node,ux_mm\n", &["line 1", "image", "t_s"]);
     refused(b"YUV4MPEG2 W10 H10 C420p10\n", &["C420p10", "yuv444p"]);
     refused(b"YUV4MPEG2 W10\n", &["width and height"]);
