@@ -140,7 +140,7 @@ impl FrameLayout {
             let (blue, red) = (&blue[of_row.clone()], &red[of_row]);
             let set = |pixel: &mut [u8], y: u8, cb: u8, cr: u8| {
                 let y = gain * (i32::from(y) - black);
-                let [cb, cr] = [cb, cr].map(|c| i32::from(c) - 128);
+                let (cb, cr) = (i32::from(cb) - 128, i32::from(cr) - 128);
                 pixel[0] = byte(y + of_chroma[0] * cr);
                 pixel[1] = byte(y + of_chroma[1] * cb + of_chroma[2] * cr);
                 pixel[2] = byte(y + of_chroma[3] * cb);
