@@ -37,9 +37,8 @@ pub(super) struct Spread {
     pub is_bounded: bool,
 }
 
-/// Scans the positions on both sides of the best one. `at` estimates the force at a known position, mm, from a starting point found at a position
-/// nearby. `wider`
-/// is the factor of the standard deviations by which the residual exceeds the noise.
+/// Scans the positions on both sides of the best one. `at` estimates the force at a known position, mm, from a starting point found at a position nearby.
+/// `wider` is the factor by which the residual exceeds the noise.
 ///
 /// # Reference
 /// Mixture of normal distributions with the weights of the profile likelihood (Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 6).
