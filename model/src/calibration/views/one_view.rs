@@ -83,22 +83,12 @@ pub fn force_in_view(
     errors: &[UnloadedError],
     before: Option<SensedBefore>,
 ) -> Result<ForceInView, SensingError> {
+    let Found { force: mut found, lean: sought, shared, position_sd_mm, is_linear } =
+        best_in_view(finger, asked, model, errors, before)?;
     let question = asked.question;
-    let angle_deg = match question.direction {
-        Direction::Angle(angle_deg) => angle_deg,
-        Direction::Leaning(lean) => lean.mean_deg(FIRST_FORCE_N),
-        Direction::Auto => 0.0,
-    };
-    let known_mm = question.position.and_then(|position| Contact { position, angle_deg }.position_mm(finger));
-    let at = |share: f64| share * finger.plate_length_mm(Plate::Front);
-    let first = |share: f64| SensedBefore { s_mm: known_mm.unwrap_or(at(share)), angle_deg, force_n: FIRST_FORCE_N };
-    let starts = before.map_or_else(|| STARTS.map(first).to_vec(), |before| vec![before]);
     let from = |question, start, shared: Option<&Vec<f64>>| {
         found_from(finger, OneView { question, ..asked }, model, errors, start, shared)
     };
-    let found = starts.into_iter().filter_map(|start| from(question, start, None));
-    let best = found.min_by(|a, b| a.force.squares.total_cmp(&b.force.squares)).ok_or(SensingError::NoSuchFinger)?;
-    let Found { force: mut found, lean: sought, shared, position_sd_mm, is_linear } = best;
     let undetermined = |what, sigma, unit| Err(SensingError::Undetermined { what, contact: 1, sigma, unit });
     let length_mm = finger.plate_length_mm(Plate::Front);
     if question.position.is_none() {
@@ -144,6 +134,31 @@ pub fn force_in_view(
     Ok(found)
 }
 
+/// The best minimum of the search of [`force_in_view`], however uncertain its force.
+///
+/// # Errors
+/// [`SensingError::NoSuchFinger`] if the search finds no minimum or an unknown is not identifiable.
+pub(super) fn best_in_view(
+    finger: &Finger,
+    asked: OneView,
+    model: &ViewModel,
+    errors: &[UnloadedError],
+    before: Option<SensedBefore>,
+) -> Result<Found, SensingError> {
+    let question = asked.question;
+    let angle_deg = match question.direction {
+        Direction::Angle(angle_deg) => angle_deg,
+        Direction::Leaning(lean) => lean.mean_deg(FIRST_FORCE_N),
+        Direction::Auto => 0.0,
+    };
+    let known_mm = question.position.and_then(|position| Contact { position, angle_deg }.position_mm(finger));
+    let at = |share: f64| share * finger.plate_length_mm(Plate::Front);
+    let first = |share: f64| SensedBefore { s_mm: known_mm.unwrap_or(at(share)), angle_deg, force_n: FIRST_FORCE_N };
+    let starts = before.map_or_else(|| STARTS.map(first).to_vec(), |before| vec![before]);
+    let found = starts.into_iter().filter_map(|start| found_from(finger, asked, model, errors, start, None));
+    found.min_by(|a, b| a.force.squares.total_cmp(&b.force.squares)).ok_or(SensingError::NoSuchFinger)
+}
+
 impl ForceInView {
     fn at(&self) -> ForceAt {
         ForceAt { s_mm: self.s_mm, force_n: self.force_n, sigma_n: self.sigma_n, squares: self.squares }
@@ -151,8 +166,8 @@ impl ForceInView {
 }
 
 /// A minimum that a search found.
-struct Found {
-    force: ForceInView,
+pub(super) struct Found {
+    pub(super) force: ForceInView,
     /// The lean, if it was sought.
     lean: Option<SoughtLean>,
     /// Errors of the unloaded finger, in standard deviations.

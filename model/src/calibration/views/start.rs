@@ -1,9 +1,10 @@
 //! Starting point of a calibration.
 
 use super::contradiction::MarkerForce;
+use super::one_view::{Found, best_in_view};
 use super::problem::{Candidate, Point, Problem, ViewUnknowns};
 use super::shape_motion::misfit_of_shape;
-use super::{FIRST_MODEL_ERROR_MM, OneView, View, ViewError, force_in_view};
+use super::{FIRST_MODEL_ERROR_MM, OneView, View, ViewError};
 use crate::calibration::CalibrationError;
 use crate::finger::Plate;
 use crate::sensing::{ContactQuestion, Direction, Lean, NonlinearEstimator, UnloadedError};
@@ -113,7 +114,7 @@ impl Problem<'_> {
         let noise_mm = view.noise_mm.hypot(FIRST_MODEL_ERROR_MM);
         let view = View { noise_mm, ..view.clone() };
         let asked = OneView { view: &view, is_from_rest: false, question };
-        let found = force_in_view(self.finger, asked, self.model, &errors, None);
-        found.map(|found| own(found.s_mm, found.force_n)).map_err(|_| refused.into())
+        let found = best_in_view(self.finger, asked, self.model, &errors, None);
+        found.map(|Found { force, .. }| own(force.s_mm, force.force_n)).map_err(|_| refused.into())
     }
 }
