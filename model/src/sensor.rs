@@ -277,6 +277,10 @@ impl<'s> Sensor<'s> {
         let estimator = self.options.estimator;
         let at_once = question.unloaded.and_then(|unloaded| self.all_at_once(question, unloaded));
         let (contacts, mut estimate) = at_once.unwrap_or_else(|| estimator.answer(&self.scene.finger, question))?;
+        // The residual of a linear model also contains its known error of linearisation, which the standard deviations include.
+        if estimator.searches() {
+            estimate.widen_for_misfit();
+        }
         estimate.add_force_error(self.scene.contact.force_error);
         let is_linear = estimator.is_linear();
         let of_model = estimate.warning.map(|warning| SensorWarning::Model { warning, is_linear });

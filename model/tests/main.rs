@@ -13,6 +13,7 @@ mod shared_junctions;
 mod sensing {
     mod assembly;
     mod linear;
+    mod misfit;
     mod network;
     mod nonlinear;
     mod object;

@@ -76,6 +76,14 @@ impl Estimate {
         }
     }
 
+    /// Widens the standard deviations if noise does not explain the residual, so that the finger or its contacts differ from the scene.
+    pub(crate) fn widen_for_misfit(&mut self) {
+        if let Some(Warning::Residual(test)) = self.warning {
+            let wider = test.widening_of_misfit();
+            self.sigmas_n.iter_mut().for_each(|sigma_n| *sigma_n *= wider);
+        }
+    }
+
     /// Widens the standard deviations due to noise by the model error of each force, in N. Sets a warning if a model error exceeds the standard deviation due
     /// to noise and is not negligible.
     pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {

@@ -5,6 +5,12 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 /// Probability that a measurement with the stated noise fails the test: one false warning in a hundred frames is acceptable.
 pub const SIGNIFICANCE: f64 = 0.01;
 
+/// Probability of a residual below which noise does not explain it: the finger or its contacts differ from the scene.
+const MISFIT: f64 = 1e-7;
+/// Standard deviation of a force whose residual is a [misfit](MISFIT), relative to that from an error of the residual's size that all coordinates share. Fingers
+/// with another base, softer zones, a preload, other ribs or another scale than their scene need 0.1 to 5 (test `misfit`).
+const MISFIT_SHARE: f64 = 2.5;
+
 /// Comparison of a residual with the stated noise.
 ///
 /// # Reference
@@ -64,6 +70,17 @@ impl ResidualTest {
     /// if the residual contradicts the noise.
     pub fn trusted_noise_mm(&self) -> f64 {
         if self.contradicts() { self.residual_sd_mm } else { self.noise_mm }
+    }
+
+    /// Factor on standard deviations that follow from [`trusted_noise_mm`](Self::trusted_noise_mm). A misfit counts as an error that all coordinates share, and
+    /// which does not decrease with their number as noise does. Without a misfit the factor is 1.
+    pub(super) fn widening_of_misfit(&self) -> f64 {
+        if !self.contradicts() || self.p_value() > MISFIT {
+            return 1.0;
+        }
+        let misfit_mm2 = self.residual_sd_mm.powi(2) - self.noise_mm.powi(2);
+        let shared_mm2 = MISFIT_SHARE.powi(2) * self.degrees_of_freedom as f64 * misfit_mm2;
+        (self.noise_mm.powi(2) + shared_mm2).sqrt() / self.residual_sd_mm
     }
 }
 

@@ -355,15 +355,17 @@ fn intervals_hold_on_rendered_images() {
     assert_intervals_hold(&tallies);
 }
 
-/// A pad that no scene states is in no interval: forces whose place is given are off by about a percent, and the README says so.
+/// A pad that the scene lacks is a misfit: forces are off by about a percent, and their intervals are wider.
 #[test]
-fn intervals_hold_with_a_pad_that_the_scene_has_and_miss_without() {
+fn intervals_hold_with_a_pad_that_the_scene_has_and_are_wider_without() {
     let fingers = photographed(PAD);
     let tallies = sensed(&fingers, PAD);
     record("rendered, with the pad", "pad", &tallies);
     assert_intervals_hold(&tallies);
-    let [place, direction, _, _, _] = &sensed(&fingers, Pad::default());
-    assert!(place.misses(), "{}", place.coverage());
+    let without = sensed(&fingers, Pad::default());
+    record("rendered, without the pad", "pad that the scene lacks", &without);
+    let [place, direction, _, _, _] = &without;
+    assert!(place.coverage() > 0.75, "{}", place.coverage());
     assert!(place.mean() < 0.03 && direction.mean() < place.mean(), "{} {}", place.mean(), direction.mean());
 }
 
