@@ -17,8 +17,8 @@ use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    Contact, ContactKnowledge, ContactQuestion, Direction, Lean, MeasuredContact, MeasuredContactForces, Normal,
-    SensingError, Warning, sense_measured_contacts,
+    Contact, ContactKnowledge, ContactQuestion, Direction, Lean, MeasuredContact, MeasuredContactForces, NearForces,
+    Normal, SensingError, Warning, sense_measured_contacts,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Doubt, Validity};
@@ -233,6 +233,15 @@ impl<'s> Sensor<'s> {
     /// # Errors
     /// [`Refusal`] if the observation does not fit the finger, the estimator gives no answer, or a force is not finite.
     pub fn sense(&self, seen: &Observation) -> Result<SensedForces, Refusal> {
+        self.sense_near(seen, None)
+    }
+
+    /// Estimates the forces of one observation as [`sense`](Sensor::sense). The search starts from `near`, the forces of an earlier observation, if they are
+    /// given. If a minimum near them explains the observation, no other is sought.
+    ///
+    /// # Errors
+    /// [`Refusal`] as for `sense`.
+    pub fn sense_near(&self, seen: &Observation, near: Option<&SensedForces>) -> Result<SensedForces, Refusal> {
         let (scene, SensorOptions { estimator, noise_mm, .. }) = (self.scene, self.options);
         let noise_mm = noise_mm.or(scene.noise_mm);
         let found = seen.for_sensing(scene, estimator.searches(), noise_mm)?;
@@ -260,6 +269,7 @@ impl<'s> Sensor<'s> {
                     mesh_nodes: self.options.mesh_nodes,
                     networks: self.options.networks,
                     unloaded: unloaded.as_ref(),
+                    near: near.map(|near| NearForces { contacts: &near.contacts, forces_n: &near.forces_n }),
                 };
                 self.answered(&question)?
             }

@@ -14,6 +14,7 @@ mod sensing {
     mod assembly;
     mod linear;
     mod misfit;
+    mod near;
     mod network;
     mod nonlinear;
     mod object;

@@ -135,8 +135,8 @@ fn a_tapered_finger_converges_and_senses() {
     assert!(errors.windows(2).all(|pair| (3.5..4.5).contains(&(pair[0] / pair[1]))), "{errors:?}");
     assert!(errors[0] < 5e-3, "{errors:?}");
     let seen = Measurement::of_shape(&finger, &under(16, Kinematics::Corotational));
-    let found =
-        sense_refining(&finger, &[contact.into()], Pad::default(), None, &seen, Some(0.01)).expect("identifiable");
+    let found = sense_refining(&finger, &[contact.into()], Pad::default(), None, &seen, Some(0.01), None)
+        .expect("identifiable");
     assert!((found.forces.forces_n[0] / 1.5 - 1.0).abs() < 1e-3, "{}", found.forces.forces_n[0]);
 }
 

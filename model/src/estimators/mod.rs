@@ -15,7 +15,7 @@ use crate::mesh::MeshSizeError;
 use crate::registry;
 use crate::sensing::network::NetworkError;
 use crate::sensing::{
-    Contact, ContactQuestion, Estimate, Pad, SensingError, TouchedObject, UnloadedFinger, check_contacts,
+    Contact, ContactQuestion, Estimate, NearForces, Pad, SensingError, TouchedObject, UnloadedFinger, check_contacts,
 };
 use crate::{Finger, Mesh};
 use network::{Networks, NoNetwork};
@@ -143,6 +143,8 @@ pub struct Question<'q> {
     pub networks: &'q Networks,
     /// Possible differences of the unloaded finger from the scene's. Estimators that do not search refuse such differences.
     pub unloaded: Option<&'q UnloadedFinger>,
+    /// Forces near those of the measurement, from which a search starts. `None` if none are known.
+    pub near: Option<NearForces<'q>>,
 }
 
 /// Contacts with their given or estimated position and direction, and their forces.

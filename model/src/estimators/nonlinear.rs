@@ -62,9 +62,9 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
 
 /// Estimates on a mesh of `mesh_nodes` nodes, or refines the mesh until doubling it changes the forces little.
 fn sensed(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, EstimatorError> {
-    let &Question { contacts, pad, object, measurement, noise_mm, .. } = question;
+    let &Question { contacts, pad, object, measurement, noise_mm, near, .. } = question;
     match question.mesh_nodes {
-        None => Ok(sense_refining(finger, contacts, pad, object, measurement, noise_mm)?),
+        None => Ok(sense_refining(finger, contacts, pad, object, measurement, noise_mm, near)?),
         Some(nodes) => {
             let mesh = Mesh::with_nodes(finger, nodes)?;
             let finer = Discretisation::finer(&mesh);

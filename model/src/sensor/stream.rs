@@ -48,17 +48,17 @@ impl<'s> StreamSensor<'s> {
     }
 
     /// The forces that an observation shows, as many as the markers need. `None` if the markers show no force: noise alone explains their displacements, or
-    /// the interval of a single force contains zero.
+    /// the interval of a single force contains zero. The search starts from `before`, the forces of the observation before, if there are any.
     ///
     /// # Errors
     /// [`Refusal`] as for [`Sensor::sense`], or if the markers contradict the contacts.
-    pub fn sense(&self, seen: &Observation) -> Result<Option<SensedForces>, Refusal> {
+    pub fn sense(&self, seen: &Observation, before: Option<&SensedForces>) -> Result<Option<SensedForces>, Refusal> {
         if self.is_noise(seen)? {
             return Ok(None);
         }
         let mut refusal = None;
         for sensor in &self.sensors {
-            let sensed = sensor.sense(seen).and_then(|sensed| match contradiction(&sensed) {
+            let sensed = sensor.sense_near(seen, before).and_then(|sensed| match contradiction(&sensed) {
                 Some(warning) => Err(Refusal::Contradicted { contacts: sensed.contacts.len(), warning }),
                 None => Ok(sensed),
             });

@@ -97,8 +97,15 @@ impl Case {
     /// Errors in stated standard deviations, and whether a warning stands beside them.
     fn sensed(&self) -> Result<(Vec<f64>, bool), SensingError> {
         let questions: Vec<ContactQuestion> = self.contacts.iter().copied().map(ContactQuestion::from).collect();
-        let found =
-            sense_refining(&self.finger, &questions, Pad::default(), None, &self.measurement, Some(self.noise_mm))?;
+        let found = sense_refining(
+            &self.finger,
+            &questions,
+            Pad::default(),
+            None,
+            &self.measurement,
+            Some(self.noise_mm),
+            None,
+        )?;
         let forces = found.forces.forces_n.iter().zip(&found.forces.sigmas_n).zip(&self.forces_n);
         let errors = forces.map(|((sensed, sigma), truth)| (sensed - truth) / sigma).collect();
         Ok((errors, found.forces.warning.is_some()))
@@ -188,7 +195,7 @@ fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
         for draw in 0..DRAWS {
             let measurement = noisy(&clean, noise_mm, &mut random_stream(7, draw));
             let Ok(found) =
-                sense_refining(&finger, &[contact.into()], Pad::default(), None, &measurement, Some(noise_mm))
+                sense_refining(&finger, &[contact.into()], Pad::default(), None, &measurement, Some(noise_mm), None)
                     .map(|it| it.forces)
             else {
                 continue;

@@ -10,7 +10,7 @@ use finray_files::frames::LARGEST_SIDE_PX;
 use finray_files::{open_stream, streamed};
 use finray_imaging::locate::{LocateError, Observer};
 use finray_model::observation::Observation;
-use finray_model::sensor::{RestPositions, SensorOptions, StreamSensor};
+use finray_model::sensor::{RestPositions, SensedForces, SensorOptions, StreamSensor};
 use input::{Content, Format, Frame, Source};
 use line::{Line, State};
 use newest::Newest;
@@ -103,6 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         rest: RestPositions::default(),
         rest_frames: arguments.rest_frames,
         measures_from_rest: arguments.rest_frames > 0,
+        before: None,
     };
     let newest = Newest::of(source, arguments.every_frame)?;
     let (mut counts, mut dropped) = ([0; 4], 0);
@@ -148,6 +149,8 @@ struct Watched<'s> {
     rest_frames: usize,
     /// Whether the first frames show the unloaded finger.
     measures_from_rest: bool,
+    /// Forces of the frame before, if it showed any.
+    before: Option<SensedForces>,
 }
 
 impl Watched<'_> {
@@ -183,9 +186,13 @@ impl Watched<'_> {
         }
     }
 
-    fn sensed(&self, frame: &Frame, seen: &Observation, markers: usize) -> Line {
-        match self.sensor.sense(seen) {
-            Ok(Some(sensed)) => Line::of_forces(frame, &self.scene.finger, &sensed, markers),
+    fn sensed(&mut self, frame: &Frame, seen: &Observation, markers: usize) -> Line {
+        match self.sensor.sense(seen, self.before.take().as_ref()) {
+            Ok(Some(sensed)) => {
+                let line = Line::of_forces(frame, &self.scene.finger, &sensed, markers);
+                self.before = Some(sensed);
+                line
+            }
             Ok(None) => Line::without_forces(frame, State::None, markers, None),
             Err(refusal) => Line::without_forces(frame, State::Refused, markers, Some(refusal.to_string())),
         }

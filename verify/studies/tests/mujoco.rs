@@ -160,8 +160,9 @@ fn the_force_on_every_rod_is_sensed() {
     for step in contact_steps().expect("a table") {
         let contacts: Vec<_> = step.touched.iter().map(|rod| position_of_force(&finger, &step, rod).into()).collect();
         let measurement = Measurement::of_shape(&finger, &step.shape);
-        let sensed = sense_refining(&finger, &contacts, Pad::default(), None, &measurement, Some(CAMERA_NOISE_MM))
-            .expect("an answer");
+        let sensed =
+            sense_refining(&finger, &contacts, Pad::default(), None, &measurement, Some(CAMERA_NOISE_MM), None)
+                .expect("an answer");
         for (rod, force_n) in step.touched.iter().zip(&sensed.forces.forces_n) {
             let error = force_n / rod.force.norm() - 1.0;
             assert!(error.abs() < SENSED_TOLERANCE, "push {}, {} mm, {rod:?}: {force_n} N", step.push, step.depth_mm);

@@ -82,6 +82,15 @@ impl NonlinearEstimate {
     }
 }
 
+/// Forces at contacts near those of a measurement: of the frame before, or of a coarser mesh.
+#[derive(Debug, Clone, Copy)]
+pub struct NearForces<'n> {
+    /// Position and direction of each contact.
+    pub contacts: &'n [Contact],
+    /// Force of each contact along its direction, N.
+    pub forces_n: &'n [f64],
+}
+
 /// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the estimate before it, which suits a stream of camera
 /// frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each, and give every thread a clone.
 ///
@@ -230,11 +239,26 @@ impl<'m> NonlinearEstimator<'m> {
         self.held = self.state_at(forces_n, before);
     }
 
-    /// Starts from forces, N, that were chosen among all minima on a coarser mesh. The estimator then seeks only the minimum near these forces.
-    fn refine_from(&mut self, forces_n: &[f64]) {
-        self.hold_at(forces_n);
-        self.reset();
-        self.is_chosen = self.held.is_some();
+    /// Estimates the forces as [`estimate`](NonlinearEstimator::estimate), with a search that starts from forces at contacts near the result. If no minimum that
+    /// explains the measurement is near, the search is that of `estimate`. Of a result that was chosen among all minima on a coarser mesh (`is_chosen`), only
+    /// the minimum nearby is sought.
+    ///
+    /// # Errors
+    /// [`SensingError`] as for `estimate`.
+    pub fn estimate_near(
+        &mut self,
+        near: NearForces,
+        is_chosen: bool,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Result<NonlinearEstimate, SensingError> {
+        self.expect(measurement, noise_mm)?;
+        self.forget();
+        if self.object.is_none() && near.contacts.len() == self.questions.len() {
+            self.last = self.state_under(near.contacts, near.forces_n, None);
+        }
+        self.is_chosen = is_chosen && self.last.is_some();
+        self.estimate(measurement, noise_mm)
     }
 
     /// State under known forces, N, followed from another state, or else from rest. `None` without equilibrium, with unknown contacts or with an object.

@@ -1,6 +1,6 @@
 //! Estimates on successively finer meshes.
 
-use super::{NonlinearEstimate, NonlinearEstimator};
+use super::{NearForces, NonlinearEstimate, NonlinearEstimator};
 use crate::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
@@ -21,7 +21,8 @@ const LEAST_ELEMENTS: usize = 40;
 
 /// Refines the mesh until doubling it changes every force by at most half of its standard deviation and at most 0.2 % of the largest force. A change of 0.01 %
 /// is always small enough. The standard deviations include the remaining error of the last mesh. Refinement also ends at 64 elements per member; the whole last
-/// change then counts as error. `object` touches the `pad` on the front plate; `None` if its shape is unknown.
+/// change then counts as error. `object` touches the `pad` on the front plate; `None` if its shape is unknown. On the first mesh, the search starts from `near`
+/// if it is given.
 ///
 /// Small changes alone do not prove convergence: near a limit load, and for loads between nodes, they may be small by chance and grow again.
 ///
@@ -34,22 +35,23 @@ pub fn sense_refining(
     object: Option<&TouchedObject>,
     measurement: &Measurement,
     noise_mm: Option<f64>,
+    near: Option<NearForces>,
 ) -> Result<NonlinearEstimate, SensingError> {
-    // A finer mesh starts at the forces of the coarser one.
-    let on = |elements, near: Option<&NonlinearEstimate>| {
+    let on = |elements, near: Option<NearForces>, is_chosen: bool| {
         let mesh = Mesh::with_elements_per_member(finger, elements);
         let mut estimator = NonlinearEstimator::new(&mesh, questions)?.with_pad(pad).with_object(object);
-        if let Some(near) = near {
-            estimator.refine_from(&near.forces.forces_n);
+        match near {
+            None => estimator.estimate(measurement, noise_mm),
+            Some(near) => estimator.estimate_near(near, is_chosen, measurement, noise_mm),
         }
-        estimator.estimate(measurement, noise_mm)
     };
     let members = 3 * finger.rib_count() + 2;
     let mut elements = LEAST_ELEMENTS.div_ceil(members).next_power_of_two().max(*ELEMENTS.start());
-    let mut coarse = on(elements, None)?;
+    let mut coarse = on(elements, near, false)?;
     loop {
         elements *= 2;
-        let mut fine = on(elements, Some(&coarse))?;
+        let near = NearForces { contacts: &coarse.contacts, forces_n: &coarse.forces.forces_n };
+        let mut fine = on(elements, Some(near), true)?;
         let largest_n = fine.forces.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let pairs = fine.forces.forces_n.iter().zip(&coarse.forces.forces_n);
         let change_n: Vec<f64> = pairs.map(|(fine, coarse)| fine - coarse).collect();

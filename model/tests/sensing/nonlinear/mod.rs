@@ -59,7 +59,7 @@ fn forces_come_back_from_the_fine_mesh() {
     });
     assert!(worst.iter().all(|e| *e <= 0.008), "25 nodes: {worst:?}");
     let worst = errors_over_the_finger(&fine, &[3.0, 5.0], |contact, measurement| {
-        sense_refining(&finger, &[contact.into()], Pad::default(), None, measurement, None)
+        sense_refining(&finger, &[contact.into()], Pad::default(), None, measurement, None, None)
             .expect("identifiable")
             .forces
             .forces_n[0]
@@ -80,8 +80,8 @@ fn positions_and_directions_are_found() {
         let known = (Some(contact.position), Direction::Angle(angle));
         for (position, direction) in [(None, known.1), (known.0, Direction::Auto), (None, Direction::Auto)] {
             let question = ContactQuestion { position, direction };
-            let found =
-                sense_refining(&finger, &[question], Pad::default(), None, &measurement, None).expect("identifiable");
+            let found = sense_refining(&finger, &[question], Pad::default(), None, &measurement, None, None)
+                .expect("identifiable");
             let position = found.contacts[0].position_mm(&finger).expect("on the plate");
             assert!((found.forces.forces_n[0] / force - 1.0).abs() < 2e-3, "{contact:?} {question:?}: {found:?}");
             assert!((position - s_mm).abs() < 0.05, "{contact:?}: {position}");

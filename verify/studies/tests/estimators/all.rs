@@ -35,6 +35,7 @@ fn every_estimator_finds_a_small_force() {
             mesh_nodes: None,
             networks: &networks,
             unloaded: None,
+            near: None,
         };
         let (contacts, estimate) = id.answer(&finger, &question).unwrap_or_else(|error| panic!("{id}: {error}"));
         assert_eq!(contacts, [contact], "{id}");
