@@ -1,4 +1,5 @@
-//! Speed from image to node positions (search of a whole image, tracking in a stream), to the force, and of grid detection. One core each.
+//! Times on one core: locating the nodes in an image (search of the whole image, or tracking in a stream), estimating the force from an image, and
+//! detecting a calibration grid.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_fixtures::CAMERA_SCENE;
@@ -12,7 +13,7 @@ use finray_model::{Kinematics, Load, Mesh, Scene, statics};
 use image::RgbImage;
 use std::hint::black_box;
 
-/// Position of the force, mm from the front base, and forces of a stream, N. From frame to frame the nodes move by up to 1 mm.
+/// Position of the force, mm from the front base, and forces in successive frames of a stream, N. Nodes move by up to 1 mm between frames.
 const CONTACT_MM: f64 = 80.0;
 const FORCES_N: [f64; 4] = [2.0, 2.1, 2.2, 2.1];
 

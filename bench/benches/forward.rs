@@ -1,7 +1,8 @@
-//! Speed from force to shape on the paper's two meshes and finer ones. Compares ladder and sparse solver, and many loads one by one or in a batch.
+//! Times to compute shapes from forces, on the paper's two meshes and finer ones. Compares the ladder solver with the sparse solver, and many loads one
+//! by one with a batch.
 //!
-//! The linear stiffness is constant, so a mesh and a solver keep its factors. `linear` and `mesh_size` start from a new mesh each time, so that they
-//! factorise nevertheless; `linear_kept` and `as_called` do not.
+//! The linear stiffness is constant, so its factors are stored after the first solution. `linear` and `mesh_size` include the factorisation, because each
+//! iteration starts from a new mesh or solver. `linear_kept` and `as_called` reuse the factors.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use finray_bench::{paper, push};
@@ -10,7 +11,7 @@ use finray_model::statics::{self, Statics, equilibria};
 use finray_model::{Kinematics, Load, Mesh, NodeId};
 use std::hint::black_box;
 
-/// Factorise and solve for 3 N at node 19, from rest.
+/// Equilibrium under 3 N at node 19, solved from rest.
 fn solve(criterion: &mut Criterion) {
     let finger = paper();
     for (kinematics, name, forget) in [
@@ -87,7 +88,7 @@ fn many_at_once(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Time by mesh size, reported as nodes per second. It should be proportional to the number of nodes.
+/// Time by mesh size, reported as nodes per second. The time should be proportional to the number of nodes.
 fn mesh_size(criterion: &mut Criterion) {
     let finger = paper();
     let mut group = criterion.benchmark_group("mesh_size");

@@ -1,5 +1,5 @@
-//! Speed of forces from the displacements of one frame by a network, on one core. Compared with the forward pass of burn and with a
-//! plain one in nalgebra. These two start from scaled inputs; finray's network also scales them, in f64.
+//! Time in which a network computes forces from the displacements of one frame, on one core. Compared with forward passes of the same network in burn
+//! and in plain nalgebra. Those two start from scaled inputs; finray's time includes the scaling, in f64.
 
 use burn_tensor::{Device, Tensor, TensorData, activation};
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -83,7 +83,7 @@ fn ours(criterion: &mut Criterion, network: &Network, name: &str) {
         criterion.bench_function(&format!("network/{name}/one_frame/{kind}"), |bencher| {
             bencher.iter(|| estimator.forces(black_box(&frame), black_box(&mut forces_n)));
         });
-        // Includes standard deviations and the check for refusal; the frame is the mean of the inputs, hence within their range.
+        // `estimate` includes standard deviations and the check for refusal. The frame is the mean of the training displacements, hence within range.
         let mean = network.inputs.mean.chunks(2).map(|mean| Vector::new(mean[0], mean[1]));
         let mean = network.card.markers.iter().zip(mean);
         let markers = mean.map(|(&node, displacement)| Marker { node, displacement, weight: 1.0 });

@@ -1,5 +1,5 @@
-//! Speed from shape to force: least squares, prepared each time or once; Gauss-Newton on the co-rotational finger, from a cold start and for a
-//! stream of frames of a varying force; and thousands of samples.
+//! Times to estimate forces from shapes: least squares with preparation each time or once, Gauss-Newton on the co-rotational finger with cold or warm
+//! start, and batches of thousands of samples.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};
@@ -40,8 +40,8 @@ fn sensing(criterion: &mut Criterion) {
     }
 }
 
-/// A varying force at one contact, with noise: cold start, warm start, and new preparation. Meshes have 684 nodes, or one and four elements per
-/// member.
+/// A varying force at one contact, with noise: cold start, warm start, and new preparation. The true finger's mesh has 684 nodes. The estimator's mesh
+/// has one or four elements per member.
 fn nonlinear(criterion: &mut Criterion) {
     let finger = paper();
     let truth = fine_mesh(&finger).expect("a mesh of many nodes");
@@ -67,8 +67,8 @@ fn nonlinear(criterion: &mut Criterion) {
     }
 }
 
-/// Nonlinear samples, as for training or a map: shapes under random normal forces at all contact nodes, and two forces sensed from random shapes.
-/// Forces are 0 to 5 N per node and 0 to 10 N in total (Xu et al. 2021, sec. IV-A). Two threads, each with its own solver.
+/// Many co-rotational samples, as for training or a map. Shapes are computed under random normal forces at all contact nodes, and pairs of forces are
+/// sensed from random shapes. Forces are 0 to 5 N per node and 0 to 10 N in total (Xu et al. 2021, sec. IV-A). Runs on two threads.
 fn samples(criterion: &mut Criterion) {
     const COUNT: usize = 2_000;
     let finger = paper();

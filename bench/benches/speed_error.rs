@@ -1,7 +1,7 @@
-//! Times for the report's chart of time against error; `finray report` uses them instead of measuring.
+//! Times for the report's chart of time against error. `finray report` uses these times instead of its own measurements.
 //!
-//! An iteration computes one answer, for each load or frame in turn. Frames of one contact are consecutive, as a warm start requires. Lattices that
-//! settle take seconds, so the report times them itself.
+//! An iteration computes one answer, for each load or frame in turn. Frames of one contact are consecutive, because a warm start requires this order.
+//! Settling a lattice takes seconds, so only the report times it.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use finray_bench::paper;
@@ -16,9 +16,9 @@ use finray_studies::settings::{CAMERA_NOISE_MM, ReportForces, TWO_FORCES_N};
 use finray_studies::truths::fine_mesh;
 use std::hint::black_box;
 
-/// Number of frames, as in the full report.
+/// Number of frames, the same as in the full report.
 const FRAMES: usize = 2 * FRAMES_A_PERIOD;
-/// Samples for lattices, which take milliseconds: the fewest that Criterion allows.
+/// Number of Criterion's samples for lattices: the smallest that Criterion allows, because a lattice takes milliseconds.
 const SAMPLES: usize = 10;
 
 fn shapes(criterion: &mut Criterion) {

@@ -1,4 +1,4 @@
-//! Speed of sweeps, in estimates per second: least squares and the nonlinear estimator on linear and co-rotational truths. One estimate has a
+//! Speed of sweeps, in estimates per second: least squares and the nonlinear estimator on linear and co-rotational true fingers. One estimate is for one
 //! position, direction, force, noise level and noise sample.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -10,7 +10,7 @@ use finray_studies::truths::TruthId;
 use finray_studies::truths::{MeshTruth, Truth, fine_mesh};
 use std::hint::black_box;
 
-/// Name, truth, estimator, forces (N), angle between directions (degrees) and number of noise samples.
+/// Name, true finger, estimator, forces (N), angle between directions (degrees) and number of noise samples.
 type Case<'c> = (&'c str, &'c dyn Truth, &'c dyn Estimator, &'c [f64], f64, usize);
 
 fn sweep(criterion: &mut Criterion) {

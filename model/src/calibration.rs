@@ -138,15 +138,16 @@ fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     Some(0.5 * (sorted[last / 2] + sorted[last.div_ceil(2)]))
 }
 
-/// Number of bisections of the bracket: enough to exhaust double precision from the largest number down.
+/// Number of bisections of the bracket. They suffice for double precision, even if the bracket is as wide as the largest number.
 const BISECTIONS: usize = 1200;
 
-/// Young's modulus of the linear finger by eq. (11) of Xu et al. (2021). Finds the factor on all moduli that minimises the sum, over all nodes and cases, of
-/// the distance between measured and computed position.
+/// Young's modulus of the linear finger by eq. (11) of Xu et al. (2021). Finds the factor on all moduli that minimises the weighted sum, over all nodes and
+/// cases, of the distance between measured and computed position.
 ///
-/// Computed displacements v are proportional to c = 1 / factor, so the sum of |m - c v| is convex in c. Bisection finds the zero of its derivative. A sum
-/// of distances (not of squares) is robust to single bad markers. The standard deviation is the sandwich estimate of an M-estimator (Huber 1967):
-/// sqrt(sum g^2) / sum h, with the first and second derivative g and h of each node's distance.
+/// Computed displacements v are proportional to c = 1 / factor, so the weighted sum of |m - c v| over measured displacements m is convex in c. Bisection
+/// finds the zero of its derivative. A sum of distances (not of squares) is robust to single bad markers. The standard deviation of c is the sandwich
+/// estimate of an M-estimator (Huber 1967): sqrt(n / (n - 1) sum g^2) / sum h for n nodes, with the first and second derivative g and h of each node's
+/// weighted distance.
 ///
 /// # Errors
 /// [`CalibrationError`] if the statics fail, no load moves a measured node, or the nodes move against the loads.
@@ -160,7 +161,7 @@ pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<Modu
             nodes.push((marker.displacement, computed, marker.weight));
         }
     }
-    // The minimum of the sum lies between the smallest and the largest c that fit single nodes.
+    // For each node alone, one value of c fits best. The minimum of the sum lies between the smallest and the largest of these values.
     let alone = nodes.iter().filter(|(_, v, _)| v.norm_squared() > 0.0).map(|(m, v, _)| m.dot(v) / v.norm_squared());
     let (mut low, mut high) = alone.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
     if !(low.is_finite() && high.is_finite()) {

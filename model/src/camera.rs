@@ -16,8 +16,8 @@ use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 /// A position in an image, px: u to the right, v down.
 pub type Pixel = Vector2<f64>;
 
-/// Limit of the sine of the angle between a ray and a plane; below it, a pixel has no position on the plane. At 1 degree, an error of 0.01 px on the sensor
-/// has the effect of about 0.5 px.
+/// Limit of the sine of the angle between a ray and a plane; below it, a pixel has no position on the plane. At the limit of 1 degree, an error of 0.01 px
+/// moves the position as far as about 0.5 px in a perpendicular view.
 const LEAST_SLOPE: f64 = 0.0175;
 
 /// A camera with its lens and its pose, both known.
@@ -93,9 +93,9 @@ impl Camera {
         Ok((point, in_plane.try_inverse().ok_or(ViewError::Grazing)?))
     }
 
-    /// Standard deviation of one coordinate of the point of the plane z = `height_mm` that a pixel shows, mm: the root mean square of those of x and y. Each
-    /// coordinate of the pixel has the standard deviation `pixel_sd_px`. First order: the covariance of the point is J J^T times the pixel's variance, with
-    /// the derivatives J by the pixel.
+    /// Standard deviation per coordinate, mm, of the point that a pixel shows on the plane z = `height_mm`: the root mean square of the standard deviations of
+    /// x and y. Each coordinate of the pixel has the standard deviation `pixel_sd_px`. To first order, the covariance of the point is J J^T times the pixel's
+    /// variance. J holds the derivatives of the point by the pixel.
     ///
     /// # Errors
     /// [`ViewError`] as for [`Camera::on_plane`].

@@ -1,7 +1,7 @@
 //! Displacements of the markers under unit forces: the columns of the compliance matrix that sensing needs.
 //!
-//! The linear finger is exact at its key nodes with one element per member, so the coarsest mesh suffices. Only tapered plates, and members in which a zone
-//! ends, are approximated: by their mean compliances.
+//! The linear finger is exact at its key nodes with one element per member, so the coarsest mesh suffices. Only two kinds of members are approximated, by
+//! their mean compliances: members of tapered plates, and members within which a zone starts or ends.
 
 use crate::element::quarter_turn;
 use crate::finger::{Finger, NodeId};
@@ -12,7 +12,7 @@ use crate::{Kinematics, Vector};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::OnceLock;
 
-/// Displacement of each key node's marker under each of several loads, in mm per N; in mm per N mm for a moment.
+/// Displacement of each key node's marker under each of several loads, mm. For a load of 1 N or 1 N mm, this is the compliance in mm/N or 1/N.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compliance {
     /// Displacements, indexed by load and then by key node from 0.
@@ -44,7 +44,7 @@ impl Compliance {
     }
 }
 
-/// Compliance of the linear finger for forces and moments on its key nodes; it serves many loads.
+/// Compliance of the linear finger for forces and moments on its key nodes. Its solutions are reused for many loads.
 ///
 /// A load between two key nodes moves all key nodes like its consistent nodal loads on these two nodes (exact for the cubic beam). Each key node therefore
 /// needs only one solution, which is computed when a load first uses it.
@@ -105,7 +105,7 @@ impl NodalCompliance {
         Ok(Compliance { columns: loads.iter().map(column).collect::<Result<_, StaticsError>>()? })
     }
 
-    /// Equivalent nodal loads of a load between key nodes, on the loaded key nodes that are free.
+    /// Converts a load to equivalent loads on free key nodes: both ends of the loaded member, or the one node that carries the load.
     fn nodal_loads(&self, load: &Load) -> Result<[Option<NodalLoad>; 2], LoadError> {
         let frame = self.mesh.frame();
         // A load on a clamped node causes no motion.

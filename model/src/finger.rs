@@ -11,8 +11,8 @@ use placement::{check_room, check_sizes, check_zones, place_ribs, place_tip};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Number of a key node, as in Xu et al. (2021): counted from 1 at the back base over the tip to the front base. Key nodes are the ends of the plates and of
-/// the ribs.
+/// Number of a key node. Key nodes are the ends of the plates and of the ribs. As in Xu et al. (2021), they are counted from 1 at the back base along the back
+/// plate to the tip, then along the front plate to the front base.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct NodeId(pub usize);
 
@@ -44,8 +44,8 @@ impl Finger {
     /// Checks a description and computes the positions of the key nodes.
     ///
     /// # Errors
-    /// [`ImpossibleFinger`] with the offending key. Causes are sizes that are not positive and finite, plates that form no triangle, brackets without room for
-    /// ribs, and rigid arms longer than the members. Other causes are zones off the plates, and ribs that cross, touch or leave the plates.
+    /// [`ImpossibleFinger`] with the offending key. Causes are sizes out of range, plates that form no triangle, brackets without room for ribs, and rigid
+    /// arms longer than the members. Other causes are zones or ribs off the plates, and ribs that cross or coincide.
     pub fn new(description: FingerDescription) -> Result<Finger, ImpossibleFinger> {
         let d = &description;
         check_sizes(d)?;

@@ -2,8 +2,9 @@
 //!
 //! The solvers in [`crate::statics`] work on a frame. [`crate::mesh`] builds the frame of a finger; reference problems build their own frames.
 //!
-//! Translations belong to nodes; rotations are numbered separately. The beams at a node are clamped to its *rotation slot*. A pin gives a beam end a separate
-//! slot; a rigid link lets two nodes share a slot. Hinges and undeformable members are therefore exact, without penalty stiffness.
+//! Translations belong to nodes. Rotations are numbered separately: each has a *rotation slot*. The beams clamped at a node share the node's slot. A pin gives
+//! a beam end a separate slot; a rigid link without hinges lets two nodes share a slot. Hinges and undeformable members are therefore exact, without penalty
+//! stiffness.
 
 mod equations;
 mod links;
@@ -78,7 +79,7 @@ struct FrameNode {
     position: Vector,
     /// Rotation slot of the node.
     rotation: RotationSlot,
-    /// Whether x and whether y of the node is fixed.
+    /// Whether the displacements of the node along x and along y are fixed.
     fixed: [bool; 2],
     /// The rigid link by which the node follows another node; `None` for an independent node.
     link: Option<RigidLink>,
@@ -101,13 +102,13 @@ impl PlaneFrame {
         self.nodes.len() - 1
     }
 
-    /// Adds a rotation slot without a node and returns its index. Beam ends clamped to this slot are pinned.
+    /// Adds a rotation slot without a node and returns its index. A beam end that uses this slot is pinned to its node.
     pub fn add_rotation(&mut self) -> RotationSlot {
         self.rotation_fixed.push(false);
         self.rotation_fixed.len() - 1
     }
 
-    /// Fixes x, y or rotation of a node if the corresponding flag is `true`, else frees it.
+    /// Fixes those of x, y and rotation of a node whose flag is `true`, and frees the others.
     pub fn support(&mut self, node: NodeIndex, [x, y, rotation]: [bool; 3]) {
         let at = &mut self.nodes[node];
         at.fixed = [x, y];

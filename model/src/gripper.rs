@@ -34,13 +34,13 @@ pub struct GripperDescription {
     pub assembly: Assembly,
 }
 
-/// Assembly mode: the linkage can close in two ways, and keeps the one that it has at motor angle 0.
+/// Assembly mode: the linkage can close in two ways, and keeps the way in which it closes at motor angle 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Assembly {
-    /// The joint between rocker and link is at the possible position that is farther from the screw's axis.
+    /// The joint between rocker and link takes the possible position farther from the screw's axis.
     #[default]
     Outer,
-    /// The joint between rocker and link is at the possible position that is nearer to the screw's axis.
+    /// The joint between rocker and link takes the possible position nearer to the screw's axis.
     Inner,
 }
 
@@ -89,7 +89,7 @@ impl LinkagePose {
         (self.phi1_rad + self.phi2_rad).sin().abs() < SINGULAR_SINE
     }
 
-    /// Transforms a point of the finger frame to the mechanism frame; mm. Eq. (9) lists the finger's axes in reverse order.
+    /// Transforms a point of the finger frame to the mechanism frame; mm. Eq. (9) takes the coordinates in the order y, x.
     pub fn in_mechanism(&self, point: Vector) -> Vector {
         self.base + Rotation2::new(self.phi2_rad) * point.yx()
     }
@@ -102,7 +102,7 @@ impl Gripper {
     /// [`ImpossibleLinkage`] if rocker and link cannot reach from the fixed joint to the nut at motor angle 0.
     pub fn new(description: GripperDescription) -> Result<Gripper, ImpossibleLinkage> {
         let GripperDescription { slider_mm, assembly, .. } = description;
-        // For a line that points upwards, the left side is away from the screw's axis.
+        // If the line from fixed joint to nut points upwards, its left side faces away from the screw's axis.
         let outer = if slider_mm < 0.0 { -1.0 } else { 1.0 };
         let side = if assembly == Assembly::Outer { outer } else { -outer };
         let gripper = Gripper { description, side };
@@ -131,7 +131,7 @@ impl Gripper {
         (slider_mm - self.description.slider_mm) / self.description.screw_pitch_mm * 360.0
     }
 
-    /// Pose of the linkage at a motor angle in degrees. `None` if the nut cannot reach that angle.
+    /// Pose of the linkage at a motor angle in degrees. `None` if the linkage cannot reach that angle.
     pub fn pose(&self, motor_deg: f64) -> Option<LinkagePose> {
         self.with_slider(self.slider_mm(motor_deg))
     }
@@ -208,8 +208,8 @@ impl Gripper {
     /// 0; `None` without such an angle.
     ///
     /// # Reference
-    /// By eq. (7), the joint has x = l4 - l2 cos phi2. For a tip at (x, y) of the finger frame, the opening is therefore a single cosine: 2 ((l2 - y) cos
-    /// phi2 + x sin phi2). Eq. (7) then gives phi1, and eq. (8) l3.
+    /// By eq. (7), the joint of rocker and link lies at x = l4 - l2 cos phi2. For a tip at (x, y) of the finger frame, the opening is therefore a single
+    /// cosine: 2 ((l2 - y) cos phi2 + x sin phi2). Eq. (7) then gives phi1, and eq. (8) l3.
     pub fn motor_deg_for_opening(&self, finger: &Finger, opening_mm: f64) -> Option<f64> {
         let [rocker, link] = self.description.link_mm;
         let [radius_mm, beta_rad] = self.opening_arm(finger);
@@ -228,7 +228,7 @@ impl Gripper {
         reached.map(|(_, motor_deg)| motor_deg).min_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
-    /// Returns r (mm) and beta (rad), with which half of the opening is r cos(phi2 - beta).
+    /// Returns r (mm) and beta (rad) in the formula r cos(phi2 - beta) for half of the opening.
     fn opening_arm(&self, finger: &Finger) -> [f64; 2] {
         let tip = finger.position(finger.tip());
         let inwards = self.description.link_mm[1] - tip.y;

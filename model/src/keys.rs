@@ -21,7 +21,7 @@ pub enum Need<V> {
     Required,
     /// The key is required in the stated case, for instance "unless ribs are rigid".
     RequiredIf(&'static str),
-    /// The key is required if the table's key `shape` has this value, and rejected if it has another value.
+    /// The key is required if the table's key `shape` has this value, and rejected with any other value of `shape`.
     Of(&'static str),
     /// The key is optional and has this default.
     Or(V),
@@ -108,9 +108,9 @@ pub enum Occurs {
     Many,
 }
 
-/// A table of the scene. The fields of its type are its keys.
+/// A table of the scene. Its keys are the fields of the type that implements this trait.
 pub trait SceneTable: Sync {
-    /// Path of the table, for instance `finger.ribs`; empty for the keys above all tables.
+    /// Path of the table, for instance `finger.ribs`; empty for the top-level keys, which belong to no table.
     fn path(&self) -> &'static str;
     /// Number of times that a scene may contain the table.
     fn occurs(&self) -> Occurs;

@@ -14,9 +14,10 @@
 //! deviation.
 //!
 //! Data flows one way. A [`Scene`] describes a [`Finger`], a [`Mesh`] divides it into beam elements, and [`statics`] solves for its equilibrium under
-//! [`Load`]s. An [`observation`] holds the markers that a camera sees; [`estimators`] and the [`sensor`] estimate the contact forces from it.
+//! [`Load`]s. An [`observation`] holds the measured positions or displacements of markers. [`estimators`] and the [`sensor`] estimate the contact forces
+//! from an observation.
 //!
-//! The crate is pure: it reads no files, prints nothing, uses no clock, and draws random numbers only from a given seed.
+//! The crate is pure: it reads no files, prints nothing, uses no clock, and draws no random numbers. Functions that need them take a generator.
 //!
 //! nalgebra provides vectors, small fixed-size matrices and small dense systems. sprs assembles the sparse stiffness of a mesh, and faer factors it.
 //!

@@ -15,7 +15,7 @@ pub struct Marker {
     pub node: NodeId,
     /// Measured displacement, mm, finger frame.
     pub displacement: Vector,
-    /// Relative accuracy, dimensionless: coordinates have the standard deviation noise / weight. 1 for all markers of equal accuracy.
+    /// Relative accuracy, dimensionless: coordinates have the standard deviation noise / weight. The weight is 1 if all markers are equally accurate.
     pub weight: f64,
 }
 

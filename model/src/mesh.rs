@@ -1,7 +1,7 @@
 //! A finger divided into beam elements.
 //!
 //! Members are the segments of the plates between key nodes, and the ribs. The length of each member between its rigid arms is divided into equal elements.
-//! Key node `n` of the finger is node `n - 1` of the frame. The joints of ribs on brackets follow, then the nodes inside members.
+//! Key node `n` of the finger is node `n - 1` of the frame. The frame nodes of the joints between ribs and brackets follow, then those inside members.
 
 mod apportion;
 mod build;
@@ -19,7 +19,7 @@ use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame};
 use build::{hinge_node, line_lengths};
 use prepared::Prepared;
 
-/// Number of points on a plate segment at which its normal is sampled for the mean.
+/// Number of points at which the normal of a plate segment is sampled to compute its mean.
 const NORMALS: usize = 5;
 
 /// Error for a requested number of mesh nodes that is too small or too large.
@@ -64,7 +64,7 @@ pub struct Mesh {
     lines: Vec<Line>,
     /// Groups of lines that are computed together in SIMD lanes; see [`Mesh::alike_lines`].
     alike: Vec<Vec<usize>>,
-    /// Segments of the front plate from base to tip; each pair starts with the position of the segment's end, mm from the base.
+    /// Segments of the front plate from base to tip, each with the position of the end nearer to the tip, mm from the base.
     front: Vec<(f64, FrontSpan)>,
     /// Number of elements of each line (member of the finger); the last entry is for the base line.
     elements: Vec<usize>,
@@ -143,7 +143,8 @@ impl Mesh {
         node.0 - 1
     }
 
-    /// The frame node of the joint between a key node's bracket and its rib. Equals [`frame_node`](Mesh::frame_node) if the node has no bracket or no rib.
+    /// The frame node of the joint between a key node's bracket and its rib. Equals [`frame_node`](Mesh::frame_node) if the node has no rib, or if the
+    /// finger has no brackets.
     pub fn hinge_node(&self, node: NodeId) -> NodeIndex {
         hinge_node(&self.finger, node)
     }
@@ -165,8 +166,8 @@ impl Mesh {
         undeformed + motion.displacements[self.marker_node(node)] - motion.displacements[self.frame_node(node)]
     }
 
-    /// Rotation of the front plate's normal at a load, rad. It is the mean over a plate segment of length `over_mm` (mm) about the load, cut off at the
-    /// plate's ends.
+    /// Rotation of the front plate's normal at a load, rad: the mean over points of a plate segment of length `over_mm` (mm) with the load at its middle.
+    /// Points beyond an end of the plate are moved to that end. For zero length, or a load on the back plate, it is the rotation at the load alone.
     ///
     /// # Errors
     /// [`LoadError`] as for [`frame_load`](Mesh::frame_load).
@@ -232,7 +233,7 @@ impl Mesh {
         }
     }
 
-    /// Motions of the key nodes in a motion of the frame.
+    /// Motions of the key nodes for a given motion of the frame.
     pub fn shape(&self, motion: &FrameMotion) -> FingerShape {
         let motions = (1..=self.finger.key_node_count())
             .map(NodeId)

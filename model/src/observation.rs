@@ -180,7 +180,8 @@ impl Observation {
         Ok((ObservedMeasurement { noise_mm: Some(noise_mm), ..found }, base))
     }
 
-    /// Whether displacements refer to an image of the unloaded finger. This is so if their reference positions differ from those of `finger`.
+    /// Whether displacements refer to an image of the unloaded finger. They do if their reference positions differ from the unloaded marker positions of
+    /// `finger`.
     pub(crate) fn counts_from_rest(&self, finger: &Finger) -> bool {
         let from = |marker: &ObservedMarker| Some(marker.position? - marker.displacement?);
         let is_elsewhere = |marker: &ObservedMarker| {
@@ -191,7 +192,7 @@ impl Observation {
     }
 
     /// Transformation from the frame in which forces are sensed to the reference frame of the camera's pose, mm and rad. It is the observed pose of the base.
-    /// For a base without reference marks, which is near the reference frame, it is the identity.
+    /// If the scene states an uncertainty but no reference marks for the base, the base is near the reference frame, and the transformation is the identity.
     pub fn frame(&self, scene: &Scene) -> Isometry2<f64> {
         match scene.base.as_ref().is_some_and(Base::is_of_pose) {
             true => Isometry2::identity(),
@@ -209,7 +210,7 @@ impl Observation {
 struct Reading {
     /// Errors of the markers relative to their stated standard deviations.
     errors: MarkerErrors,
-    /// Whether the base is estimated. The error of the base, which all markers share, is then not part of the errors of the markers.
+    /// Whether the base is estimated. The errors of the markers then exclude the error of the base, which all markers share.
     base_is_sought: bool,
     /// Whether positions have priority over displacements.
     by_position: bool,
@@ -275,7 +276,7 @@ impl Reading {
         }
     }
 
-    /// Removes clamped markers, which show only noise.
+    /// Removes clamped markers, which show only noise. Refuses a clamped marker that moves farther than noise explains.
     fn without_clamped(
         &self,
         finger: &Finger,

@@ -1,9 +1,9 @@
-//! Registries: enums of named items, in which each variant is one row of properties.
+//! Registries: enums of named items. Each variant has one row of constant properties.
 
-/// Declares the enum `$id` with one variant per row, in the order of lists, help texts and figures.
+/// Declares the enum `$id` with one variant per row. Lists, help texts and figures show the variants in this order.
 ///
-/// A row is a constant of type `$row` with the fields `name` (command line, files), `label` (report) and `help` (command line). The enum is
-/// serialised as its name, the variant in kebab case. A new item needs its own file and one line in the macro call.
+/// A row is a constant of type `$row` with the fields `name` (command line, files), `label` (report) and `help` (command line). Serde writes a
+/// variant as its identifier in kebab case. A new item needs its own file and one line in the macro call.
 #[macro_export]
 macro_rules! registry {
     ($(#[$doc:meta])* $id:ident: $row:ty { $($(#[$about:meta])* $variant:ident => $value:expr),+ $(,)? }) => {

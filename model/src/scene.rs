@@ -39,11 +39,11 @@ pub struct Scene {
     pub strain_limits: StrainLimits,
     /// Standard deviation of one measured marker coordinate, mm; `None` if the scene does not state it.
     pub noise_mm: Option<f64>,
-    /// Errors of the markers in addition to the noise that is stated for each marker.
+    /// Factor on the stated noise of the markers, and error of the finger model at a marker.
     pub marker_errors: MarkerErrors,
     /// The camera; `None` if the scene has none.
     pub camera: Option<CameraDescription>,
-    /// The visible markers; `None` if the scene describes none.
+    /// Size, height and appearance of the markers in images; `None` if the scene does not state them.
     pub markers: Option<Markers>,
     /// Reference marks on the base and the base's uncertainty, for a base that moves between images; `None` for a fixed base.
     pub base: Option<Base>,

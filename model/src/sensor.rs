@@ -1,7 +1,7 @@
 //! Estimates contact forces and their intervals from observations of a finger.
 //!
-//! A [`Sensor`] combines a scene with contacts, an estimator and a noise. It turns each [`Observation`] into forces with standard deviations and warnings, or
-//! refuses it with a reason. An observation comes from an image, a table or a simulation.
+//! A [`Sensor`] combines a scene with contacts, an estimator and a noise level. It turns each [`Observation`] into forces with standard deviations and
+//! warnings, or refuses it with a reason. An observation comes from an image, a table or a simulation.
 
 mod stream;
 mod unloaded;
@@ -114,11 +114,11 @@ pub struct SensedForces {
     measured: Option<MeasuredContactForces>,
 }
 
-/// Without a stated noise, a warning names a residual above this share of the displacements and of the front plate's length. A camera's noise is below the
-/// latter; a real finger under the right contacts leaves a residual below the former.
+/// Without a stated noise, a residual causes a warning if it exceeds both limits: a share of the displacements, and a share of the front plate's length. With
+/// correct contacts, the residual of a real finger is below the first limit. A camera's noise is below the second limit.
 const LARGE_RESIDUAL: [f64; 2] = [0.1, 0.002];
 
-/// A reason to trust forces less, or to state the noise.
+/// A reason to trust the forces less than their standard deviations suggest, or to state the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorWarning {
     /// The measurement contradicts the model, or the error of the model exceeds the noise.
@@ -190,7 +190,7 @@ pub enum Refusal {
     /// The markers contradict the sensed forces, for every number of contacts that was tried.
     #[error("no number of contacts explains the markers; with {contacts}: {warning}")]
     Contradicted {
-        /// Number of contacts of the simplest explanation.
+        /// Number of contacts to which `warning` applies.
         contacts: usize,
         /// The contradiction.
         warning: Warning,

@@ -22,7 +22,7 @@ use crate::{Kinematics, NodeId, Vector};
 /// 2.5 %. Flexural tests of plastics by beam formulas also end at this strain of the outer fibre (ASTM D790).
 pub const LARGEST_STRAIN: f64 = 0.05;
 
-/// Number of elements per member when an equilibrium is solved only for examination. Shapes are then accurate to 0.04 % under 3 N.
+/// Number of elements per member when an equilibrium is solved only for examination. Shapes are then accurate to 0.04 % under a force of 3 N.
 const ELEMENTS: usize = 4;
 
 /// Limit of the share of shear in the strain energy, dimensionless; beyond it, Euler-Bernoulli beams count as invalid.
@@ -95,8 +95,8 @@ pub struct Validity {
     /// Shear energy divided by the strain energy of elongation and bending, dimensionless; zero at rest. The shear energy is V^2 l / (2 kappa G A), summed
     /// over the members, with kappa = [`SHEAR_CORRECTION`] and G = E / (2 (1 + nu)).
     ///
-    /// If shear is included, the work of the loads on a linear finger grows by at most this share. The reason is that its section forces minimise the
-    /// complementary energy, and those of Euler-Bernoulli beams are admissible.
+    /// If shear is included, the work of the loads on a linear finger grows by at most this share. The reason: section forces with shear minimise the
+    /// complementary energy, and the section forces of Euler-Bernoulli beams are admissible in this minimum.
     pub shear_share: f64,
     /// Member with the largest shear energy; `None` without shear.
     pub shear_at: Option<FingerMember>,
@@ -148,8 +148,8 @@ impl Validity {
 
 const PARTS: [Part; 3] = [Part::Front, Part::Back, Part::Ribs];
 
-/// Thickness of a beam with rectangular section, mm, from the ratio of its rigidities, which a zone scales equally. For an element of a tapered plate, it
-/// lies between the thicknesses at the element's ends.
+/// Thickness of a beam with rectangular section, mm, from the ratio of its rigidities. A zone does not change this ratio. For an element of a tapered plate,
+/// the result lies between the thicknesses at the element's ends.
 fn thickness_mm(beam: &Beam) -> f64 {
     (12.0 * beam.bending_rigidity_nmm2 / beam.axial_rigidity_n).sqrt()
 }

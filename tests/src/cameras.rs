@@ -15,7 +15,8 @@ fn lens() -> impl Strategy<Value = Lens> {
     )
 }
 
-/// The finger's plane from before, tilted by up to half a radian, turned anyhow, its middle near the axis.
+/// A pose in which the camera faces the finger's plane. The plane is tilted by up to half a radian and rotated arbitrarily about its normal. Its point
+/// (75, 0) mm is 150 to 400 mm from the camera along the optical axis, and within 10 mm of that axis in each coordinate.
 fn pose() -> impl Strategy<Value = Pose> {
     let tilt = (-0.35..0.35, -0.35..0.35, -3.0..3.0);
     (tilt, -10.0..10.0, -10.0..10.0, 150.0..400.0).prop_map(|((a, b, turn), x, y, z)| {
@@ -26,7 +27,7 @@ fn pose() -> impl Strategy<Value = Pose> {
     })
 }
 
-/// A camera with a distorting lens that sees the finger's plane from before.
+/// A camera with a distorting lens that faces the finger's plane.
 pub fn camera() -> impl Strategy<Value = Camera> {
     (lens(), pose()).prop_map(|(lens, pose)| Camera { lens, pose })
 }

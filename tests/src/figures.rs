@@ -1,4 +1,4 @@
-//! Figures that guides quote. The study that measures them writes them to a table, with the state of the code that it measured.
+//! Figures that guides quote. The study that measures a figure writes it to a table, together with a digest of the measured code.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -7,18 +7,18 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Coverage of the intervals of some forces, and errors of the forces.
+/// Errors of a set of sensed forces, and coverage of their intervals.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Figure {
     /// Name of the study.
     pub study: String,
-    /// Row of the guide's table: its first cell.
+    /// First cell of the row in the guide's table.
     pub row: String,
-    /// What is known of each force.
+    /// Known quantities, such as the direction and the noise.
     pub question: String,
     /// Number of forces.
     pub cases: usize,
-    /// How many of them were refused.
+    /// Number of refused forces.
     pub refused: usize,
     /// Mean error, as a share of the true force.
     pub mean_error: f64,
@@ -26,17 +26,17 @@ pub struct Figure {
     pub largest_error: f64,
     /// Share of the 95 % intervals that hold the true force.
     pub within: f64,
-    /// Standard error of that share.
+    /// Standard error of the share `within`.
     pub standard_error: f64,
-    /// [`state_of_code`] when it was measured.
+    /// [`state_of_code`] at the time of the measurement.
     pub state: String,
-    /// Year, month and day.
+    /// Date of the measurement in UTC, such as 2026-11-26.
     pub date: String,
-    /// Command that measures it again.
+    /// Command that repeats the measurement.
     pub command: String,
 }
 
-/// Studies that run at once write one after the other.
+/// Lets studies that run at the same time write one after the other.
 static WRITING: Mutex<()> = Mutex::new(());
 
 fn root() -> PathBuf {
@@ -56,7 +56,7 @@ pub fn recorded_figures() -> Vec<Figure> {
     table.deserialize().collect::<Result<_, _>>().expect("rows of figures")
 }
 
-/// Replaces the figures of a study in the table; its name, and state, date and command, are filled in.
+/// Replaces the figures of a study in the table. Fills in the study, state, date and command of each figure.
 ///
 /// # Panics
 /// If the table cannot be written.
@@ -78,7 +78,7 @@ pub fn record_figures(study: &str, command: &str, figures: Vec<Figure>) {
     table.flush().expect("the table of figures");
 }
 
-/// Digest of the code that figures measure, model and images, without comments, blank lines and texts on one line.
+/// Digest of the measured code: the sources of model, imaging and numerics. Comment lines, blank lines and string literals within a line do not count.
 pub fn state_of_code() -> String {
     let mut files = Vec::new();
     for folder in ["model/src", "model/imaging/src", "model/numerics/src"] {
@@ -105,7 +105,7 @@ fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// The date in UTC, as 2026-11-26.
+/// The present date in UTC, such as 2026-11-26.
 ///
 /// # Reference
 /// Howard Hinnant, chrono-Compatible Low-Level Date Algorithms: `civil_from_days`.

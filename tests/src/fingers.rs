@@ -1,8 +1,8 @@
-//! Fingers of scene files, and the meshes of the paper's.
+//! Fingers of scene files, and the fineness of the meshes in tests.
 
 use finray_model::{Finger, Scene};
 
-/// Elements a member of the meshes on which tests sense: their error is small beside the noise.
+/// Elements per member of the meshes on which tests sense forces. The error of these meshes is small compared with the noise.
 pub const ELEMENTS: usize = 4;
 
 /// The paper's finger.
@@ -10,13 +10,13 @@ pub fn paper() -> Finger {
     finger_of(finray_fixtures::PAPER_SCENE)
 }
 
-/// The finger of a scene's text.
+/// The finger that the text of a scene file describes.
 #[track_caller]
 pub fn finger_of(scene: &str) -> Finger {
     Scene::from_toml(scene).expect("a good scene").finger
 }
 
-/// The paper's scene with texts replaced, everywhere they stand.
+/// The paper's scene after changes of its text: every occurrence of the first string of each pair becomes the second.
 #[track_caller]
 pub fn paper_scene_with(changes: &[(&str, &str)]) -> Scene {
     let text = changes.iter().fold(finray_fixtures::PAPER_SCENE.to_owned(), |text, (from, to)| {

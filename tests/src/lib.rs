@@ -1,5 +1,5 @@
-//! What the tests of `model` and of `verify` beside this crate share: fingers, the paper's and random ones; contacts and loads on them;
-//! what a camera sees of them; and how results are compared.
+//! Code that the tests of `model` and `verify` share: the paper's finger and random fingers, contacts and loads, simulated measurements
+//! and cameras, and the comparison of results.
 
 mod cameras;
 mod chance;

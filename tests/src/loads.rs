@@ -6,29 +6,29 @@ use finray_model::sensing::{Contact, ContactPosition, Pad};
 use finray_model::statics::{self, Statics};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 
-/// A contact at a node, in a direction.
+/// A contact at a node. `angle_deg` is the direction of the force, from the undeformed inward normal.
 pub fn at_node(node: usize, angle_deg: f64) -> Contact {
     Contact { position: ContactPosition::Node(NodeId(node)), angle_deg }
 }
 
-/// Contacts at nodes along the undeformed normal.
+/// Contacts at nodes, with forces along the undeformed normal.
 pub fn at_nodes(nodes: &[usize]) -> Vec<Contact> {
     nodes.iter().map(|&node| at_node(node, 0.0)).collect()
 }
 
-/// A contact at a position along the front plate, in a direction.
+/// A contact at a position along the front plate. `angle_deg` is the direction of the force, from the undeformed inward normal.
 pub fn at_position(s_mm: f64, angle_deg: f64) -> Contact {
     Contact { position: ContactPosition::At(s_mm), angle_deg }
 }
 
-/// A contact node of the finger, chosen by a fraction 0..1 from tip to base.
+/// A contact node of the finger. The fraction selects it: 0 is the tip, 1 the contact node nearest to the base.
 pub fn contact_node(finger: &Finger, fraction: f64) -> NodeId {
     let count = finger.contact_nodes().len();
     NodeId(finger.tip().0 + ((fraction * count as f64) as usize).min(count - 1))
 }
 
-/// A force on a node that bends the linear finger by `share` of its front plate, so that soft and stiff fingers are
-/// put to the same test.
+/// Force on a node, N, under which the largest displacement of the linear finger is `share` of the front plate's length. Soft and stiff
+/// fingers are thus deformed equally.
 pub fn force_for_deflection(finger: &Finger, node: NodeId, angle_deg: f64, share: f64) -> Vector {
     let direction = finger.direction(angle_deg);
     let shape = statics::solve(&Mesh::key_nodes(finger), &[Load::at_node(node, direction)], Kinematics::Linear)
@@ -36,15 +36,15 @@ pub fn force_for_deflection(finger: &Finger, node: NodeId, angle_deg: f64, share
     direction * (share * finger.plate_length_mm(Plate::Front) / shape.largest_displacement_mm())
 }
 
-/// Settling of the plate's direction under a pad, steps.
+/// Number of iterations for the direction of the plate under a pad.
 const SETTLED_AFTER: usize = 12;
 
-/// Forces, N, that do to the plate what an object does that presses on a pad: an even pressure with shear, in equal parts, whose resultant acts
-/// where the object touches the pad, and so turns the plate. It is a couple across the plate as that is bent, found by iteration; nothing here
-/// is the estimator's, which has two forces instead.
+/// Forces, N, that are statically equivalent to an object that presses on a pad: equal forces at `parts` positions along the pad, and a couple at
+/// its ends. The couple is the moment of the shear force, which acts at the pad's surface. Its forces are normal to the deformed plate, whose
+/// direction is found by iteration. The estimator's model of a pad differs: it has two forces.
 ///
 /// # Panics
-/// Where the finger does not carry them, or the pad is not all on the plate.
+/// If the finger has no equilibrium under these forces, or part of the pad is not on the plate.
 pub fn under_pad(mesh: &Mesh, contact: Contact, force_n: f64, pad: Pad, parts: usize) -> Vec<(Contact, f64)> {
     let finger = mesh.finger();
     let s_mm = contact.position_mm(finger).expect("on the plate");
@@ -70,7 +70,7 @@ pub fn under_pad(mesh: &Mesh, contact: Contact, force_n: f64, pad: Pad, parts: u
     all
 }
 
-/// By how much the line between two points of the front plate is turned, degrees; the points are the nodes of the mesh that are nearest.
+/// Rotation, degrees, of the line between the mesh nodes nearest to two positions on the front plate (mm from its base).
 fn chord_turn_deg(mesh: &Mesh, motion: &FrameMotion, ends_mm: [f64; 2]) -> f64 {
     let (finger, frame) = (mesh.finger(), mesh.frame());
     let ends = ends_mm.map(|end_mm| {

@@ -1,4 +1,4 @@
-//! What a camera sees of a finger.
+//! Simulated measurements of a finger.
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
@@ -10,7 +10,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Displacements of all free key nodes of a mesh under contact forces, without noise.
 ///
 /// # Errors
-/// Where there is no equilibrium.
+/// [`StaticsError`] if the finger has no equilibrium under these forces.
 pub fn seen(
     mesh: &Mesh,
     contacts: &[Contact],
@@ -23,7 +23,7 @@ pub fn seen(
     Ok(Measurement::of_shape(finger, &statics::solve(mesh, &loads, kinematics)?))
 }
 
-/// A measurement with noise of a standard deviation, mm.
+/// The measurement with added Gaussian noise. `noise_mm` is the standard deviation of a coordinate at weight 1.
 pub fn noisy(clean: &Measurement, noise_mm: f64, rng: &mut impl Rng) -> Measurement {
     let mut noisy = clean.clone();
     noisy.add_noise(noise_mm, || StandardNormal.sample(rng));

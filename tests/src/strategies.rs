@@ -15,7 +15,7 @@ fn strip() -> impl Strategy<Value = Strip> {
     })
 }
 
-/// Up to seven ribs, evenly or unevenly spaced, clamped or pinned, deformable or not.
+/// Up to seven ribs with unequal gaps, rigid or hinged joints, and deformable or undeformable strips.
 fn ribs() -> impl Strategy<Value = (usize, Vec<[f64; 2]>, Joints, Option<Strip>)> {
     (
         0..8_usize,
@@ -25,8 +25,8 @@ fn ribs() -> impl Strategy<Value = (usize, Vec<[f64; 2]>, Joints, Option<Strip>)
     )
 }
 
-/// Brackets, as shares of the base width, clips and rigid ends, as shares of the front plate, in a third of the fingers each; markers on junctions or
-/// hinges.
+/// Brackets (shares of the base width), clips and rigid plate ends (shares of the front plate's length), each in a third of the fingers; markers on
+/// junctions or hinges.
 fn rigid_parts() -> impl Strategy<Value = ([f64; 2], [f64; 2], [RigidEnds; 2], MarkerPoints)> {
     let brackets = prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.08, 0.0..0.08]];
     let clips = prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.04, 0.0..0.04]];
@@ -35,12 +35,12 @@ fn rigid_parts() -> impl Strategy<Value = ([f64; 2], [f64; 2], [RigidEnds; 2], M
     (brackets, clips, ends, prop_oneof![Just(MarkerPoints::Junctions), Just(MarkerPoints::Hinges)])
 }
 
-/// Fingers as they are built: also with brackets, clips and plate ends that do not deform.
+/// Fingers of [`finger`], some of them with undeformable brackets, clips or plate ends.
 pub fn built_finger() -> impl Strategy<Value = Finger> {
     built(finger())
 }
 
-/// The same with zones.
+/// Fingers of [`finger_with_zones`], some of them with undeformable brackets, clips or plate ends.
 pub fn built_finger_with_zones() -> impl Strategy<Value = Finger> {
     built(finger_with_zones())
 }
@@ -62,7 +62,7 @@ fn built(fingers: impl Strategy<Value = Finger>) -> impl Strategy<Value = Finger
     )
 }
 
-/// Fingers of plates and ribs of every kind, without zones and rigid parts but the arms of rods.
+/// Fingers with plates and ribs of every kind. They have no zones, and no rigid parts except the arms of rods.
 pub fn finger() -> impl Strategy<Value = Finger> {
     let sizes = (40.0..90.0, 80.0..200.0, 0.85..1.2, 8.0..40.0);
     let extras = (prop_oneof![Just(0.0), 0.005..0.02], prop_oneof![Just(0.0), 0.1..0.49]);
@@ -72,7 +72,7 @@ pub fn finger() -> impl Strategy<Value = Finger> {
             let (base_width_mm, front_length_mm, ratio, depth_mm) = sizes;
             let back_length_mm = front_length_mm * ratio;
             let (count, gaps, joints, strip) = ribs;
-            // Gaps between ribs, drawn, become positions that grow from the base to the tip.
+            // Random gaps between ribs are scaled to positions that increase from base to tip.
             let position = |plate: usize, length: f64, rib: usize| {
                 let until = |n: usize| gaps[..n].iter().map(|gap| gap[plate]).sum::<f64>();
                 length * until(rib + 1) / until(count + 1)
@@ -105,7 +105,7 @@ pub fn finger() -> impl Strategy<Value = Finger> {
     )
 }
 
-/// Fingers whose plates carry up to two zones of other modulus.
+/// Fingers with up to two zones of another modulus, on plates or ribs.
 pub fn finger_with_zones() -> impl Strategy<Value = Finger> {
     let zone = (prop_oneof![Just(Part::Front), Just(Part::Back), Just(Part::Ribs)], 0.0..0.7, 0.05..0.3, 0.1..3.0);
     (finger(), prop::collection::vec(zone, 0..3)).prop_filter_map("an impossible zone", |(finger, zones)| {

@@ -1,5 +1,5 @@
-//! Statistical studies of stated standard deviations: judged by few cases on every run, with a record of the full study, and a check that
-//! the record is fresh.
+//! Statistical tests of stated standard deviations. A full study records its figures. Runs with fewer cases also check that this record
+//! is up to date.
 
 use crate::chance::{STANDARD_ERRORS, TWO_SIDED_95, is_full_study, share_error};
 use std::collections::BTreeMap;
@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 const HEADER: &str = "study,mean_square_of_first,cases,share_within_95,mean_square";
-/// The first errors of a study, which few cases have too: a record is of other sensing where their mean square is another, by more than
-/// this share.
+/// Number of first errors that are compared with the record; a run with few cases has the same first errors as the full study. The record is
+/// stale if their mean square differs from the recorded one by more than the share `FRESH`.
 const FIRST: usize = 30;
 const FRESH: f64 = 0.01;
 
@@ -17,12 +17,12 @@ fn mean_square(errors: &[f64]) -> f64 {
     errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64
 }
 
-/// Checks errors in stated standard deviations: the share within a 95 % interval and the mean square are 0.95 and 1, to three and four standard
-/// errors of this number of cases. The full study writes its figures to `fixtures/results/studies.csv`; fewer cases fail where the figures there
-/// are of other sensing than today's.
+/// Checks errors that are given in stated standard deviations. The share within the 95 % interval must be 0.95 within three standard errors of
+/// this number of cases, and the mean square 1 within four. The full study writes its figures to `fixtures/results/studies.csv`. A run with
+/// fewer cases fails if that record is stale.
 ///
 /// # Panics
-/// Where errors are larger or smaller than stated, or the record is stale.
+/// If errors are larger or smaller than stated, or the record is stale.
 #[track_caller]
 pub fn assert_standardised(study: &str, errors: &[f64]) {
     let count = errors.len();
@@ -30,7 +30,7 @@ pub fn assert_standardised(study: &str, errors: &[f64]) {
     let (share, square) = (within as f64 / count as f64, mean_square(errors));
     println!("{study}: {share} of {count} within 95 %, mean square {square}");
     assert!((share - 0.95).abs() <= 3.0 * share_error(0.95, count), "{study}: {share} of {count} within 95 %");
-    // Of the mean square the standard deviation is sqrt(2 / n).
+    // The mean square of n standard normal errors has the standard deviation sqrt(2 / n).
     let chance = STANDARD_ERRORS * (2.0 / count as f64).sqrt();
     assert!((square - 1.0).abs() <= chance, "{study}: mean square {square} of {count}");
     let Some(first) = errors.get(..FIRST).map(mean_square) else { return };
@@ -49,14 +49,14 @@ fn file() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/results/studies.csv")
 }
 
-/// Figures of the full studies, by name.
+/// Recorded figures of the full studies, by the name of the study.
 fn records() -> BTreeMap<String, String> {
     let text = fs::read_to_string(file()).unwrap_or_default();
     let rows = text.lines().skip(1).filter_map(|line| line.split_once(','));
     rows.map(|(study, figures)| (study.to_owned(), figures.to_owned())).collect()
 }
 
-/// Tests that run at once write one after the other.
+/// Lets tests that run at the same time write one after the other.
 static WRITING: Mutex<()> = Mutex::new(());
 
 fn record(study: &str, figures: String) {

@@ -1,4 +1,4 @@
-//! Where does linear least squares err on a finger that bends co-rotationally? An accuracy map in a few lines.
+//! An accuracy map in a few lines: errors of linear least squares on a co-rotational finger, by position and direction of the force.
 //!
 //! `cargo run --release -p finray-verify --example accuracy_map` writes `accuracy_map.svg`.
 
@@ -11,7 +11,7 @@ use finray_studies::truths::TruthId;
 use finray_studies::truths::{MeshTruth, fine_mesh};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // The problem: forces of 3 N all along the front plate, from -80 to 80 degrees, seen without noise.
+    // The problem: a force of 3 N at positions along the whole front plate, in directions from -80 to 80 degrees, measured without noise.
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE)?.finger;
     let (positions_mm, angles_deg) = Grid::grid(&finger, 24, 10.0);
     let request = MapRequest {
@@ -23,14 +23,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         seed: 1,
     };
 
-    // The finger that is true, the one that the estimator takes for true, and the map of the difference.
+    // The true finger, the estimator with its linear model, and the map of the estimator's errors.
     let fine = fine_mesh(&finger)?;
     let truth = MeshTruth::new(TruthId::Corotational, &fine, Kinematics::Corotational)?;
     let mesh = Mesh::key_nodes(&finger);
     let least_squares = BeamEstimator::least_squares(&mesh);
     let map = accuracy_maps(&finger, &truth, &[&least_squares], &request, &|| ()).remove(0);
 
-    // The comparison: along the normal errors stay below 10 %, far from it they do not.
+    // The comparison: along the normal all errors are below 10 %; at -60 degrees the largest error is above 10 %.
     let largest = |angle_deg: f64| {
         let cells = map.cells.iter().filter(|cell| cell.angle_deg == angle_deg);
         cells.filter_map(|cell| cell.mean_error).fold(0.0, f64::max)
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     assert!(largest(0.0) < 0.1 && largest(-60.0) > 0.1);
 
-    // The figure, apart.
+    // The figure, drawn last.
     std::fs::write("accuracy_map.svg", standalone(&map_figure_svg(&finger, &map, Some(3.0))?))?;
     Ok(())
 }

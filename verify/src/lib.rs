@@ -4,7 +4,7 @@
 //! - [`figures`] draws charts and is independent of fingers; [`files`] reads and writes files.
 //! - [`lattice`] models a finger, or two fingers and an object, as rigid bodies and springs.
 //! - The studies: [`truths`] are reference models of the finger, [`estimators`] are tested on them, and [`sampling`] draws the test cases.
-//!   [`problems`] have known answers, [`experiments`] are the single studies, [`study`] runs all of them for a scene, and [`claims`] compares the
+//!   [`problems`] have known answers, [`experiments`] are the individual studies, [`study`] runs all of them for a scene, and [`claims`] compares the
 //!   results with the paper's statements.
 //! - [`report`] presents the results as pages.
 //! - This crate is the program, with its [`guide`]. The physics is in [`finray_model`].

@@ -1,7 +1,7 @@
 //! Images of the finger: rendering ([`render`]), positions of markers in images ([`locate`]), and plane grids for lens calibration ([`grid`]).
 //!
-//! The crate is pure, like the model: images are in memory, and random numbers come from a given seed. Pixel coordinates are u to the right and v down; the
-//! centre of the first pixel is (0, 0), as in [`finray_model::camera`].
+//! The crate reads and writes no files: images are in memory, and random numbers come from a given seed. Pixel coordinates are u (to the right) and v
+//! (downwards), px; the centre of the top left pixel is (0, 0), as in [`finray_model::camera`].
 #![forbid(unsafe_code)]
 
 pub mod grid;
@@ -10,7 +10,7 @@ pub mod locate;
 pub mod plane_pose;
 pub mod render;
 
-/// Light at a position between pixels by bilinear interpolation, grey levels; `None` outside the image.
+/// Grey level at a position between pixels, by bilinear interpolation; `None` outside the image.
 fn light(grey: &image::GrayImage, at: &finray_model::camera::Pixel) -> Option<f64> {
     let (u, v) = (at.x.floor(), at.y.floor());
     let (width, height) = grey.dimensions();

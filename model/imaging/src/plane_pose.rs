@@ -17,8 +17,8 @@ pub struct PoseFit {
     pub pose: Pose,
     /// Residual standard deviation of one pixel coordinate, px, with 2 n - 6 degrees of freedom for n points.
     pub residual_sd_px: f64,
-    /// 6 x 6 covariance of a small motion of the camera frame: rotation vector in rad, then translation in mm. It holds for pixel coordinates with a
-    /// standard deviation of 1 px. The covariance of the pose is this matrix times the variance of a pixel coordinate in px^2.
+    /// 6 x 6 covariance of the pose for pixel coordinates with a standard deviation of 1 px. The pose is varied by a small motion of the camera frame: rotation
+    /// vector in rad, then translation in mm. For other pixel errors, the covariance is this matrix times the variance of a pixel coordinate in px^2.
     pub unit_covariance: Matrix6<f64>,
 }
 
@@ -42,8 +42,9 @@ pub enum PlanePoseError {
     NotFound,
 }
 
-/// Fits the pose to pixels of points (mm) on the plane z = `height_mm` of the finger frame. The least-squares fit of the pixels starts from the homography of
-/// the undistorted pixels. A distant plane fits nearly as well with the opposite tilt, so both tilts are tried.
+/// Fits a pose to the pixels of points on the plane z = `height_mm` of the finger frame. `points` holds the position (mm) and the pixel of each point. The
+/// homography of the undistorted pixels is the starting point of the least-squares fit. A distant plane fits nearly as well with the opposite tilt, so both
+/// tilts are tried.
 ///
 /// # Errors
 /// [`PlanePoseError`] for fewer than four points, collinear points, a pixel beyond the fold, or no pose that fits.
@@ -114,7 +115,8 @@ impl LeastSquaresProblem for PoseProblem<'_> {
     }
 }
 
-/// 2 x 6 derivatives of the pixel of a point by a small motion of the camera frame, px/rad and px/mm: d(R X) = w x R X = -[R X]x w.
+/// 2 x 6 derivatives of the pixel of a point by a small motion of the camera frame, px/rad and px/mm. A small rotation vector w changes R X by d(R X) = w x R X
+/// = -[R X]x w.
 pub(super) fn by_motion(lens: &Lens, pose: &Pose, point: &Vector3<f64>) -> Result<Matrix2x6<f64>, ViewError> {
     let (_, by_camera) = lens.project_with_derivatives(&pose.to_camera(point))?;
     let turned = pose.rotation * point;
@@ -124,7 +126,7 @@ pub(super) fn by_motion(lens: &Lens, pose: &Pose, point: &Vector3<f64>) -> Resul
     Ok(by)
 }
 
-/// Transform that moves the mean of the points to zero and scales their root mean square distance from zero to sqrt(2).
+/// Transform after which the points have mean zero and a root mean square distance of sqrt(2) from the origin.
 fn normalisation(points: &[Vector2<f64>]) -> Matrix3<f64> {
     let count = points.len() as f64;
     let mean = points.iter().sum::<Vector2<f64>>() / count;
@@ -185,7 +187,7 @@ fn of_homography(homography: &Matrix3<f64>, mean: &Vector2<f64>, height_mm: f64)
     Some(Pose { rotation, translation_mm })
 }
 
-/// The pose after mirroring the plane's normal about the ray to a point of the plane. This point keeps its position.
+/// The pose after the plane's normal is mirrored about the ray from the camera to a point of the plane. This point keeps its position.
 fn tilted_back(pose: &Pose, point: &Vector3<f64>) -> Pose {
     let seen = pose.to_camera(point);
     let ray = seen.normalize();

@@ -83,8 +83,8 @@ impl FactorEstimate {
 /// A pair of unknowns is reported if its absolute correlation is at least this. If one factor were known, the standard deviation of the other would fall to a
 /// third.
 const ENTANGLED: f64 = 0.95;
-/// Factors are refused if the singular values of the scaled Jacobian span this ratio or more. Sensitivities have nine correct digits, so smaller singular
-/// values are rounding errors. Independent zones of the paper's finger span less than 1e4.
+/// Factors are refused if the largest singular value of the scaled Jacobian is at least this many times the smallest. Sensitivities have nine correct digits,
+/// so smaller singular values are rounding errors. For independent zones of the paper's finger, the ratio is below 1e4.
 const LARGEST_SPAN: f64 = 1e7;
 /// A factor is not identifiable if its logarithm has at least this standard deviation: 1 is a factor of e in either direction.
 const LARGEST_RELATIVE_SIGMA: f64 = 1.0;

@@ -1,4 +1,4 @@
-//! Estimates one modulus of the co-rotational finger. The method is robust to markers that belong to another node.
+//! Estimates one modulus of the co-rotational finger. The method is robust to markers with a wrong node number.
 
 use super::factors::distances_mm;
 use super::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors, median, youngs_modulus};

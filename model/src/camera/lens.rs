@@ -8,7 +8,7 @@ use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 const WIDEST: f64 = 5.0;
 /// Number of radii at which a fold is searched for. They suffice, because the slope is a cubic in r^2 with at most three roots.
 const FOLD_STEPS: usize = 2000;
-/// Newton's method ends when a step, as a share of 1 + radius, is below this: 1e-11 px at a focal length of 1e5 px.
+/// Newton's method ends when a step is at most this share of 1 + radius. At a focal length of 1e5 px, this is 1e-11 px.
 const SETTLED: f64 = 1e-16;
 /// Limit of the number of Newton iterations for the undistorted coordinates of a pixel.
 const MOST_STEPS: usize = 50;
@@ -241,7 +241,7 @@ impl Lens {
             }
             let step = by_at.lu().solve(&(bent - found)).ok_or(ViewError::Folded)?;
             at += step;
-            // The tangential part may lead the iteration beyond the fold and back.
+            // The tangential part may take the iteration beyond the fold and back, so the limit is twice the radius of the fold.
             if at.norm() > 2.0 * self.widest {
                 return Err(ViewError::Folded);
             }

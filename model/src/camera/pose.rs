@@ -46,7 +46,7 @@ impl Pose {
         -(self.rotation.inverse() * self.translation_mm)
     }
 
-    /// The pose after a small motion of the camera frame: a rotation vector (rad), then a translation (mm).
+    /// The pose after a motion of the finger in the camera frame: a rotation about the finger frame's origin (rotation vector, rad) and a translation (mm).
     pub fn moved(&self, motion: &Vector6<f64>) -> Pose {
         let turn = Rotation3::from_scaled_axis(motion.fixed_rows::<3>(0).into_owned());
         Pose { rotation: turn * self.rotation, translation_mm: self.translation_mm + motion.fixed_rows::<3>(3) }
@@ -59,8 +59,8 @@ impl Pose {
         Pose { rotation: self.rotation * turn, translation_mm: self.to_camera(&shift) }
     }
 
-    /// The pose of a finger with a placement in the frame of this pose, by eqs (9) and (10) of Xu et al. 2021. A mirrored finger is rotated by half a turn
-    /// about its x axis, so its z axis is opposite to that of the frame.
+    /// The pose of a finger whose `placement` refers to the frame of this pose, by eqs (9) and (10) of Xu et al. 2021. A mirrored finger is rotated by half a
+    /// turn about its x axis, so its z axis is opposite to that of the frame.
     pub fn of_placed_finger(&self, placement: &Placement) -> Pose {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), placement.angle_rad);
         let turn = if placement.mirrored { turn * Rotation3::from_axis_angle(&Vector3::x_axis(), PI) } else { turn };

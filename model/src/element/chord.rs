@@ -43,7 +43,7 @@ impl<R: Number> Chord<R> {
     /// The chord between the displaced ends.
     ///
     /// Elongation and rotation follow from the relative displacement of the ends, not from differences of lengths and angles. Displacements far smaller than
-    /// the beam therefore keep all their digits.
+    /// the length of the beam therefore lose no digits.
     #[inline(always)]
     pub fn deformed(beam: &Beam<R>, motion: &[EndMotion<R>; 2]) -> Chord<R> {
         let relative = difference(motion);

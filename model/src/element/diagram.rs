@@ -4,7 +4,7 @@ use super::chord::Deformation;
 use super::{Beam, Chord, EndMotion, Kinematics};
 use crate::Vector;
 
-/// Axial strain and curvature at one position of a beam. Both may jump at a load, so there is one station just before and one just after each load.
+/// Axial strain and curvature at one position of a beam. The axial strain may jump at a load, so there is one station just before and one just after each load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
     /// Position as a fraction of the beam's length, 0..1.

@@ -78,8 +78,8 @@ impl Beam {
             ElementVector::new(ends[0].x, ends[0].y, 0.0, ends[1].x, ends[1].y, 0.0) + by_deflection * across;
         let mut tangent = ElementMatrix::zeros();
         if !linear {
-            // The chord rotates with the ends: d(across) = -along d(rotation), d(along) = across d(rotation). The relative
-            // end rotations phi = theta - rotation have minus the second derivative of the chord's rotation.
+            // The chord rotates with the ends: d(across) = -along d(rotation), d(along) = across d(rotation). The second
+            // derivative of the relative end rotations phi = theta - rotation is minus that of the chord's rotation.
             let turning = chord.rotation_gradient();
             gradient -= turning * (along * deflection);
             tangent = -(by_deflection * turning.transpose() + turning * by_deflection.transpose()) * along

@@ -53,9 +53,9 @@ impl<R: Number> Beam<R> {
     /// Energy U with its gradient and second derivatives, by the chain rule from the natural deformations to the six end coordinates.
     ///
     /// The energy depends only on the displacement d of the second end relative to the first and on the two end rotations. Four coordinates therefore
-    /// suffice: d along and across the chord, theta_a and theta_b. By these the chord's length has the derivative (1, 0, 0, 0) and its rotation
-    /// (0, 1 / l, 0, 0). With the relative end rotations phi = theta - rotation, all first derivatives follow. The second derivative of the length is 1 / l
-    /// (across-across), that of the rotation -1 / l^2 (along-across); both count only if `curved`.
+    /// suffice: d along and across the chord, theta_a and theta_b. Let l be the length of the deformed chord. The first derivatives by these coordinates are
+    /// (1, 0, 0, 0) for the length and (0, 1 / l, 0, 0) for the chord's rotation. With phi = theta - rotation, those of the relative end rotations follow. The
+    /// second derivatives are 1 / l (across-across) for the length and -1 / l^2 (along-across) for the rotation; both are included only if `curved`.
     #[inline(always)]
     pub(super) fn response_on(
         &self,

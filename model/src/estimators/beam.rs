@@ -10,7 +10,7 @@ use crate::sensing::{
 use nalgebra::{DMatrix, DVector};
 
 /// Beam elements per member of the co-rotational mesh from which the error of linearisation follows. The discretisation error of this mesh is small compared
-/// with it.
+/// with the error of linearisation.
 const LINEARISATION_ELEMENTS: usize = 2;
 
 /// An estimator on a mesh of the beam model.
@@ -28,7 +28,8 @@ pub struct BeamEstimator<'m> {
 }
 
 impl<'m> BeamEstimator<'m> {
-    /// Linear least squares, with exact displacements of the key nodes on any mesh. Its standard deviations include the error of linearisation.
+    /// Linear least squares. On any mesh, the displacements of the key nodes are exact for the linear finger. The standard deviations include the error of
+    /// linearisation.
     pub fn least_squares(mesh: &'m Mesh) -> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::LeastSquares, Prior::None, mesh)
     }
@@ -125,7 +126,7 @@ impl PreparedEstimator for Linear<'_> {
 struct SumSigma {
     /// C^T W^2 C, mm^2/N^2, for an estimator with a prior. `None` without a prior, or if the matrix is singular to rounding.
     information: Option<DMatrix<f64>>,
-    /// Standard deviation of the sum by least squares per mm of noise, N/mm.
+    /// Standard deviation of the sum of least-squares forces per mm of noise, N/mm.
     per_noise: f64,
 }
 

@@ -109,7 +109,7 @@ impl EstimatorId {
         (self.row().admits)(finger, contacts, networks)
     }
 
-    /// Answers one [`Question`]: estimates the forces, with all errors that the estimator states, as `finray sense` does.
+    /// Answers one [`Question`]: estimates the forces, with all errors that the estimator states. The command `finray sense` uses these answers.
     ///
     /// # Errors
     /// [`EstimatorError`] if a contact is wrong, or the estimator refuses to answer.
@@ -150,7 +150,7 @@ pub struct Question<'q> {
 /// Contacts with their given or estimated position and direction, and their forces.
 pub type Answer = (Vec<Contact>, Estimate);
 
-/// Contacts of known position and direction. [`EstimatorError::NotKnown`] if one is unknown, because most estimators do not support this.
+/// Contacts of known position and direction. [`EstimatorError::NotKnown`] if a position or direction is unknown, because most estimators do not support this.
 fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<Contact>, EstimatorError> {
     let known: Option<Vec<Contact>> = contacts.iter().map(|question| question.known()).collect();
     let contacts = known.ok_or(EstimatorError::NotKnown)?;

@@ -70,14 +70,14 @@ pub enum MarkerPoints {
     Hinges,
 }
 
-/// Part of the finger that a zone belongs to.
+/// A part of the finger, to which a member or a zone belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// The front plate.
     Front,
     /// The back plate.
     Back,
-    /// The ribs whose front ends lie in the zone.
+    /// The ribs. A zone of this part covers the ribs whose front ends lie in the zone.
     Ribs,
 }
 
@@ -114,7 +114,7 @@ pub struct FingerDescription {
     pub depth_mm: f64,
     /// Length of the rigid arms at both ends of every member, mm. They model the rods at the key nodes.
     pub rod_arm_mm: f64,
-    /// Poisson's ratio, dimensionless. Strips are wide compared with their thickness, so their modulus is E / (1 - nu^2).
+    /// Poisson's ratio, dimensionless. Strips are wide compared with their thickness, so their effective modulus is E / (1 - nu^2).
     pub poissons_ratio: f64,
     /// The front plate.
     pub front: Strip,

@@ -4,7 +4,8 @@ use super::{BracketLengths, Finger, FingerDescription, ImpossibleFinger, OfRibs,
 use crate::Vector;
 use crate::keys::{BACK, FINGER, FRONT, Key, Kind, RIBS, ZONE};
 
-/// Neighbouring nodes, and nodes and plate ends, must be at least this share of the plate's length apart.
+/// Smallest distance between neighbouring nodes that do not share a point, and between nodes and plate ends, as a share of the plate's length. The other checks
+/// of geometry use it as a relative margin.
 pub(super) const SMALLEST_SPACING: f64 = 1e-9;
 
 fn require(holds: bool, key: &str, reason: impl FnOnce() -> String) -> Result<(), ImpossibleFinger> {
@@ -148,7 +149,7 @@ fn check_shared_junctions(finger: &Finger) -> Result<(), ImpossibleFinger> {
     require(!(refused && is_rigid), &RIBS.rigid.path(), || format!("expected false {shared}"))
 }
 
-/// Checks that rods, clips and rigid ends leave part of each member to bend, and that brackets leave room for each rib.
+/// Checks that rods, clips and rigid ends leave an elastic part of each member, and that brackets leave room for each rib.
 pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     check_shared_junctions(finger)?;
     check_brackets(finger)?;
@@ -188,7 +189,8 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     Ok(())
 }
 
-/// Checks that the hinges on one plate do not lie beyond those on the other plate. Each rib then has a length, and ribs do not cross.
+/// Checks for each rib that the joint on one plate is farther from the other plate than that plate's bracket reaches. Each rib then has a positive length, and
+/// ribs do not cross.
 fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let key = RIBS.bracket_mm.path();
     if let BracketLengths::Each(lengths_mm) = &finger.description.ribs.bracket_mm {

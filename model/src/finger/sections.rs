@@ -24,7 +24,7 @@ impl Finger {
         }
     }
 
-    /// Section of a part without zones, with the plane-strain modulus E / (1 - nu^2). For a plate, this is the section at its base; for ribs, that of the
+    /// Section of a part, ignoring zones, with the plane-strain modulus E / (1 - nu^2). For a plate, this is the section at its base; for ribs, that of the
     /// thickest rib. `None` for undeformable ribs.
     pub fn section(&self, part: Part) -> Option<Section> {
         match part {

@@ -21,7 +21,7 @@ pub struct Equations {
 }
 
 impl Equations {
-    /// Numbers x, y and rotation of each node in the order of the nodes, then the remaining rotations.
+    /// Assigns equation numbers to x, y and rotation of each node in the order of the nodes, then to the remaining rotations.
     pub fn of(frame: &PlaneFrame) -> Equations {
         let mut count = 0;
         let mut next = || {

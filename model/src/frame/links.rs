@@ -83,7 +83,7 @@ impl PlaneFrame {
         }
     }
 
-    /// The levers from its master to a linked node, each with its rotation slot and its current vector, mm; none for other nodes.
+    /// The levers between a linked node and its master, each with its rotation slot and its current vector, mm; none for a node without a link.
     #[inline(always)]
     pub(crate) fn turned_levers<'a, R: Number>(
         &'a self,
@@ -98,7 +98,7 @@ impl PlaneFrame {
         })
     }
 
-    /// The rotation slots of the levers from its master to a linked node; none for other nodes.
+    /// The rotation slots of the levers between a linked node and its master; none for a node without a link.
     pub(crate) fn lever_rotations(&self, node: NodeIndex) -> impl Iterator<Item = RotationSlot> {
         self.nodes[node].link.iter().flat_map(RigidLink::levers).map(|lever| lever.rotation)
     }

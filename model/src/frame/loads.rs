@@ -48,7 +48,7 @@ impl FrameLoad {
         }
     }
 
-    /// The beam end that carries the load, its force (N) and moment (N mm). For an interior load, this is the first end of its member.
+    /// The beam end that carries the load, and the load's force (N) and moment (N mm). For an interior load, the first end of the loaded member.
     pub(crate) fn at_end(&self, frame: &PlaneFrame) -> (BeamEnd, Vector, f64) {
         match *self {
             FrameLoad::Node { node, force, moment_nmm } => (frame.clamped_end(node), force, moment_nmm),
@@ -82,7 +82,8 @@ impl PlaneFrame {
         self.inside(motion, member, kinematics, |beam, motions| beam.interior_work(kinematics, xi, -force, motions))
     }
 
-    /// Potential (N mm) of a force and moment at the end of an arm, with derivatives by the motion of its node (the first three coordinates).
+    /// First and second derivatives of the potential of a force (N) and moment (N mm) at the end of an arm, by the motion of the arm's node (the first three
+    /// coordinates). The potential itself is not computed: the returned energy is zero.
     pub(crate) fn end_load(
         &self,
         motion: &FrameMotion,

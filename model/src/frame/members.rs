@@ -193,7 +193,7 @@ pub(crate) fn carry_over_arms<R: Number>(
         let (x, y, theta) = (3 * i, 3 * i + 1, 3 * i + 2);
         let (force_x, force_y) = (response.gradient[x], response.gradient[y]);
         response.gradient[theta] += arm.x * force_y - arm.y * force_x;
-        // The node's rotation adds -arm.y times row x and arm.x times row y to its row; the same holds for columns.
+        // The row of the node's rotation gains -arm.y times row x and arm.x times row y; the same holds for columns.
         let tangent = &mut response.tangent;
         for k in 0..6 {
             let turning = arm.x * tangent[(y, k)] - arm.y * tangent[(x, k)];

@@ -15,7 +15,7 @@ pub struct LinkageErrors {
     pub length_mm: f64,
 }
 
-/// Largest error of an undeformed key node from each cause, as a standard deviation in mm. The causes are independent.
+/// Largest position error of an undeformed key node from each cause, as a standard deviation in mm. The causes are independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeErrors {
     /// Error from the motor's angle, mm.

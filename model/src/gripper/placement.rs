@@ -24,17 +24,17 @@ impl Placement {
         Rotation2::new(self.angle_rad).into_inner() * Matrix2::new(1.0, 0.0, 0.0, sign)
     }
 
-    /// Coordinates in the outer frame of a point of this frame, mm.
+    /// Transforms the coordinates of a point from this frame to the outer frame, mm.
     pub fn outwards(&self, point: Vector) -> Vector {
         self.origin + self.axes() * point
     }
 
-    /// Coordinates in this frame of a point of the outer frame, mm.
+    /// Transforms the coordinates of a point from the outer frame to this frame, mm.
     pub fn inwards(&self, point: Vector) -> Vector {
         self.axes().transpose() * (point - self.origin)
     }
 
-    /// This placement refers to the frame that `outer` places. Returns the placement in the outer frame of `outer`, which must not be mirrored.
+    /// Concatenates two transforms: first this placement, then `outer`, which must not be mirrored.
     pub fn within(&self, outer: &Placement) -> Placement {
         Placement {
             origin: outer.outwards(self.origin),

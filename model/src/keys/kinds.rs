@@ -41,7 +41,7 @@ pub trait Kind {
     /// [`Refused`] for a value of another type.
     fn parse(&self, value: &DeValue) -> Result<Self::Value, Refused>;
 
-    /// Text of the part of a value that lies outside the range; `None` if the whole value lies within.
+    /// Text of a value outside the range: the whole value, or its first part outside the range. `None` for a value within the range.
     fn outside(&self, _value: &Self::Value) -> Option<String> {
         None
     }

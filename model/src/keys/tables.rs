@@ -14,7 +14,7 @@ pub const ROD_RADIUS_MM: f64 = 1.5;
 
 const NOT_NEGATIVE: Range = Range::NOT_NEGATIVE;
 const POSITIVE: Range = Range::POSITIVE;
-/// Upper limit of lengths of a linkage, object or path (mm), and of forces, rates and gravity in their units.
+/// Upper limit of the lengths of a linkage, object or path (mm), and of several other quantities, each in the unit of its key.
 const LARGEST: f64 = 1e4;
 /// Upper limit of the distance between finger and camera, mm.
 const FARTHEST_MM: f64 = 1e5;
@@ -26,9 +26,9 @@ const LONGEST_FOCUS_PX: f64 = 1e7;
 const LARGEST_FRICTION: f64 = 10.0;
 /// Upper limit of the base's rotation per force, degrees per N. A softer base does not hold a finger.
 const LARGEST_TURN: f64 = 10.0;
-/// Upper limit of the standard deviation of a joint's position, mm. With a larger one, the description does not fit the finger.
+/// Upper limit of the standard deviation of a joint's position, mm. A larger value means that the description does not match the finger.
 const LARGEST_JOINT_SIGMA_MM: f64 = 10.0;
-/// Upper limit of numbers of steps and of camera frames.
+/// Upper limit of a number of steps or of camera frames.
 const MOST_STEPS: usize = 10_000;
 
 const BELOW_RADIUS: Range = ByOthers("zero or more and below radius_mm");

@@ -1,4 +1,4 @@
-//! Noise of measured displacements, by the source of the undeformed positions.
+//! Noise of measured displacements, which depends on the source of the undeformed positions.
 //!
 //! A displacement is a position in an image minus the undeformed position. The undeformed position is measured in an image of the unloaded finger, or computed
 //! from the motor angle. The error of the undeformed position is part of the displacement, and all frames that use this position share the error.
@@ -45,8 +45,8 @@ impl DisplacementNoise {
 
     /// Covariance of the mean of `frames` frames, mm^2. Rows and columns are x and y of each node of `positions_mm`.
     ///
-    /// `positions_mm` are the deformed positions of the nodes, finger frame: a rotation of the base moves every node perpendicular to its radius. The error
-    /// of the undeformed positions does not average out.
+    /// `positions_mm` are the deformed positions of the nodes, finger frame. They are needed because a rotation of the base moves every node perpendicular to
+    /// its radius. The error of the undeformed positions does not average out.
     pub fn covariance_mm2(&self, positions_mm: &[Vector], frames: usize) -> DMatrix<f64> {
         let coordinates = 2 * positions_mm.len();
         let own = self.frame_sd_mm().powi(2) / frames as f64;
@@ -70,7 +70,7 @@ impl DisplacementNoise {
     }
 
     /// Random errors of the displacements due to the undeformed positions, mm, one vector per node. All frames share these errors. `standard_normal` returns
-    /// random numbers.
+    /// independent random numbers of the standard normal distribution.
     pub fn shared_errors_mm(&self, positions_mm: &[Vector], mut standard_normal: impl FnMut() -> f64) -> Vec<Vector> {
         match *self {
             DisplacementNoise::Independent { .. } => vec![Vector::zeros(); positions_mm.len()],
@@ -99,7 +99,8 @@ impl DisplacementNoise {
         }
     }
 
-    /// Covariance of the mean of several frames, factored as L L^T. L^-1 transforms errors into independent errors of standard deviation 1. `None` without noise.
+    /// Covariance of the mean of several frames, factored as L L^T: L^-1 transforms errors into independent errors of standard deviation 1. `None` without
+    /// noise.
     pub fn factored(&self, positions_mm: &[Vector], frames: usize) -> Option<Cholesky<f64, Dyn>> {
         Cholesky::new(self.covariance_mm2(positions_mm, frames))
     }

@@ -16,7 +16,7 @@ pub(super) fn by_largest_remainder(total: usize, lengths: &[f64]) -> Vec<usize> 
                 shares[i] = (quota(i).floor() as usize).max(1);
             }
             let mut by_remainder = sharing.clone();
-            // Equal plates may differ in length by rounding, so remainders that are this close count as equal.
+            // Rounding may make equal plates differ in length, so remainders are compared to nine decimal places.
             let remainder = |i: usize| (quota(i).fract() * 1e9).round() as i64;
             by_remainder.sort_by_key(|&i| (-remainder(i), i));
             let given: usize = sharing.iter().map(|&i| shares[i]).sum();

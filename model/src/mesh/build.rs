@@ -23,7 +23,7 @@ impl Mesh {
                 frame.add_node(finger.hinge(node));
             }
         }
-        // Links must come first, because they determine the rotation slot of each node.
+        // Links must be added before the members, because they determine the rotation slot of each node.
         for rib in 0..finger.rib_count() {
             link_rib(&mut frame, finger, rib);
         }
@@ -107,7 +107,7 @@ impl Mesh {
         self.add_line(Part::Ribs, ends, &vec![section; elements]);
     }
 
-    /// Adds a straight chain of equal elements between two ends, one element per section.
+    /// Adds a straight chain of elements of equal length between two ends, one element per section.
     fn add_line(&mut self, part: Part, ends: [BeamEnd; 2], sections: &[Section]) {
         let [from, to] = ends.map(|end| self.frame.position(end.node) + end.arm);
         let first_member = self.frame.members().len();
@@ -178,7 +178,7 @@ fn link_rib(frame: &mut PlaneFrame, finger: &Finger, rib: usize) {
     }
 }
 
-/// Lengths of the lines that share the elements, mm, from base to tip: back plate, front plate, ribs; then the base line.
+/// Lengths of the lines, mm: members of the back plate, members of the front plate and ribs, each from base to tip; then the base line.
 pub(super) fn line_lengths(finger: &Finger) -> Vec<f64> {
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
         let positions = finger.plate_positions_mm(plate);

@@ -25,12 +25,12 @@ pub enum Load {
 }
 
 impl Load {
-    /// A load by a force (N) on a key node, without moment.
+    /// A force (N) on a key node, without a moment.
     pub fn at_node(node: NodeId, force: Vector) -> Load {
         Load::Node { node, force, moment_nmm: 0.0 }
     }
 
-    /// A load by a force (N) at a position along the front plate, mm from the base.
+    /// A force (N) at a position along the front plate, mm from the base.
     pub fn at_position(s_mm: f64, force: Vector) -> Load {
         Load::Front { s_mm, force }
     }

@@ -38,7 +38,7 @@ pub struct FingerShape {
 }
 
 impl FingerShape {
-    /// The shape in which `motion` returns the displacement (mm) and rotation (rad) of each key node. If `linear`, brackets rotate to first order.
+    /// A shape from `motion`, which returns the displacement (mm) and rotation (rad) of a key node. If `linear`, brackets rotate to first order.
     pub fn new(finger: &Finger, linear: bool, mut motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
         let motions = (1..=finger.key_node_count()).map(NodeId).map(|node| {
             let (displacement, rotation) = motion(node);

@@ -4,8 +4,8 @@ use super::Mesh;
 use crate::finger::{Finger, Part, Plate, Zone};
 use crate::frame::Section;
 
-/// Start of element `i` of equal elements on the elastic part of a plate member, mm from the base. `free` holds start and end of this part, mm from the base. If
-/// `i` is the number of elements, this is the end of the last element. It is exact without rounding, so that a load at the tip lies on the plate.
+/// Start of element `i` (from 0), mm from the base. The elastic part of a plate member, from `from` to `to` (mm from the base), consists of `elements` equal
+/// elements. If `i` is the number of elements, returns `to` without rounding, so that a load at the tip lies on the plate.
 pub(super) fn element_start([from, to]: [f64; 2], elements: usize, i: usize) -> f64 {
     if i == elements { to } else { from + (to - from) * i as f64 / elements as f64 }
 }
@@ -47,7 +47,7 @@ impl Finger {
 }
 
 /// Integral over a plate segment of the compliance relative to the base section, mm. `relative` is the mean relative compliance between two positions without
-/// zones; the product of the zones' factors divides it. Only sections whose middle satisfies `counted` contribute.
+/// zones; the product of the zones' factors divides it. Ends of zones divide the segment into parts. Only parts whose middle satisfies `counted` contribute.
 fn compliance(
     zones: &[Zone],
     from_mm: f64,
@@ -75,9 +75,9 @@ fn covers(zone: &Zone, position_mm: f64) -> bool {
 }
 
 impl Mesh {
-    /// Sensitivity of the members' stiffness to the modulus factor of a zone; zones are numbered from 0. Returns pairs of a member's index and its d
-    /// ln(stiffness) / d ln(factor), 0..1. The sensitivity equals the zone's share of the member's compliance (in bending, if the plate is tapered). Members
-    /// outside the zone are omitted.
+    /// Sensitivity of the frame members' stiffness to the modulus factor of a zone; zones are numbered from 0. Returns pairs of a member's index and its
+    /// sensitivity d ln(stiffness) / d ln(factor), 0..1. The sensitivity equals the zone's share of the member's compliance (in bending, if the plate is
+    /// tapered). Members outside the zone are omitted.
     pub fn zone_shares(&self, zone: usize) -> Vec<(usize, f64)> {
         let description = self.finger.description();
         let Some(chosen) = description.zones.get(zone) else { return Vec::new() };

@@ -1,4 +1,4 @@
-//! Markers on clamped nodes: they show only noise, so a large displacement belongs to another node.
+//! Markers on clamped nodes. They show only noise, so a large displacement indicates a wrong node number.
 
 use super::MarkerError;
 use crate::Vector;

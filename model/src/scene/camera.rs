@@ -97,7 +97,7 @@ pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneErro
     let on = table.word(&MARKERS.on, [MarkerPoints::Junctions, MarkerPoints::Hinges])?;
     let errors =
         MarkerErrors { noise_factor: table.get(&MARKERS.noise_factor)?, model_mm: table.get(&MARKERS.model_error_mm)? };
-    // An empty table also lacks the required keys.
+    // An empty table counts as a description of the appearance, so it is rejected because required keys are missing.
     let lookless = [MARKERS.on.name, MARKERS.noise_factor.name, MARKERS.model_error_mm.name];
     let of_look: Vec<_> =
         MARKERS.entries().iter().map(|entry| entry.name).filter(|name| !lookless.contains(name)).collect();
@@ -147,7 +147,7 @@ pub struct Reference {
     pub markers: Markers,
 }
 
-/// A base that moves between images, so that the camera's pose does not determine the position of the base.
+/// A base that moves between images, so that the camera's pose alone does not determine the position of the base.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Base {
     /// Reference marks that move with the base. Two or more marks determine the pose of the base.
@@ -157,7 +157,7 @@ pub struct Base {
 }
 
 impl Base {
-    /// Whether the base has no reference marks but an uncertainty, so that only the camera's pose determines it.
+    /// Whether the base has an uncertainty but no reference marks. The uncertainty is then relative to the camera's pose.
     pub fn is_of_pose(&self) -> bool {
         self.references.is_empty() && self.uncertainty.is_some()
     }

@@ -48,7 +48,7 @@ pub enum ObjectMotion {
         /// Condition that ends the motion.
         until: Until,
     },
-    /// Motion of the reference point through points of the finger frame, mm.
+    /// Motion of the reference point through these points, mm, finger frame.
     Path(Vec<Vector>),
 }
 
@@ -57,7 +57,7 @@ pub enum ObjectMotion {
 pub enum Until {
     /// The object has moved by this distance since first touch, mm.
     Travel(f64),
-    /// The force along the line has reached this value, N. The object cannot move off the line.
+    /// The force along the line has reached this value, N. The object is guided, so it stays on the line.
     Force(f64),
 }
 

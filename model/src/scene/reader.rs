@@ -67,7 +67,8 @@ fn note_lines(text: &str, path: &str, table: &DeTable, lines: &mut BTreeMap<Stri
     }
 }
 
-/// Similarity of an unknown key to a known key. Common letters in order and edits detect typing errors; pairs of letters detect missing parts.
+/// Similarity of an unknown key to a known key: the sum of three measures. The Jaro-Winkler and Damerau-Levenshtein measures detect typing errors. The
+/// Sorensen-Dice measure of common letter pairs detects missing parts.
 fn likeness(known: &str, key: &str) -> f64 {
     strsim::jaro_winkler(known, key)
         + strsim::normalized_damerau_levenshtein(known, key)
@@ -207,7 +208,7 @@ impl<'d, 't> TableReader<'d, 't> {
         }
     }
 
-    /// Makes the error for a key that is not allowed together with another key.
+    /// Makes the error for a key that the described thing does not have. `whose` names this thing, for instance "a disc".
     pub(super) fn not_of(&self, name: &str, whose: &str) -> SceneError {
         self.wrong(name, "no such key", &format!("a key that {whose} does not have"))
     }

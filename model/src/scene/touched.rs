@@ -34,7 +34,7 @@ pub struct ObjectPlace {
 pub enum ObjectFrame {
     /// The finger frame, moved with the base to its position in the image.
     Base,
-    /// The reference frame of the camera's pose; bases move within this frame between images.
+    /// The reference frame of the camera's pose. The base moves within this frame between images.
     Plane,
 }
 

@@ -128,7 +128,7 @@ impl UnloadedError {
         sum
     }
 
-    /// `finger`, changed by this error's joints and clips. `None` if such a finger is geometrically impossible.
+    /// A copy of `finger`, changed by the joints and clips of this error. `None` if such a finger is geometrically impossible.
     pub(crate) fn finger(&self, finger: &Finger) -> Option<Finger> {
         let mut description = finger.description().clone();
         for (rib, joints_mm) in self.joints_mm.iter().enumerate() {
@@ -156,7 +156,7 @@ impl UnloadedError {
 }
 
 impl AssemblyErrors {
-    /// Load at the tip that represents a preload of `moment_nmm`, N mm.
+    /// Moment at the tip that represents a preload of `moment_nmm`, N mm.
     pub(crate) fn load(finger: &Finger, moment_nmm: f64) -> Load {
         Load::Node { node: finger.tip(), force: Vector::zeros(), moment_nmm }
     }
@@ -220,7 +220,7 @@ impl UnloadedFinger {
                 let bent = if error.bends() { self.bent(finger, &there, pushed)? } else { bent.clone() };
                 Ok(self.seen(&there, &bent).iter().zip(&seen).map(|(there, here)| (there - here) * times).collect())
             };
-            // If a finger with the error is impossible, the error of opposite sign replaces it.
+            // If a finger with the error is impossible or has no equilibrium, the error of opposite sign replaces it.
             shared.push(moved(1.0).or_else(|_| moved(-1.0))?);
         }
         let mut offset = self.markers(finger, 0.0, pushed)?;

@@ -61,7 +61,7 @@ pub enum SensingError {
         span: f64,
         /// Forces are refused beyond this ratio, dimensionless.
         limit: f64,
-        /// Contact with the largest share in the combination that hardly changes the displacements, from 1.
+        /// Number of the contact with the largest share in the combination of forces that hardly changes the displacements, from 1.
         weakest: usize,
     },
     /// A requested position, direction or force has too large a standard deviation.
@@ -126,7 +126,7 @@ pub enum SensingError {
          reproduce its estimate: use the nonlinear estimator"
     )]
     NotLinearised,
-    /// A base, friction or contact has a standard deviation, but the noise of the displacements, which the estimator needs as well, is not stated.
+    /// The base, the friction or a contact has a standard deviation. The estimator then also needs the noise of the displacements, which is not stated.
     #[error(
         "base, friction or contact has a standard deviation, so the noise of the displacements must be known as well: state the noise (--noise-mm, or \
          noise_mm in the table camera of the scene)"

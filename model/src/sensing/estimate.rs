@@ -53,7 +53,8 @@ pub struct ModelError {
 pub struct Estimate {
     /// Force of each contact along its direction, N, in the order of the contacts; may be negative.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N, including the known error of the model. Infinite if no noise is stated and no residual remains to estimate it from.
+    /// Standard deviation of each force, N, including the known error of the model. Infinite if no noise is stated and no residual remains from which to
+    /// estimate the noise.
     pub sigmas_n: Vec<f64>,
     /// Model error that each standard deviation includes, in N: linearisation, mesh, or training of a network. Signed if the sign is known.
     pub model_error_n: Vec<f64>,
@@ -76,7 +77,7 @@ impl Estimate {
         }
     }
 
-    /// Widens the standard deviations if noise does not explain the residual, so that the finger or its contacts differ from the scene.
+    /// Widens the standard deviations if noise does not explain the residual: the finger or its contacts then differ from the scene.
     pub(crate) fn widen_for_misfit(&mut self) {
         if let Some(Warning::Residual(test)) = self.warning {
             let wider = test.widening_of_misfit();

@@ -23,7 +23,7 @@ pub enum Normal {
         /// Length of plate over which the normal is averaged, in mm. Zero for the normal at the contact itself.
         over_mm: f64,
     },
-    /// Normal of the undeformed plate. It is the normal of a fixed object's face round which the finger bends.
+    /// Normal of the undeformed plate, which does not turn as the finger bends. It suits a finger that bends round the face of a fixed object.
     Undeformed,
     /// Normal of the object's outline at the contact.
     Object,

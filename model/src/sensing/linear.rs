@@ -12,12 +12,13 @@ use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
-/// A measurement counts as one of a linear finger if the linear finger's sum of squared residuals is smaller than the co-rotational finger's by more than this.
-/// The unit is the squared standard deviation of the noise, so 9 corresponds to three standard deviations.
+/// A measurement counts as one of a linear finger if the linear finger's sum of squared residuals is smaller than the co-rotational finger's by more than this
+/// number of noise variances. Nine variances correspond to three standard deviations.
 const FAVOURED: f64 = 9.0;
 
-/// Without a stated noise, the linear finger explains a measurement whose residual is at most this share of the displacements. Camera noise is below this share
-/// at deflections that a co-rotational finger cannot reach. Displacements of a co-rotational finger leave a residual ten times as large.
+/// Without a stated noise, the linear finger explains a measurement whose residual is at most this share of the displacements. The limit applies only if no
+/// forces on the co-rotational finger reproduce the linear estimate. Displacements are then so large that camera noise is below this share. Displacements of a
+/// co-rotational finger would leave a residual of about ten times this share.
 const EXPLAINED_SHARE: f64 = 0.01;
 
 /// Prior distribution of the forces.
@@ -44,9 +45,9 @@ impl Prior {
 /// At least as many measured coordinates as contacts, and singular values that span at most [`LARGEST_SPAN`].
 ///
 /// # Reference
-/// Minimises |W (u - C f)|^2 with the measured displacements u and the weights W. C is the compliance of eq. (5) of Xu et
-/// al. (2021) at the markers and contacts. A prior of standard deviation p adds |f|^2 s^2 / p^2 for a noise s (Hoerl and
-/// Kennard 1970); the sigmas are then those of the posterior.
+/// Minimises |W (u - C f)|^2 with the measured displacements u and the weights W. C is the compliance of eq. (5) of Xu et al. (2021) at the markers and
+/// contacts. A prior of standard deviation p adds |f|^2 s^2 / p^2 for a noise s (Hoerl and Kennard 1970). The standard deviations are then those of the
+/// posterior distribution.
 #[derive(Debug, Clone)]
 pub struct LinearEstimator {
     /// Weighted compliance W C, mm/N: two rows (x, y) per marker, one column per contact.
@@ -140,7 +141,7 @@ impl LinearEstimator {
         let stated_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0);
         let linear_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
         let error = match linearisation.error(model, measurement, &estimate.forces_n) {
-            // A linear finger has an equilibrium under any force, and the measurement does not contradict it.
+            // A linear finger has an equilibrium under any force, and this measurement does not contradict the linear finger.
             Err(SensingError::NotLinearised) if estimate.warning.is_none() => {
                 let moved_mm2 = weighted(measurement, |marker| marker.displacement).norm_squared();
                 if noise_mm.is_none() && linear_mm2 > EXPLAINED_SHARE.powi(2) * moved_mm2 {
@@ -151,7 +152,7 @@ impl LinearEstimator {
             }
             error => error?,
         };
-        // Without a stated noise, the residual of the linear finger estimates the noise.
+        // Without a stated noise, the noise is estimated from the residual of the linear finger.
         let noise_mm2 = stated_mm.map_or(linear_mm2 / degrees_of_freedom.max(1) as f64, |noise_mm| noise_mm.powi(2));
         let favoured_mm2 = FAVOURED * noise_mm2;
         if degrees_of_freedom > 0 && linear_mm2 + favoured_mm2 < error.sum_of_squares_mm2 {
@@ -177,7 +178,7 @@ impl LinearEstimator {
             (0..coordinates).map(|row| (displacements[row] - explained(row)).powi(2)).sum::<f64>()
         };
         let unbiased = &self.least_squares.gain * &displacements;
-        // The residual is tested without the prior, because least squares has the smallest residual of all forces.
+        // The residual is tested without the prior, because no other forces have a smaller residual than those of least squares.
         let least_mm2 = sum_of_squares(&unbiased);
         let test = ResidualTest::new(noise_mm, least_mm2, degrees_of_freedom);
         let noise_mm = noise_of(test, noise_mm, least_mm2, degrees_of_freedom);
@@ -211,7 +212,8 @@ pub struct Inverse {
 }
 
 impl Inverse {
-    /// Computes the inverse by QR of the compliance stacked on `ridge` (mm/N) times the identity, with columns scaled to unit length.
+    /// Computes the inverse by QR decomposition of a matrix: the compliance, and below it `ridge` (mm/N) times the identity. The columns of this matrix are
+    /// scaled to unit length.
     pub(super) fn of(compliance: &DMatrix<f64>, ridge: f64) -> Inverse {
         let (rows, columns) = compliance.shape();
         if columns == 1 {
@@ -233,7 +235,7 @@ impl Inverse {
         }
         let qr = stacked.qr();
         let mut inverse_triangle = DMatrix::identity(columns, columns);
-        // The test of the singular values has ensured full rank; the prior only adds to it.
+        // The test of the singular values has ensured full rank, and the rows of the prior do not reduce the rank.
         qr.r().solve_upper_triangular_mut(&mut inverse_triangle);
         for (mut row, scale) in inverse_triangle.row_iter_mut().zip(&scales) {
             row /= *scale;

@@ -8,10 +8,10 @@ use crate::statics::{Ladder, Statics, StaticsError};
 use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 
-/// Grid spacing of the tabulated forces, as a share of the largest force. Extrapolation from a grid point is wrong by thousandths of the error of
-/// linearisation.
+/// Grid spacing of the tabulated forces, as a share of the largest force rounded down to a power of two. Extrapolation from a grid point causes an error of
+/// some thousandths of the error of linearisation.
 const GRID: f64 = 0.05;
-/// The table is cleared when it has this number of grid points. A stream of frames needs only a few.
+/// The table is cleared when it has this number of grid points. A stream of frames needs only a few grid points.
 const MOST_POINTS: usize = 256;
 /// Newton's method fails after this number of steps; two or three are usual.
 const MAX_STEPS: usize = 30;
@@ -79,7 +79,7 @@ struct Point {
 struct Solution {
     forces_n: DVector<f64>,
     motion: FrameMotion,
-    /// Derivative of the forces with respect to those that the linear estimator returns, dimensionless.
+    /// Derivative of these forces with respect to the forces that the linear estimator returns, dimensionless.
     slope: DMatrix<f64>,
     /// Weighted displacements of the markers, mm. `rates` has the derivatives of these displacements with respect to the forces, mm/N.
     displacements: DVector<f64>,
@@ -261,7 +261,7 @@ impl<'m> Linearisation<'m> {
         Ok(loads.map(|(c, f)| self.mesh.frame_load(&c.load(finger, *f))).collect::<Result<_, _>>()?)
     }
 
-    /// Derivatives of the weighted marker displacements with respect to the forces, mm/N, at `motion`, at which `statics` was linearised last.
+    /// Derivatives of the weighted marker displacements with respect to the forces, mm/N, at `motion`. The last linearisation of `statics` must be at `motion`.
     fn rates(&mut self, motion: &FrameMotion, measurement: &Measurement) -> Result<DMatrix<f64>, SensingError> {
         let finger = self.mesh.finger();
         let mut rates = DMatrix::zeros(measurement.coordinate_count(), self.contacts.len());
@@ -275,7 +275,7 @@ impl<'m> Linearisation<'m> {
     }
 }
 
-/// The vectors `of` each marker times the marker's weight, stacked in the order of the markers.
+/// The vector that `of` returns for each marker, times the marker's weight. The vectors are stacked in the order of the markers.
 pub(super) fn weighted(measurement: &Measurement, of: impl Fn(&crate::measurement::Marker) -> Vector) -> DVector<f64> {
     let coordinates = measurement.markers().iter().flat_map(|marker| {
         let vector = of(marker) * marker.weight;

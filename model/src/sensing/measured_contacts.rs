@@ -1,9 +1,10 @@
 //! Estimates forces from markers and measured contacts by least squares with errors in all variables.
 //!
-//! Each contact has two unknowns: the force f along its measured normal, and the tangent a of the angle between force and normal. A contact between rods also
-//! has the shift d of its position. Data are the displacements of the markers, and priors a = 0 and d = 0 with standard deviations from camera and friction.
-//! The estimate minimises the sum of all squared residuals over their variances, by [`LevenbergMarquardt`] on the co-rotational finger. The stated covariance
-//! is the inverse of the information matrix. It includes the effects of uncertain position, direction and friction, as far as the markers do not reduce them.
+//! Each contact has two unknowns: the force f along its measured normal, and the tangent a of the angle between force and normal. A contact between rods has a
+//! third unknown, the shift d of its position. The data are the displacements of the markers. The priors are a = 0 and d = 0; their standard deviations follow
+//! from the accuracy of the measured contacts and from friction. The estimate minimises the sum of all squared residuals over their variances, by
+//! [`LevenbergMarquardt`] on the co-rotational finger. The stated covariance is the inverse of the information matrix. It includes the uncertainty of position,
+//! direction and friction that remains after the fit.
 
 use super::{
     Contact, ContactForce, ContactPosition, LARGEST_SPAN, NonlinearEstimator, RespondingFinger, Response, SensingError,
@@ -15,16 +16,16 @@ use crate::statics::StaticsError;
 use crate::{Finger, Mesh, Vector};
 use nalgebra::{DMatrix, DVector};
 
-/// A search that stops before convergence is accepted if the next step changes no force by more than this share of its standard deviation.
+/// A search that stops before convergence is accepted if the next step would change no force by more than this share of its standard deviation.
 const NEGLIGIBLE: f64 = 0.01;
-/// Chi-squared is significant beyond this number of its standard deviations above its mean. The probability of this is 1 in 10^4 for the degrees of freedom of
-/// a finger.
+/// A chi-squared value counts as significant if it exceeds its mean by more than this number of its standard deviations. For the degrees of freedom of a
+/// finger, the probability of such a value is 1 in 10^4.
 const UNEXPLAINED_DEVIATIONS: f64 = 4.0;
 
 /// A contact with measured position and direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredContact {
-    /// Position and direction of the surface's normal, as measured.
+    /// Measured position of the contact, and measured direction of the surface's normal.
     pub contact: Contact,
     /// Standard deviation of the direction, rad.
     pub direction_sd_rad: f64,
@@ -88,8 +89,8 @@ pub fn sense_measured_contacts(
 ) -> Result<MeasuredContactForces, SensingError> {
     let questions: Vec<_> = contacts.iter().map(|contact| contact.contact.into()).collect();
     let start = NonlinearEstimator::new(mesh, &questions)?.estimate(measurement, Some(knowledge.noise_mm))?;
-    // Friction of a sliding object acts in the same direction at all k contacts. With a standard deviation of bound x sqrt(k) for each tangent, k tangents
-    // equal to the bound are together one standard deviation from zero.
+    // Friction of a sliding object acts in the same direction at all k contacts. The prior of each tangent has the standard deviation bound times sqrt(k). Then
+    // k tangents equal to the bound are together one standard deviation from zero.
     let friction = knowledge.friction * (contacts.len() as f64).sqrt();
     let [measured_mm, weights] = of_marked_nodes(mesh.finger(), measurement);
     let count = contacts.len();
@@ -169,8 +170,8 @@ impl LeastSquaresProblem for Problem<'_> {
 }
 
 impl Problem<'_> {
-    /// Derivatives of the weighted displacements over the noise: one row per coordinate, one column per unknown. The derivative with respect to a tangent is
-    /// that with respect to a force across the normal, times `effective_n`, N.
+    /// Derivatives of the weighted displacements, divided by the noise: one row per coordinate, one column per unknown. The derivative with respect to a
+    /// tangent is the derivative with respect to the force across the normal, times the force `effective_n`, N.
     fn columns(&self, point: &DVector<f64>, effective_n: &[f64]) -> DMatrix<f64> {
         let count = self.contacts.len();
         let mut columns = DMatrix::zeros(self.measured_mm.len(), 3 * count);
@@ -190,8 +191,9 @@ impl Problem<'_> {
         columns / self.knowledge.noise_mm
     }
 
-    /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. The force enters as
-    /// its root mean square (square root of estimate squared plus variance), which matters for small forces.
+    /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. In the covariance, the
+    /// root mean square of the force replaces this force, which matters for small forces. The root mean square is the square root of the squared estimate plus
+    /// the variance.
     fn solution(&mut self, fit: &Fit<DVector<f64>>) -> Result<MeasuredContactForces, SensingError> {
         let count = self.contacts.len();
         let (forces_n, tangents) = (&fit.point.as_slice()[..count], &fit.point.as_slice()[count..2 * count]);
@@ -243,7 +245,7 @@ impl MeasuredContactForces {
     /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
         let count = self.along_n.len();
-        // Component in the direction `along` of a unit force along, or across, each contact.
+        // Component along `along` of a unit force: first along each contact, then across each contact.
         let shares = (0..2 * count).map(|i| {
             let turned_deg = if i < count { 0.0 } else { 90.0 };
             finger.direction(self.contacts[i % count].angle_deg + turned_deg).dot(&along)

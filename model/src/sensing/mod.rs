@@ -32,16 +32,17 @@ pub(crate) use residual_test::noise_of;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
 pub use response::{ContactForce, RespondingFinger, Response, marker_coordinates};
 
-/// Forces are not identifiable beyond this ratio of the largest to the smallest scaled singular value.
+/// Largest accepted ratio of the largest to the smallest singular value. The singular values are those of the derivatives of the displacements with respect to
+/// the scaled unknowns. Beyond this ratio, forces are not identifiable.
 pub const LARGEST_SPAN: f64 = 1e8;
 
-/// A measurement is unexplained if its residual exceeds this many standard deviations of the noise and this share of the displacements. A real finger
-/// differs from its model by many times the camera's noise, but by a smaller share.
+/// A measurement counts as unexplained if its residual exceeds both `UNEXPLAINED_SIGMAS` standard deviations of the noise and the share `UNEXPLAINED_SHARE` of
+/// the displacements. The residual of a real finger may be many times the camera's noise, but is a smaller share of the displacements.
 const UNEXPLAINED_SIGMAS: f64 = 10.0;
 const UNEXPLAINED_SHARE: f64 = 0.3;
 
-/// Largest power of one half below `carried`, the share of a load step (0 to 1) that has an equilibrium. The result equals that of repeated halving, without
-/// its trials. One half if `carried` is zero.
+/// Largest power of one half below `carried`. `carried` is the share of a load step (0 to 1) up to which equilibria exist. Repeated halving of the step would
+/// give the same result, but would search for an equilibrium after each halving. One half if `carried` is zero.
 fn halved_below(carried: f64) -> f64 {
     let mut share = 0.5;
     while share >= carried && carried > 0.0 {

@@ -29,10 +29,11 @@ pub enum ObjectShape {
 pub struct NotConvex;
 
 impl ObjectShape {
-    /// A polygon with the given corners, mm, in order, in either sense of rotation.
+    /// A polygon with the given corners, mm, listed in order along the outline, clockwise or counterclockwise.
     ///
     /// # Errors
-    /// [`NotConvex`] for fewer than three corners, repeated corners, or corners that do not turn once round in one sense.
+    /// [`NotConvex`] for fewer than three corners, repeated corners, three successive corners on one line, or an outline that does not turn once round in one
+    /// sense.
     pub fn polygon(mut corners: Vec<Vector>) -> Result<ObjectShape, NotConvex> {
         let count = corners.len();
         let at = |i: usize| corners[i % count];

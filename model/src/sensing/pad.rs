@@ -5,16 +5,16 @@ use crate::finger::{Finger, Plate};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Load, LoadError, Mesh};
 
-/// A pad on the front plate. It distributes a force evenly over a length of the plate. The force acts on the pad's surface, so its component along the
-/// plate turns the plate about the contact. The default is no pad.
+/// A pad on the front plate. It distributes a force evenly over a length of the plate. The force acts on the pad's surface, so the component of the force along
+/// the plate exerts a moment on the plate. The default is no pad.
 ///
 /// # Reference
 /// Forces at two Gauss points replace the pressure of the pad. These forces have the resultant, moment and second moment of a uniform pressure with shear.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pad {
-    /// Length of plate that carries a force, mm.
+    /// Length of the plate over which a force is distributed, mm.
     pub length_mm: f64,
-    /// Distance from the plate to the contact with the object, mm.
+    /// Distance from the plate to the pad's surface, which touches the object, mm.
     pub thickness_mm: f64,
 }
 
@@ -34,7 +34,7 @@ impl Pad {
         if self.is_none() { 1 } else { 2 }
     }
 
-    /// Rotation of the plate under the pad in the motion of the mesh, rad. Zero without a pad, where the rotation has no effect.
+    /// Rotation of the plate under the pad, rad, for the displacements `motion` of the mesh. Zero without a pad, because the rotation then has no effect.
     ///
     /// # Errors
     /// [`LoadError`] for a contact off the front plate.
@@ -65,7 +65,7 @@ impl Pad {
         loads.into_iter().flatten().map(|load| mesh.frame_load(&load))
     }
 
-    /// Two forces whose sum is the contact force. Their couple is the moment of the friction force about the plate.
+    /// Two forces whose sum is the contact force. Their moment about the contact is that of the friction force, which acts on the pad's surface.
     fn pair(&self, finger: &Finger, contact: &Contact, s_mm: f64, force_n: f64, plate_turn_rad: f64) -> [Load; 2] {
         let length_mm = finger.plate_length_mm(Plate::Front);
         let reach_mm = (GAUSS_POINT * self.length_mm).max(SHORTEST_LEVER_MM);
@@ -76,7 +76,7 @@ impl Pad {
         let force = finger.direction(contact.angle_deg) * force_n;
         // Normal and tangent of the rotated plate.
         let [inward, tipward] = [0.0, 90.0].map(|deg| finger.direction(deg + plate_turn_rad.to_degrees()));
-        // A force towards the tip, acting above the plate, presses the plate inwards on the tip's side.
+        // A force towards the tip, acting on the pad's surface, presses the plate inwards on the side of the tip.
         let turning = inward * (self.thickness_mm * force.dot(&tipward) / apart_mm);
         let to_share = (s_mm - from_mm) / apart_mm;
         [

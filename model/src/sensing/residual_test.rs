@@ -5,17 +5,18 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 /// Probability that a measurement with the stated noise fails the test: one false warning in a hundred frames is acceptable.
 pub const SIGNIFICANCE: f64 = 0.01;
 
-/// Probability of a residual below which noise does not explain it: the finger or its contacts differ from the scene.
+/// Noise does not explain a residual whose p-value is below this: the finger or its contacts differ from the scene.
 const MISFIT: f64 = 1e-7;
-/// Standard deviation of a force whose residual is a [misfit](MISFIT), relative to that from an error of the residual's size that all coordinates share. Fingers
-/// with another base, softer zones, a preload, other ribs or another scale than their scene need 0.1 to 5 (test `misfit`).
+/// A [misfit](MISFIT) counts as an error that all coordinates share. This factor multiplies the standard deviation of a force that follows from such an error
+/// of the residual's size. Fingers with another base, softer zones, a preload, other ribs or another scale than their scene need factors of 0.1 to 5 (test
+/// `misfit`).
 const MISFIT_SHARE: f64 = 2.5;
 
 /// Comparison of a residual with the stated noise.
 ///
 /// # Reference
-/// If model and noise hold, the sum of squared residuals over the variance of a coordinate follows the chi-squared distribution. Its degrees of freedom are
-/// coordinates minus unknowns (Press et al., Numerical Recipes, sec. 15.1).
+/// If the model and the stated noise are correct, the sum of squared residuals divided by the variance of a coordinate follows the chi-squared distribution.
+/// Its degrees of freedom are the number of coordinates minus the number of unknowns (Press et al., Numerical Recipes, sec. 15.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTest {
     /// Stated standard deviation of one coordinate, mm.
@@ -61,8 +62,8 @@ impl ResidualTest {
     /// Whether the measurement contradicts the model or the stated noise.
     pub fn contradicts(&self) -> bool {
         let squared = (self.residual_sd_mm / self.noise_mm).powi(2);
-        // Clear cases need no gamma function. The mean of chi-squared exceeds its median, so a residual below the noise has p > 0.3. The 1 % point divided by
-        // the degrees of freedom is largest for one degree of freedom: 6.63.
+        // Clear cases need no gamma function. A residual below the noise has p > 0.3 for any number of degrees of freedom. The value with p = 0.01, divided by
+        // the degrees of freedom, is largest for one degree of freedom: 6.63.
         squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 
@@ -72,8 +73,8 @@ impl ResidualTest {
         if self.contradicts() { self.residual_sd_mm } else { self.noise_mm }
     }
 
-    /// Factor on standard deviations that follow from [`trusted_noise_mm`](Self::trusted_noise_mm). A misfit counts as an error that all coordinates share, and
-    /// which does not decrease with their number as noise does. Without a misfit the factor is 1.
+    /// Factor by which a misfit widens standard deviations that follow from [`trusted_noise_mm`](Self::trusted_noise_mm). A misfit counts as an error that all
+    /// coordinates share. The effect of such an error does not decrease with the number of coordinates, unlike that of noise. The factor is 1 without a misfit.
     pub(super) fn widening_of_misfit(&self) -> f64 {
         if !self.contradicts() || self.p_value() > MISFIT {
             return 1.0;
@@ -96,9 +97,9 @@ const UPPER: f64 = 0.975;
 /// 95 % interval. `None` without a degree of freedom.
 ///
 /// # Reference
-/// A normal error divided by a standard deviation from the residual follows Student's t distribution with the residual's degrees of freedom (Press et al.,
-/// Numerical Recipes, sec. 15.6). This distribution is wider than the normal distribution by a factor of 6.5 for 1 degree of freedom, 1.14 for 10, and 1.03 for
-/// 45.
+/// A normal error divided by its standard deviation, as estimated from a residual, follows Student's t distribution with the residual's degrees of freedom
+/// (Press et al., Numerical Recipes, sec. 15.6). The 95 % interval of this distribution is wider than that of the normal distribution by a factor of 6.5 for 1
+/// degree of freedom, 1.14 for 10, and 1.03 for 45.
 pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<f64> {
     let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
     // There is at least one degree of freedom, so both distributions exist.
@@ -108,7 +109,8 @@ pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usi
 }
 
 /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual standard deviation if
-/// the residual contradicts the noise. Without a stated noise it is [estimated from the residual](unstated_noise_mm), and infinite without a residual.
+/// the residual contradicts the noise. Without a stated noise it is [estimated from the residual](unstated_noise_mm), and infinite if no degree of freedom
+/// remains.
 pub(crate) fn noise_of(
     test: Option<ResidualTest>,
     stated_mm: Option<f64>,

@@ -36,7 +36,7 @@ impl ContactForce {
         self.contact.load(finger, force_n)
     }
 
-    /// Loads of a force `force_n`, N, across the contact's direction, including its moment -`lever_mm` `force_n`, N mm.
+    /// Loads of a force `force_n`, N, across the contact's direction, including the moment of this force: -`lever_mm` times `force_n`, N mm.
     fn across(&self, finger: &Finger, force_n: f64) -> impl Iterator<Item = Load> + use<> {
         let turned = Contact { angle_deg: self.contact.angle_deg + 90.0, ..self.contact };
         let moment_nmm = -self.lever_mm * force_n;
@@ -146,7 +146,7 @@ impl<'m> RespondingFinger<'m> {
     }
 }
 
-/// Coordinates (x, y) of the marked nodes, from one vector per key node and in its unit.
+/// Coordinates (x, y) of the marked nodes, in the unit of `of_nodes`. `of_nodes` has one vector per key node.
 pub fn marker_coordinates(finger: &Finger, of_nodes: &[Vector]) -> DVector<f64> {
     let nodes = finger.marked_nodes();
     DVector::from_iterator(2 * nodes.len(), nodes.flat_map(|node| [of_nodes[node.0 - 1].x, of_nodes[node.0 - 1].y]))

@@ -14,9 +14,9 @@ use nalgebra::{Isometry2, Point2};
 
 /// Beam elements per member in a search for a force together with the unloaded shape.
 const ELEMENTS_UNLOADED: usize = 4;
-/// Assumed standard deviation of the markers, mm, due to an unknown unloaded shape. It holds for the first search, which does not estimate this shape.
+/// Assumed standard deviation of the markers, mm, due to an unknown unloaded shape. It applies to the first search, which does not estimate this shape.
 const UNLOADED_ERROR_MM: f64 = 0.3;
-/// Standard deviation, mm and rad, that stands for an exactly known base: smaller than any camera resolves.
+/// Standard deviation, mm and rad, that is assumed for an exactly known base. It is smaller than any camera resolves.
 const EXACT: f64 = 1e-6;
 
 impl Sensor<'_> {

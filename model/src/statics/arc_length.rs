@@ -13,14 +13,14 @@ const LONGEST_STEP: f64 = 0.1;
 const SHORTEST_STEP: f64 = 1e-10;
 /// Angle between the tangents at both ends of a step, rad, for which the step length is chosen.
 const INTENDED_TURN: f64 = 0.15;
-/// Largest angle between the tangents at both ends of a step, rad. A step with a larger one may have reached another branch, so it is repeated with a shorter
+/// Largest angle between the tangents at both ends of a step, rad. A step with a larger angle may have reached another branch, so it is repeated with a shorter
 /// length.
 const LARGEST_TURN: f64 = 0.5;
 /// Newton's method has converged when the predicted norm of its next correction is below this. The prediction uses the last two corrections.
 const CORRECTION_TOLERANCE: f64 = 1e-12;
 /// The next correction is predicted only from corrections with a norm up to this.
 const QUADRATIC_RANGE: f64 = 1e-3;
-/// A correction counts as rounding noise if it no longer shrinks, and is below this norm and below [`STAGNATION_SHARE`] of the step.
+/// A correction counts as rounding noise if its norm exceeds a quarter of the previous norm, and is below this and below [`STAGNATION_SHARE`] of the step.
 const STAGNATION_TOLERANCE: f64 = 1e-8;
 /// Largest correction that may count as rounding noise, as a share of the step; see [`STAGNATION_TOLERANCE`].
 const STAGNATION_SHARE: f64 = 1e-2;
@@ -29,9 +29,10 @@ const MAX_ITERATIONS: usize = 10;
 /// A limit point is accepted when the load component of the unit tangent is below this. The error of the limit load is of the order of the square of that
 /// component.
 const LIMIT_TOLERANCE: f64 = 1e-7;
-/// Limit of the number of iterations that locate a limit point between two points of the path. Then the best point so far is used.
+/// Largest number of iterations that locate a limit point between two points of the path. After these iterations, the best point found is used.
 const MAX_LIMIT_TRIALS: usize = 40;
-/// Limit of the sum of Newton corrections, as a share of the step. A larger sum may lead to another branch, so the step is repeated with a shorter length.
+/// Limit of the summed norms of Newton's corrections, as a share of the step. A larger sum may lead to another branch, so the step is repeated with a shorter
+/// length.
 const LARGEST_DEPARTURE: f64 = 0.5;
 /// If the number of negative pivots and the sign of the load's slope disagree, the path has met a bifurcation or left its branch. Steps are then shortened. A
 /// bifurcation is accepted when the load multiple changes by at most this share in a step.
@@ -78,12 +79,12 @@ pub struct EquilibriumPath {
     pub limits: Vec<LimitPoint>,
 }
 
-/// Follows equilibria of any plane frame from rest through limit points, on stable and unstable branches. At a limit point the load starts to fall
-/// (snap-through), or the loaded point turns back (snap-back).
+/// Follows equilibria of any plane frame from rest, on stable and unstable branches. The path may pass limit points, at which the load starts to fall or to
+/// rise (snap-through), and points at which the loaded point turns back (snap-back).
 ///
 /// A step starts along the tangent of the path. Newton's method then returns to the path within the plane normal to that tangent. Its unknowns include the
 /// load multiple, so limit points need no special treatment. The change of the tangent's direction sets the step length. At a limit point the tangent has no
-/// load component. The regula falsi (Illinois) on the step length finds the limit point between two points of the path.
+/// load component. Between two points of the path, the regula falsi (Illinois) finds the step length at which this component vanishes.
 ///
 /// The length of a step does not depend on units or mesh. It is the root mean square over all unknowns: displacements divided by the frame's size (half the
 /// diagonal of its outline), and rotations in rad. The load multiple is scaled by the motion it causes at rest. An energy norm would also be free of units.

@@ -112,7 +112,7 @@ impl<'f> Assembly<'f> {
         }
     }
 
-    /// Adds the potential of a load to residual and tangent stiffness.
+    /// Adds the derivatives of a load's potential to residual and tangent stiffness.
     fn add_load(&mut self, motion: &FrameMotion, load: &FrameLoad) {
         let frame = self.frame;
         match *load {

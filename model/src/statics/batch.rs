@@ -5,7 +5,7 @@
 //! of a load is therefore bitwise the same in any batch, for any number of threads and on any machine.
 //!
 //! Lanes apply the whole load in one step. The scalar solver handles loads that need more steps or have no equilibrium. It also makes the first correction of
-//! each load, because the stiffness at rest, which the mesh stores, suffices for it.
+//! each load, because this correction needs only the stiffness at rest, which the mesh stores.
 
 use super::ladder::{Balance, Factor};
 use super::load_step::{CORRECTION_TOLERANCE, LoadStep};
@@ -18,7 +18,8 @@ use crate::number::{Lanes, Number};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Number of loads per thread and piece. It keeps the lanes full until near the end of a piece, and is small compared with the number of loads in a study.
+/// Number of loads in a piece, which one thread solves. It keeps the lanes full until near the end of a piece, and is small compared with the number of loads
+/// in a study.
 const LOADS_A_PIECE: usize = 256;
 
 /// Equilibria under dead loads, each followed from rest, in the order of the loads. The results equal those of [`Statics::equilibrium`].
@@ -56,7 +57,7 @@ impl WithSimd for Piece<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Piece { mesh, kinematics, loads } = self;
         let mut single = Statics::ladder(mesh, kinematics);
-        // Lanes are no faster for a single load, or for linear equilibria, which share one factor.
+        // Lanes are no faster for a single load, or for linear equilibria, which share one factorisation.
         if kinematics == Kinematics::Linear || loads.len() == 1 {
             return loads.iter().map(|loads| single.equilibrium(loads)).collect();
         }
@@ -170,7 +171,7 @@ impl<'a, R: Number> Batch<'a, R> {
         for (lane, path) in self.paths.iter_mut().enumerate().filter(|(_, path)| path.is_none()) {
             *path = waiting.next(&mut self.of_lane, &self.at_rest);
             if path.is_none() {
-                // An idle lane stays at rest, because special numbers in it could slow down the other lanes.
+                // An idle lane stays at rest, because special numbers (such as subnormal ones) in it could slow down the other lanes.
                 self.of_lane.clone_from(&self.at_rest);
             }
             self.motion.set_lane(lane, &self.of_lane);

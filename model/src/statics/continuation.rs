@@ -19,9 +19,9 @@ const GROWTH: f64 = 3.0;
 const LEAST_SHARE: f64 = 0.01;
 /// If a failed step is shorter than this share of the path, rounding in too fine a mesh may be the cause.
 const SHORT_STEP: f64 = 1e-3;
-/// Limit of the step length while the end of the branch is not predicted, as a share of the path. A path that needs a shorter step ends with an error.
+/// Lower limit of the step length, as a share of the path. A path that needs a shorter step ends with an error.
 const LEAST_STEP: f64 = 1e-7;
-/// Limit of the step length of a trial path, as a share of the path. A trial that needs a shorter step fails.
+/// Lower limit of the step length on a trial path, as a share of the path. A trial that needs a shorter step fails.
 const LEAST_TRIED_STEP: f64 = 0.02;
 /// Largest number of load steps along a path. A path that needs more steps ends with an error.
 const MOST_STEPS: usize = 2000;
@@ -58,7 +58,7 @@ impl<E: EquilibriumEquations> Statics<E> {
     /// Equilibrium under `to` times the loads. It is followed from `start`, an equilibrium under `from` times the loads.
     ///
     /// # Errors
-    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). Its converged fraction is a fraction of `to`.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). The converged fraction in the error is relative to `to`.
     pub fn continued(
         &mut self,
         start: &FrameMotion,
@@ -75,7 +75,8 @@ impl<E: EquilibriumEquations> Statics<E> {
         Err(StaticsError::NoEquilibrium { converged_fraction: loading.multiple(converged_fraction) / to })
     }
 
-    /// Equilibrium under the loads `to`. It is followed from `start`, an equilibrium under the loads `from`, while `from` fades and `to` grows linearly.
+    /// Equilibrium under the loads `to`. It is followed from `start`, an equilibrium under the loads `from`. Along the path, the loads `from` decrease linearly
+    /// to zero and the loads `to` increase linearly from zero.
     ///
     /// # Errors
     /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). Its converged fraction is the share of the path, 0..1.

@@ -15,7 +15,7 @@ const SMALL_CORRECTION: f64 = 1e-5;
 const ALL_DIGITS: f64 = 15.65;
 /// With fewer digits than this, no Newton correction falls below the threshold of rounding noise, 1e-6 of the solution.
 const FEWEST_NEWTON_DIGITS: f64 = 5.0;
-/// Load factor at which every frame is linear to all digits. With 1e-12 times a load of 1 N, a plate of 0.01 mm thickness is not yet linear.
+/// Load factor at which every frame is linear to all digits. A factor of 1e-12 is too large: under 1e-12 N, a plate of 0.01 mm thickness is not linear.
 const HARDLY_ANY_LOAD: f64 = 1e-20;
 
 impl<E: EquilibriumEquations> Statics<E> {
@@ -35,7 +35,7 @@ impl<E: EquilibriumEquations> Statics<E> {
     }
 
     /// Number of correct decimal digits of an equilibrium, 0 to 15.65. It follows from the relative change that one more correction makes, in energy norm or
-    /// displacement.
+    /// displacement, whichever changes more.
     ///
     /// This is an estimate. For linear solutions with known error it is at most 0.3 digits too high. It may be three or four digits too low, because the
     /// energy norm includes noise of single elements that barely moves any node.

@@ -1,14 +1,14 @@
 //! Prediction of the end of a branch of stable equilibria, from the determinant of the tangent stiffness.
 //!
-//! At the end of the branch one pivot of the tangent reaches zero, and so does its determinant D. With the share s of the load path, D falls as (1 - s /
-//! s*)^p. The exponent p is 1/2 at a fold (limit load, snap-through) and 1 at a bifurcation (a straight rib that buckles). A path that only passes close to a
-//! fold shows p = 2/3 for a while. Three equilibria determine s* and p.
+//! At the end of the branch one pivot of the tangent reaches zero, and so does its determinant D. Let s be the share of the load path, and s* its value at
+//! the end of the branch. Near this end, D falls as (1 - s / s*)^p. The exponent p is 1/2 at a fold (limit load, snap-through) and 1 at a bifurcation (a
+//! straight rib that buckles). A path that only passes close to a fold shows p = 2/3 for a while. Three equilibria determine s* and p.
 
 /// Exponent p of the determinant of a branch that ends in a fold (limit load, snap-through).
 const FOLD: f64 = 0.5;
 /// Exponent p of the determinant of a branch that ends in a bifurcation (buckling of a straight member).
 const BIFURCATION: f64 = 1.0;
-/// Number of bisections of the interval of exponents p. It gives p to 1e-3, finer than the predictions.
+/// Number of bisections of the interval of exponents p. It gives p to 1e-3, which is finer than the accuracy of the predictions.
 const HALVINGS: usize = 9;
 /// Share of the remaining distance to a fold that a step covers. Displacements follow the square root of that distance. If a step covers 8/9 of the distance,
 /// the tangent's prediction is off by half, which is the limit for a load step.
@@ -17,7 +17,8 @@ const REACH_AT_FOLD: f64 = 0.8;
 const REACH_AT_BIFURCATION: f64 = 0.95;
 /// A step has at least this share of the length of the last step. If the determinant falls by powers of ten, predictions are useless, and this limit applies.
 const LEAST_REACH: f64 = 0.01;
-/// Largest exponent p of the determinant that counts as a fold. The other exponents, 2/3 and 1, exceed it by more than rounding and secants can cause.
+/// Largest exponent p of the determinant that counts as a fold. The other exponents, 2/3 and 1, exceed it by more than rounding and the finite distance between
+/// equilibria can cause.
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;
 /// A fold counts as reached when the remaining distance is below this share of the predicted end of the branch.
 const GAP_TO_FOLD: f64 = 1e-4;
@@ -50,7 +51,7 @@ impl Approach {
         self.points[2].is_none_or(|[known, _]| known != share)
     }
 
-    /// Adds the next equilibrium and predicts the end. Ignores an equilibrium without determinant.
+    /// Adds the next equilibrium and predicts the end. Ignores an equilibrium with unknown determinant.
     pub(super) fn add(&mut self, share: f64, log_determinant: Option<f64>) {
         let Some(log) = log_determinant else { return };
         self.points = [self.points[1], self.points[2], Some([share, log])];
@@ -72,7 +73,7 @@ impl Approach {
         self.predicted.is_some_and(|end| share > end.share)
     }
 
-    /// Whether the last two predictions agree that the branch ends before a share of the path, by a margin relative to the remaining distance.
+    /// Whether the last two predictions agree, and the predicted end lies before a share of the path by more than the remaining distance to the end.
     pub(super) fn ends_before(&self, share: f64) -> bool {
         let (Some(End { share: end, .. }), Some(at)) = (self.predicted, self.at()) else { return false };
         self.predictions_agree() && end + (end - at) < share
@@ -101,7 +102,7 @@ impl Approach {
     fn end(&self) -> Option<End> {
         let [first, Some(second), Some(third)] = self.points else { return None };
         let end = |power: f64| end_of_interval(second, third, power);
-        // Difference between the actual and the implied fall of the determinant's logarithm between the first two equilibria, for an exponent.
+        // Fall of the determinant's logarithm between the first two equilibria: actual value minus the value that an exponent implies.
         let excess = |power: f64| {
             let ([first, log_first], [second, log_second]) = (first?, second);
             let end = end(power)?;
@@ -131,7 +132,7 @@ impl Approach {
     }
 }
 
-/// Share of the path at which the determinant becomes zero, if it falls as (1 - s / s*)^p between two equilibria. `None` if it does not fall.
+/// Share of the path at which the determinant becomes zero, if it falls as (1 - s / s*)^p between two equilibria. `None` if the determinant does not fall.
 fn end_of_interval([from, log_from]: [f64; 2], [to, log_to]: [f64; 2], power: f64) -> Option<f64> {
     let ratio = ((log_from - log_to) / power).exp();
     let left = (to - from) / (ratio - 1.0);

@@ -58,7 +58,7 @@ impl LoadPath for ProportionalLoading<'_> {
     }
 }
 
-/// Loads of which one set fades linearly while another grows.
+/// Two sets of loads: one decreases linearly to zero along the path, while the other increases linearly from zero.
 pub(super) struct LoadTransition<'l> {
     pub from: &'l [FrameLoad],
     pub to: &'l [FrameLoad],

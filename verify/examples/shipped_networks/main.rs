@@ -1,8 +1,8 @@
-//! Trains anew the networks that ship with finray, and compares ways of training.
+//! Trains the shipped networks again, and compares ways of training.
 //!
-//! `shipped` writes a safetensors file each, and `shipped.csv`: on what each was trained, and its errors on fresh cases. `recipes` writes `recipes.csv`,
-//! the paper's training beside ours, and `curves` `curves.csv`, the error by number of samples and by size of the network. Each takes
-//! about ten minutes on two cores. The same machine gives the same files again:
+//! `shipped` writes one safetensors file per network, and `shipped.csv` with the training settings of each network and its errors on test cases.
+//! `recipes` writes `recipes.csv`, which compares the paper's training with ours. `curves` writes `curves.csv`, the error by number of training
+//! cases and by size of the network. Each part takes about ten minutes on two cores. The same machine gives the same files again. Command:
 //!
 //! `cargo run --release -p finray-verify --example shipped_networks -- shipped recipes curves --out fixtures/networks`
 
@@ -22,28 +22,28 @@ use std::path::PathBuf;
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 type Files = Vec<(PathBuf, Vec<u8>)>;
 
-/// Train anew the networks that ship with finray, and compare ways of training.
+/// Train the shipped networks again, and compare ways of training.
 #[derive(Parser)]
 struct Arguments {
-    /// What to make
+    /// Parts to compute
     #[arg(value_enum, required = true)]
     parts: Vec<Part>,
-    /// Folder of the files
+    /// Folder for the files
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Part {
-    /// The networks that ship
+    /// The shipped networks
     Shipped,
-    /// The paper's training recipe beside ours
+    /// Errors of the paper's training recipe and of ours
     Recipes,
-    /// The error by number of samples and by size of the network
+    /// The error by number of training cases and by size of the network
     Curves,
 }
 
-/// One contact of one network.
+/// Row of `shipped.csv`: one contact of one network.
 #[derive(Serialize)]
 struct Record {
     network: String,
@@ -94,7 +94,7 @@ fn shipped(finger: &Finger) -> Result<Files, Failure> {
     Ok(files)
 }
 
-/// Name, file and record of a network.
+/// Trains a network. Returns its name, the content of its file, and its records, one per contact.
 fn trained(
     finger: &Finger,
     Shipping { name, recipe }: &Shipping,

@@ -1,6 +1,6 @@
-//! How a network should be trained: three recipes side by side, and the error by number of samples and by size.
+//! Comparison of ways to train a network: errors of three recipes, and error by number of training cases and by network size.
 //!
-//! Training takes minutes, so the report shows what was recorded: `fixtures/networks/recipes.csv` and `curves.csv`.
+//! Training takes minutes, so the report shows recorded errors: `fixtures/networks/recipes.csv` and `curves.csv`.
 
 use finray_model::estimators::Estimator;
 use finray_model::estimators::network::{NetworkSensing, Networks};
@@ -17,25 +17,25 @@ use finray_studies::truths::{TruthId, fine_mesh};
 use finray_train::{TrainingRecipe, train};
 use rayon::prelude::*;
 
-/// Random cases for each set of contacts: a mean error is known to about 2 % of itself.
+/// Number of random test cases for each set of contacts. The standard error of a mean error is then about 2 % of the mean.
 const CASES: usize = 4000;
-/// Seed of forces and noise; that of Table II.
+/// Seed of forces and noise in the test cases, the same as for Table II.
 const SEED: u64 = 1;
-/// The recipes, and with how many seeds each is trained: the first two depend on their seed most.
+/// Names of the recipes, each with its number of training seeds. The first two recipes depend most on the seed.
 const RECIPES: [(&str, u64); 4] = [("a", 4), ("a, by spread", 4), ("b", 3), ("c", 3)];
-/// Contacts of the curves: the node next to the tip, where noise costs most, and neighbours.
+/// Contact nodes of the curves: the node next to the base, where noise causes the largest errors, and a pair of neighbours.
 const CURVE_SETS: [&[usize]; 2] = [&[24], &[19, 20]];
-/// Training cases of the one curve, with the layers of the networks that ship.
+/// Numbers of training cases of one curve; its networks have the hidden layers of the shipped networks.
 const SAMPLES: [usize; 7] = [30, 100, 300, 1000, 3000, 10_000, 30_000];
 const SAMPLES_SEEDS: u64 = 3;
-/// Cases that training sees in all: so many steps for each point of the curve. Few cases repeat at most so often.
+/// Total number of cases that each training of this curve processes, repetitions included. `MOST_EPOCHS` limits the repetitions of few cases.
 const SEEN: usize = 2_000_000;
 const MOST_EPOCHS: usize = 7000;
-/// Hidden layers of the other curve; none is linear regression.
+/// Widths of the hidden layers of the other curve. A network without hidden layers is a linear regression.
 const SIZES: [&[usize]; 8] = [&[], &[4], &[8], &[16], &[16, 16], &[32, 32], &[64, 64], &[150, 200, 150]];
 const SIZES_SEEDS: u64 = 2;
 
-/// A network to train, and what it is called.
+/// A network to train, with the name of its recipe or curve.
 struct Job {
     name: &'static str,
     seed: u64,
@@ -43,21 +43,21 @@ struct Job {
     recipe: TrainingRecipe,
 }
 
-/// How many networks [`recipes`] trains: so often it reports progress.
+/// Number of networks that [`recipes`] trains. It reports progress after each.
 pub fn recipe_count() -> usize {
     recipe_jobs().len()
 }
 
-/// How many networks [`curves`] trains: so often it reports progress.
+/// Number of networks that [`curves`] trains. It reports progress after each.
 pub fn curve_count() -> usize {
     curve_jobs().len()
 }
 
-/// The recipes on the linear finger and on the co-rotational one, without and with noise: the paper's at every set of contacts of
-/// its Table II, the others at one of each group. As the paper's, these networks answer whatever they are shown.
+/// Errors of the recipes on the linear and on the co-rotational finger, without and with noise. The paper's recipes are tested at every set of
+/// contacts of its Table II, the others at one set of each group. Like the paper's network, these networks refuse no measurement.
 ///
 /// # Errors
-/// [`ExperimentError`].
+/// [`ExperimentError`] if a training fails, a mesh cannot be built, or a network does not support its contacts.
 pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<RecipeRow>, ExperimentError> {
     let jobs = recipe_jobs();
     let mut groups: Vec<Group> = Vec::new();
@@ -72,14 +72,14 @@ pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Reci
     Ok([rows_of(finger, papers)?, rows_of(finger, others)?].concat())
 }
 
-/// The networks of one recipe and seed: one a set of contacts.
+/// The networks of one recipe and seed, one for each set of contacts.
 struct Group {
     recipe: &'static str,
     seed: u64,
     networks: Vec<Network>,
 }
 
-/// Errors of groups that are trained for the same sets of contacts.
+/// Errors of groups whose networks are trained for the same sets of contacts.
 fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, ExperimentError> {
     let sets = groups.first().map_or(Vec::new(), |group| sets_of(group.recipe));
     let sets: Vec<Vec<usize>> = sets.into_iter().map(<[usize]>::to_vec).collect();
@@ -91,7 +91,7 @@ fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, Experi
     for (truth, mesh, kinematics) in
         [(TruthId::Linear, &coarse, Kinematics::Linear), (TruthId::Corotational, &fine, Kinematics::Corotational)]
     {
-        // The groups' rows stand side by side for each set and level of noise.
+        // Rows are ordered by set, noise level, then group.
         let rows_of_groups = errors(mesh, kinematics, &[0.0, CAMERA_NOISE_MM], &sensing, &sets)?;
         for (row, group) in rows_of_groups.into_iter().zip(groups.iter().cycle()) {
             let entry = |quantity: &str, mean_error| RecipeRow {
@@ -114,10 +114,10 @@ fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, Experi
     Ok(rows)
 }
 
-/// Error by number of samples and by size of the network, on the co-rotational finger with noise.
+/// Error by number of training cases and by size of the network, on the co-rotational finger with noise.
 ///
 /// # Errors
-/// [`ExperimentError`].
+/// [`ExperimentError`] if a training fails, a mesh cannot be built, or a network does not support its contacts.
 pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<CurveRow>, ExperimentError> {
     let jobs = curve_jobs();
     let trained = train_all(finger, &jobs, progress)?;
@@ -129,7 +129,7 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
         let sensing: Vec<NetworkSensing> =
             networks.iter().map(|networks| NetworkSensing { networks, finger, refuses: false }).collect();
         let errors = errors(&fine, Kinematics::Corotational, &[CAMERA_NOISE_MM], &sensing, &[set.to_vec()])?;
-        // One set, one level of noise: a row an estimator, in their order.
+        // With one set and one noise level, there is one row per estimator, in the order of the estimators.
         rows.extend(of_set.iter().zip(&errors).map(|(&(job, network), row)| CurveRow {
             curve: job.name.to_owned(),
             nodes: listed(&job.nodes),
@@ -148,7 +148,7 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
     Ok(rows)
 }
 
-/// The contacts at which a recipe is trained and tested, those of all recipes first: their cases are the same for all.
+/// Sets of contacts at which a recipe is trained and tested. The sets shared by all recipes come first, so all recipes get the same test cases there.
 fn sets_of(recipe: &str) -> Vec<&'static [usize]> {
     let compared = COMPARED_SETS.map(|set| set.nodes);
     let further = contact_sets().into_iter().filter(|set| PAPER_RECIPES.contains(&recipe) && !compared.contains(set));
@@ -196,7 +196,7 @@ fn curve_jobs() -> Vec<Job> {
     jobs
 }
 
-/// Networks in the order of the jobs.
+/// Trains the networks of all jobs, in parallel. Returns them in the order of the jobs.
 fn train_all(finger: &Finger, jobs: &[Job], progress: &(dyn Fn() + Sync)) -> Result<Vec<Network>, ExperimentError> {
     let train_one = |job: &Job| {
         let network = train(finger, &job.recipe, &mut |_| {})?;
@@ -220,7 +220,7 @@ fn errors(
     Ok(scatter(&request, &estimators, &sets, FORCES_N, &|| ())?)
 }
 
-/// Without hidden layers, the last layer and the linear branch are one.
+/// Number of trained parameters. Without hidden layers, the linear branch adds none, because it and the last layer are the same linear map.
 fn weight_count(network: &Network) -> usize {
     let layers: usize = network.layers.iter().map(|layer| layer.weights.len() + layer.bias.len()).sum();
     if network.layers.len() == 1 { layers } else { layers + network.skip.len() }

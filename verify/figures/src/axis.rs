@@ -79,8 +79,8 @@ impl Axis {
         self.ticks.as_ref().map_or(0, Vec::len)
     }
 
-    /// Computes the limits, and the ticks that fit into `pixels`. Without given limits, the limits are round numbers beyond the data, or lie a little
-    /// further out if the data reach them.
+    /// Computes the limits, and the ticks that fit into `pixels`. Without given limits, the limits are round numbers beyond the data, moved a little further
+    /// out if the data reach them.
     pub(super) fn ruler(&self, data: &[f64], pixels: f64, upright: bool) -> Result<Ruler, FigureError> {
         require_finite(&self.label, data.iter())?;
         require(self.limits.is_some() || !data.is_empty(), FigureError::Empty, &self.label)?;
@@ -197,7 +197,7 @@ fn round_out(scale: Scale, [low, high]: [f64; 2]) -> [f64; 2] {
             let step = round_up((high - low) / 8.0);
             [(low / step + 1e-9).floor() * step, (high / step - 1e-9).ceil() * step]
         }
-        // The largest round number not above a value is the inverse of the smallest round number not below its inverse.
+        // The largest round number not above a value is the inverse of the smallest round number not below the value's inverse.
         Scale::Log => match [1.0 / round_up(1.0 / low), round_up(high)] {
             [low, high] if low < high => [low, high],
             [low, high] => [low / 2.0, high * 2.0],
@@ -205,7 +205,7 @@ fn round_out(scale: Scale, [low, high]: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// Moves limits outwards that the outermost data reach, so that no symbol lies on the frame. A linear axis may still end at 0, where bars start.
+/// Moves a limit outwards if the outermost data reach it, so that no symbol lies on the frame. A linear axis may still end at 0, where bars start.
 fn clear(scale: Scale, data: [f64; 2], span: [f64; 2]) -> [f64; 2] {
     const ROOM: f64 = 0.015;
     let ends = span.map(|value| scale.measure(value));

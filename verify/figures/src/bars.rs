@@ -42,7 +42,7 @@ impl Bars {
         Entry::patch(&self.label, self.hue.0)
     }
 
-    /// Area of bar number `nth` of the `of` bars in a category; without a value its height is 0.
+    /// Area of bar number `nth` (from 0) of the `of` bars in a category. The height of a bar without a value is 0.
     fn area(plot: &Plot, [nth, of]: [usize; 2], category: usize, value: Option<f64>) -> Area {
         let bar = FILLED / of as f64;
         let left = category as f64 - FILLED / 2.0 + bar * nth as f64;

@@ -15,7 +15,7 @@ pub struct Cells {
     pub values: Vec<Vec<Option<f64>>>,
 }
 
-/// A single row or column of cells has no neighbours that set its width; it occupies this share of the axis.
+/// A single row or column of cells has no neighbours that determine its width. It then occupies this share of the axis.
 const LONE: f64 = 0.1;
 
 impl Cells {
@@ -37,7 +37,7 @@ impl Cells {
     }
 }
 
-/// Edges of cells: midway between neighbouring positions. The first and last edge are as far from their position as the next edge.
+/// Edges of cells: midway between neighbouring positions. The outer edge of the first and last cell is as far from the cell's position as its inner edge.
 pub(super) fn edges(positions: &[f64], limits: Option<[f64; 2]>) -> Vec<f64> {
     let [first, .., last] = positions else {
         let half = limits.map_or(0.5, |[low, high]| LONE / 2.0 * (high - low));

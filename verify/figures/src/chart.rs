@@ -37,7 +37,7 @@ pub struct Chart {
     pub equal_axes: bool,
 }
 
-/// Space around a drawing to scale, px: with node numbers or symbols of clamps, and without.
+/// Space around a drawing to scale, px: with symbols or labels of points, and without.
 const MARGINS: [f64; 2] = [44.0, 18.0];
 /// Space left of a drawing to scale for tick labels of four characters, and space to its right, px.
 pub(super) const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];

@@ -17,7 +17,7 @@ pub enum FigureError {
     /// A value is infinite or not a number.
     #[error("{0}: expected finite numbers, found one that is infinite or not a number")]
     NotFinite(String),
-    /// A value is below zero, or on a logarithmic scale not above zero.
+    /// A value is below zero; on a logarithmic scale, zero or below.
     #[error(
         "{0}: expected numbers that the scale can show (0 or more; above 0 on a logarithmic axis), found a smaller one"
     )]

@@ -1,7 +1,7 @@
-//! Animated drawings to scale: a sequence of shots that CSS shows and hides, without scripts. A page may take over with a script: each shot has the
-//! attribute `data-shot-s`, its duration in s.
+//! Animated drawings to scale: a sequence of shots that CSS shows and hides, without scripts. A script of the page may control the shots instead; for this
+//! purpose, each shot has the attribute `data-shot-s` with its duration in s.
 //!
-//! Where no animation runs (in print, for readers who prefer no motion, in programs without animation), one chosen shot is shown.
+//! If no animation runs (in print, for readers who prefer no motion, in programs without animation), one chosen shot is shown.
 
 use super::chart::{Chart, SIDES};
 use super::error::{FigureError, require};
@@ -33,7 +33,7 @@ pub struct Film {
 pub struct Shot {
     /// Lines of text above this shot's drawing.
     pub words: Vec<String>,
-    /// Series of the drawing; only their lines are drawn, without symbols and labels.
+    /// Series of the drawing, which are drawn without labels. Series with a solid line are also drawn without symbols.
     pub series: Vec<Series>,
 }
 
@@ -73,7 +73,7 @@ impl Film {
         })
     }
 
-    /// CSS of the animation. Animations with equal numbers of shots use the same class names, with equal definitions.
+    /// CSS of the animation. Animations with equal numbers of shots use the same class names. On one page, they must therefore have equal durations of a shot.
     fn style(&self) -> String {
         let count = self.shots.len();
         let (all_s, share) = (self.shot_s * count as f64, (100.0 / count as f64 + OVERLAP).min(100.0));
@@ -86,7 +86,7 @@ impl Film {
         )
     }
 
-    /// Opening tag of a shot. A negative delay sets the time within the cycle at which the shot starts.
+    /// Opening tag of a shot. A negative delay starts each shot at its own time within the common cycle.
     fn opening(&self, shot: usize) -> String {
         let count = self.shots.len();
         let still = if shot == self.still { " still" } else { "" };

@@ -60,7 +60,7 @@ impl Obstacles {
         let (at, from) = (area.centre(), label.anchor);
         let far = distance(from, at);
         let turned = 1.0 - ((at[0] - from[0]) * label.side[0] + (at[1] - from[1]) * label.side[1]) / far.max(1e-9);
-        // Text is legible on top of a line, but not on top of other text; far from its anchor it may seem to belong to something else.
+        // Text is legible on top of a line, but not on top of other text. A label far from its anchor may seem to belong to another point.
         40.0 * crossed as f64 + 1000.0 * hidden as f64 + 1000.0 * outside + 2.0 * far + 18.0 * turned
     }
 }

@@ -1,4 +1,4 @@
-//! The legend: samples with text. It stands in rows below the plots, where it hides no data.
+//! The legend: samples with text, in rows below the plots, where they hide no data.
 
 use plotters::style::Color;
 

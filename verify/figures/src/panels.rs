@@ -49,7 +49,7 @@ impl Frame {
         Self { plot_height: Some(pixels), ..self }
     }
 
-    /// Height of a single plot, px. Relative to its width, a narrow plot is higher, so that its curves are not flattened.
+    /// Height of a single plot, px. The ratio of height to width is larger for a narrow plot, so that its curves are not flattened.
     pub(super) fn height(&self) -> f64 {
         self.plot_height.unwrap_or(self.width * if self.width > 700.0 { 0.46 } else { 0.62 })
     }
@@ -113,7 +113,7 @@ impl Plot {
     }
 }
 
-/// Everything that a figure has around its plots.
+/// All parts of a figure around its plots: heading, axes, names and legend.
 pub(super) struct Panels<'a> {
     pub(super) frame: &'a Frame,
     pub(super) axes: [&'a Axis; 2],
@@ -138,7 +138,7 @@ pub(super) struct Panels<'a> {
     pub(super) legend: Vec<Entry<'a>>,
 }
 
-/// Names of rows have at least this space left of the plots, px.
+/// Least space left of the plots for the names of rows, px.
 const ROW_NAMES: f64 = 92.0;
 /// Width of bold letters relative to plain ones.
 const BOLD: f64 = 1.16;

@@ -108,8 +108,8 @@ impl Series {
         plot.line(&self.points).into_iter().filter(|_| self.marker.is_some()).map(area)
     }
 
-    /// Labels of the points. The label of an arrow lies behind the arrow's start. In a drawing to scale, a label lies outside, perpendicular to the nearest
-    /// line. Otherwise the label lies to the upper right of the point.
+    /// Labels of the points. The label of an arrow lies behind the arrow's start. In a drawing to scale, a label lies perpendicular to the nearest line, on the
+    /// side away from the middle of the drawing. Otherwise the label lies to the upper right of the point.
     pub(super) fn words(&self, plot: &Plot, lines: &Lines, middle: Option<Point>) -> Vec<Label> {
         let points = plot.line(&self.points);
         let behind = points.windows(2).next().and_then(|ends| direction(ends[1], ends[0]));

@@ -90,7 +90,7 @@ impl DrawingBackend for Svg {
         self.draw_path([from, to], style)
     }
 
-    /// Fills the rectangle in every style. Edges are not smoothed, so that neighbours leave no gap.
+    /// Fills the rectangle, even if only an outline is requested. Edges are not smoothed, so that neighbours leave no gap.
     fn draw_rect<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S, _: bool) -> Done {
         let [x, y, width, height] = [from.0, from.1, to.0 - from.0, to.1 - from.1].map(px);
         let shape =
@@ -107,7 +107,7 @@ impl DrawingBackend for Svg {
         )
     }
 
-    /// Fills the circle in every style.
+    /// Fills the circle, even if only an outline is requested.
     fn draw_circle<S: BackendStyle>(&mut self, (x, y): BackendCoord, radius: u32, style: &S, _: bool) -> Done {
         let [x, y, radius] = [x, y, radius as i32].map(px);
         self.filled(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\""), style)

@@ -24,7 +24,7 @@ pub enum FrameError {
     NotAFrame {
         /// Number of the frame, from 0.
         frame: usize,
-        /// Begin of the line.
+        /// Beginning of the line.
         found: String,
     },
     /// The stream ends within a frame.
@@ -32,9 +32,9 @@ pub enum FrameError {
     CutOff {
         /// Number of the frame, from 0.
         frame: usize,
-        /// Bytes found.
+        /// Number of bytes found.
         found: usize,
-        /// Bytes of a frame.
+        /// Number of bytes of a whole frame.
         expected: usize,
     },
 }
@@ -44,7 +44,8 @@ pub enum FrameError {
 enum Samples {
     /// Red, green and blue of each pixel.
     Rgb,
-    /// A plane of luma, and two planes of chroma whose width and height are divided by these numbers. `None`: luma alone.
+    /// A plane of luma, and two planes of chroma. Width and height of the chroma planes are those of the image divided by these numbers. `None` for luma
+    /// without chroma.
     Yuv(Option<[usize; 2]>),
 }
 
@@ -56,7 +57,7 @@ pub struct FrameLayout {
     /// Frames per second, if the stream states it.
     pub per_second: Option<f64>,
     samples: Samples,
-    /// Whether luma and chroma use all values from 0 to 255. Otherwise luma ends at 16 and 235, chroma at 16 and 240 (ITU-R BT.601).
+    /// Whether luma and chroma use all values from 0 to 255. Otherwise luma ranges from 16 to 235 and chroma from 16 to 240 (ITU-R BT.601).
     is_full_range: bool,
 }
 
@@ -100,7 +101,7 @@ impl FrameLayout {
         }
     }
 
-    /// Number of bytes of a frame.
+    /// Number of bytes in a frame, without its header.
     pub fn byte_count(&self) -> usize {
         let [width, height] = self.size_px.map(|px| px as usize);
         match self.samples {
@@ -110,7 +111,7 @@ impl FrameLayout {
         }
     }
 
-    /// Converts the bytes of a frame to an image of the same size. Chroma of fewer samples is repeated.
+    /// Converts the bytes of a frame to an image of the same size. Chroma samples that several pixels share are repeated for each of these pixels.
     ///
     /// # Reference
     /// ITU-R BT.601: R = Y + 1.402 Cr, G = Y - 0.344136 Cb - 0.714136 Cr, B = Y + 1.772 Cb.
@@ -120,7 +121,7 @@ impl FrameLayout {
             return image.copy_from_slice(bytes);
         };
         let (luma, rest) = bytes.split_at(width * height);
-        // In 1/65536: gain and offset of luma, and the gains of chroma.
+        // Gain of luma (in 1/65536), value of luma for black, and gains of chroma (in 1/65536).
         let (gain, black, of_chroma) = if self.is_full_range {
             (65536, 0, [91881, -22554, -46802, 116130])
         } else {
@@ -191,16 +192,16 @@ pub struct FrameReader<R> {
 }
 
 impl<R: BufRead> FrameReader<R> {
-    /// A YUV4MPEG2 stream. Reads its header.
+    /// A reader of a YUV4MPEG2 stream. Reads the header of the stream.
     ///
     /// # Errors
-    /// [`FrameError`] for a stream of another or an unsupported format.
+    /// [`FrameError`] for a stream of another format, or of an unsupported variant.
     pub fn yuv4mpeg2(mut source: R) -> Result<FrameReader<R>, FrameError> {
         let layout = FrameLayout::of_header(&header(&mut source)?.unwrap_or_default())?;
         Ok(FrameReader { source, layout, has_headers: true, frame: 0 })
     }
 
-    /// A stream of raw frames.
+    /// A reader of a stream of raw frames.
     pub fn raw(source: R, layout: FrameLayout) -> FrameReader<R> {
         FrameReader { source, layout, has_headers: false, frame: 0 }
     }
@@ -210,7 +211,7 @@ impl<R: BufRead> FrameReader<R> {
         self.layout
     }
 
-    /// Reads the next frame into `bytes`. False at the end of the stream.
+    /// Reads the next frame into `bytes`. Returns false at the end of the stream.
     ///
     /// # Errors
     /// [`FrameError`] if the stream cannot be read, ends within the frame, or continues with something else.
@@ -239,7 +240,7 @@ impl<R: BufRead> FrameReader<R> {
     }
 }
 
-/// A line of a header without its end; `None` at the end of the stream.
+/// A header line without the line end; `None` at the end of the stream.
 fn header(source: &mut impl BufRead) -> Result<Option<String>, FrameError> {
     let mut line = Vec::new();
     let count = source.take(LONGEST_HEADER).read_until(b'\n', &mut line)?;

@@ -11,8 +11,8 @@ use std::path::{Component, Path, PathBuf};
 const LARGEST_SIDE_PX: u32 = 20_000;
 const MOST_MEMORY: u64 = 1 << 30;
 
-/// Reads an image as 8-bit red, green and blue. Grey becomes three equal channels, 16 bits are rounded to 8, and transparency is ignored. The image
-/// is rotated by its EXIF orientation, which is also returned, as viewers show it. `-` is standard input.
+/// Reads an image as 8-bit red, green and blue. Grey becomes three equal channels, 16 bits are rounded to 8, and transparency is ignored. The image is rotated
+/// or mirrored according to its EXIF orientation, as image viewers do. The orientation is also returned. `-` is standard input.
 ///
 /// # Errors
 /// [`FileError`] if the file is not PNG or JPEG, is damaged, or is wider or higher than 20 000 px.
@@ -100,8 +100,8 @@ fn parts_of(path: &Path) -> Vec<String> {
     })
 }
 
-/// Finds an image of a table by name or path: the image with exactly this name, else the only image whose path may be the same. Two paths may be the
-/// same if one path ends with the other.
+/// Finds an image of a table by name or path. The first match counts: an image with exactly this name, the longest name with which the path ends, or the only
+/// name that ends with the path.
 ///
 /// # Errors
 /// A message if no image, or more than one, matches.

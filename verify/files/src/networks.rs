@@ -5,7 +5,7 @@ use finray_model::sensing::network::Network;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
-/// Reads a network that `finray train` has written, and the SHA-256 of its file in hexadecimal digits.
+/// Reads a network that `finray train` has written. Also returns the SHA-256 of the file in hexadecimal digits.
 ///
 /// # Errors
 /// [`FileError`] if the file cannot be read, is not a network or is damaged.

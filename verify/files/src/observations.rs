@@ -189,7 +189,7 @@ impl ObservationTable {
         })
     }
 
-    /// Whether the table has standard deviations of the base, apart from those of the markers.
+    /// Whether the table states the standard deviations of the base separately from those of the markers.
     fn is_base_apart(&self) -> bool {
         self.table.has(&[SIGMA, OWN_SIGMA]) && self.table.has(&BASE_COLUMNS)
     }

@@ -47,9 +47,9 @@ pub fn of_another_finger(path: &Path, text: &str, finger: &Finger) -> Option<Els
     (off_mm(&farthest) > UNLIKE_SHARE * finger.plate_length_mm(Plate::Front)).then_some(farthest)
 }
 
-/// Largest difference, mm, between a file of `locate` and the positions that the given scene yields for the same markers. It compares two
-/// kinds of positions: undeformed ones, and those to which the camera maps each pixel (plane of the markers, frame of the base). The result is 0 within
-/// rounding if the file was located with this scene, or if the file lacks the columns.
+/// Largest difference, mm, between a file of `locate` and the positions that the given scene yields for the same markers. Two kinds of positions are compared:
+/// undeformed positions, and positions to which the camera maps each pixel (plane of the markers, frame of the base). The result is 0 within rounding if the
+/// file was located with this scene, or if the file lacks the columns.
 ///
 /// # Errors
 /// [`FileError`] with the line of a cell that is not a number.
@@ -75,7 +75,7 @@ pub(super) fn misplaced_mm(path: &Path, text: &str, scene: &Scene) -> Result<f64
             let number = |column| table.number(row, column);
             let base = Vector::new(number("base_x_mm")?, number("base_y_mm")?);
             let base = Isometry2::new(base, number("base_deg")?.to_radians());
-            // A pixel whose ray misses the plane of the markers was not located by this camera.
+            // A pixel whose ray misses the plane of the markers was not located with this camera.
             let at = camera.on_plane(&pixel, markers.height_mm);
             let off_mm = at.map_or(f64::INFINITY, |at| ((base.inverse() * Point2::from(at)).coords - stated).norm());
             worst_mm = worst_mm.max(off_mm);

@@ -6,7 +6,7 @@ use std::fs::{File, Metadata, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Rows as CSV text. The header has the field names of `R`; numbers have the shortest form that reads back the same.
+/// Rows as CSV text. The header has the field names of `R`; each number has the shortest form from which the same number is read back.
 ///
 /// # Errors
 /// A `csv::Error` from the CSV writer; none is expected, because the text is written to memory.
@@ -167,10 +167,10 @@ pub fn streamed(out: &Path, written: std::io::Result<()>) -> Result<(), FileErro
     }
 }
 
-/// Checks before a long computation that a folder exists or can be created, so that no file has its name.
+/// Checks before a long computation that neither the path of a folder nor a parent of that path is a file.
 ///
 /// # Errors
-/// [`FileError::Unwritable`] if a file is where the folder should be.
+/// [`FileError::Unwritable`] if the path of the folder or a parent of that path is a file.
 pub fn require_folder(folder: &Path) -> Result<(), FileError> {
     match folder.ancestors().find(|part| part.exists()) {
         Some(part) if !part.is_dir() => {

@@ -1,4 +1,4 @@
-//! Positions of markers, line by line: CSV or JSON.
+//! Reads positions of markers from a stream, line by line: CSV or JSON.
 
 use finray_model::observation::{Observation, ObservedMarker};
 use finray_model::{NodeId, Vector};
@@ -10,7 +10,7 @@ const LONGEST_LINE: u64 = 1 << 20;
 /// Largest number of rows of one frame of a table.
 const MOST_ROWS: usize = 100_000;
 
-/// Frame of positions.
+/// Positions of the markers in one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PositionFrame {
     /// Time of the frame, s, if it is stated.
@@ -19,7 +19,7 @@ pub struct PositionFrame {
     pub seen: Result<Observation, String>,
 }
 
-/// Reason why a stream of positions cannot be read on.
+/// Reason why a stream of positions cannot be read further.
 #[derive(Debug, thiserror::Error)]
 pub enum PositionError {
     /// The stream cannot be read.
@@ -50,9 +50,9 @@ struct MarkerLine {
 
 /// Reads frames of positions one after another.
 ///
-/// Lines of JSON: `{"t_s": 0.04, "markers": [{"node": 13, "x_mm": 146.1, "y_mm": 3.2, "sigma_mm": 0.02}, ...]}`, one line a frame; `t_s`, `image` and `sigma_mm`
-/// may be left out. CSV: a header with `t_s` or `image`, `node`, `x_mm`, `y_mm` and possibly `sigma_mm` in any order, one line a marker. A CSV frame ends where
-/// `t_s` or `image` changes.
+/// JSON has one line per frame: `{"t_s": 0.04, "markers": [{"node": 13, "x_mm": 146.1, "y_mm": 3.2, "sigma_mm": 0.02}, ...]}`. The keys `t_s`, `image` and
+/// `sigma_mm` may be omitted. CSV has a header and one line per marker. The columns, in any order, are `t_s` or `image`, `node`, `x_mm`, `y_mm`, and optionally
+/// `sigma_mm`. A CSV frame ends where `t_s` or `image` changes.
 pub struct PositionReader<R> {
     source: R,
     /// Columns of a table. `None` for JSON.
@@ -64,7 +64,7 @@ pub struct PositionReader<R> {
     bytes: Vec<u8>,
 }
 
-/// Name of the frame, and marker of a row; no marker if it is hidden.
+/// Name of a row's frame, and the row's marker; `None` for a hidden marker.
 type Row = (String, Result<Option<ObservedMarker>, String>);
 
 #[derive(Clone, Copy)]
@@ -77,7 +77,7 @@ struct Columns {
 }
 
 impl<R: BufRead> PositionReader<R> {
-    /// A stream whose first byte decides between JSON (`{`) and CSV.
+    /// A reader of a stream. The format is JSON if the first byte is `{`, otherwise CSV.
     ///
     /// # Errors
     /// [`PositionError`] if the stream cannot be read, or its header lacks a column.
@@ -94,7 +94,7 @@ impl<R: BufRead> PositionReader<R> {
     /// The next frame. `None` at the end of the stream.
     ///
     /// # Errors
-    /// [`PositionError`] if the stream cannot be read on. An invalid line is no such error: it belongs to its frame.
+    /// [`PositionError`] if the stream cannot be read further. An invalid line is reported in [`PositionFrame::seen`] of its frame instead.
     pub fn read(&mut self) -> Result<Option<PositionFrame>, PositionError> {
         match self.columns {
             None => self.read_json(),
@@ -102,7 +102,7 @@ impl<R: BufRead> PositionReader<R> {
         }
     }
 
-    /// The next line that is not blank, or what is wrong with it. `None` at the end of the stream.
+    /// The next line that is not blank, or the reason why the line is invalid. `None` at the end of the stream.
     fn read_line(&mut self) -> Result<Option<Result<String, String>>, PositionError> {
         loop {
             self.bytes.clear();
@@ -145,7 +145,7 @@ impl<R: BufRead> PositionReader<R> {
                 None => match self.read_line()? {
                     None => break,
                     Some(Ok(text)) => columns.row(&text, self.line),
-                    // A line that is no text belongs to the current frame.
+                    // A line that is not UTF-8 counts as part of the current frame.
                     Some(Err(reason)) => (name.clone().unwrap_or_default(), Err(reason)),
                 },
             };

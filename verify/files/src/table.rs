@@ -39,7 +39,7 @@ impl Table {
         Ok(Table { path: path.to_owned(), text, header, rows })
     }
 
-    /// Checks that the table has rows, each of the columns `required`, and none of these or of the columns `optional` twice.
+    /// Checks that the table has rows and all columns in `required`, and that no column in `required` or `optional` occurs twice.
     ///
     /// # Errors
     /// [`FileError`] that names the missing or repeated column.

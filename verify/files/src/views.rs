@@ -7,7 +7,7 @@ use finray_model::calibration::LocatedView;
 use finray_model::{Scene, Vector};
 use std::path::Path;
 
-/// Images that `locate` has read.
+/// The images in a table of `locate`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocatedViews {
     /// Images in which a finger was located.

@@ -1,4 +1,4 @@
-//! Divides a finger into rigid bodies: a rod at every junction, and short segments of plates and ribs between the rods.
+//! Divides a finger into rigid bodies: one at every rod (junction), and others between the short segments of plates and ribs.
 
 use super::LatticeError;
 use super::springs::{Anchor, AxialSprings, BodyIndex, Segment, Spring};
@@ -16,17 +16,17 @@ pub struct Body {
     pub fixed: bool,
 }
 
-/// The part of a dead load that acts on one body. With the body's displacement u and rotation theta, its work is
-/// share F . u + F . R(theta) lever + M theta.
+/// The part of a dead load that acts on one body. With the body's displacement u and rotation theta, the work of this part is share F . u + F . (R(theta)
+/// lever - lever) + M theta.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyLoad {
     /// Body that carries this part of the load.
     pub body: BodyIndex,
-    /// Force F of the whole load, of which this body carries a share, N, finger frame.
+    /// Force F of the whole load, N, finger frame; this body carries a share of it.
     pub force: Vector,
     /// Share of the force that acts on this body, dimensionless.
     pub share: f64,
-    /// Lever arm of the force about the body's centre, undeformed, mm.
+    /// Lever arm about the body's centre, undeformed, mm. The moment of this part of the load is the cross product of lever arm and whole force F.
     pub lever: Vector,
     /// Moment M on the body, N mm.
     pub moment_nmm: f64,
@@ -61,7 +61,7 @@ pub struct Assembly {
     pub springs: Vec<Spring>,
     /// Body and arm of each key node, in the order of the nodes.
     pub key_nodes: Vec<Anchor>,
-    /// Pieces of the front plate from base to tip. Each piece has the position along the plate, mm, at which the piece ends.
+    /// Pieces of the front plate from base to tip, each with the position along the plate at which the piece ends, mm.
     front: Vec<(f64, FrontSpan)>,
     /// Properties of the segments' axial springs.
     axial: AxialSprings,
@@ -193,7 +193,7 @@ impl Assembly {
         chain.windows(2).map(|pair| [pair[0], pair[1]]).collect()
     }
 
-    /// The middle line of the front plate from base to tip, cut at the middles of its segments, so that each body has one piece.
+    /// Pieces of the front plate's middle line from base to tip, one per body. Two pieces meet at the middle of a segment.
     pub fn front_pieces(&self) -> Vec<FrontPiece> {
         let mut pieces: Vec<FrontPiece> = Vec::new();
         let mut add = |from: Anchor, by: Vector, from_mm: f64| match pieces.last_mut() {
@@ -216,9 +216,9 @@ impl Assembly {
 
     /// Distributes a load over the bodies that carry it, one entry per body.
     ///
-    /// Between two bodies the plate bends as a cubic. Each of the two bodies therefore carries the share of the force given by its cubic (Hermite) shape
-    /// function, at a lever along the plate. The force component along the plate has the same shares, although linear ones would be exact. Up to a tenth of
-    /// this component then acts on the wrong end of one segment, which changes only that segment's axial strain.
+    /// Between two bodies the deflection of the plate is a cubic polynomial. Each of the two bodies therefore carries the share of the force given by its
+    /// cubic (Hermite) shape function, with a lever arm along the plate. The force component along the plate has the same shares, although linear shares
+    /// would be exact. Up to a tenth of this component then acts on the wrong end of one segment, which changes only the axial strain of that segment.
     ///
     /// # Errors
     /// [`LoadError`] if a node does not exist or is clamped, or if a position is not on the front plate.
@@ -302,8 +302,8 @@ fn segments_of(length_mm: f64, target_mm: f64) -> usize {
     ((length_mm / target_mm).round() as usize).max(1)
 }
 
-/// The end of a zone cuts a segment only if both pieces are at least this share of the segment length. A shorter piece would be too stiff to settle;
-/// the zone's modulus is then averaged over the segment.
+/// A segment border is placed at the end of a zone only if the pieces on both sides have at least this share of the target segment length. A shorter piece
+/// would be too stiff to settle. Without a border, the modulus is averaged over the segment.
 const SHORTEST_CUT: f64 = 0.25;
 
 /// Positions of the segment ends of a member, mm: at the ends of zones, and between them at distances of about `target_mm`.
@@ -328,7 +328,7 @@ fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64>
     borders
 }
 
-/// Section of a plate at the position `s_mm`, given the section at the base.
+/// Section of a plate at the position `s_mm` (mm from the base), given the section at the base.
 fn tapered(finger: &Finger, plate: Plate, of_base: Section, s_mm: f64) -> Section {
     let share = finger.thickness_mm(plate, s_mm) / finger.thickness_mm(plate, 0.0);
     Section {

@@ -22,18 +22,18 @@ pub struct BodyMotion {
 }
 
 impl BodyMotion {
-    /// A body-fixed vector (mm) after the rotation.
+    /// Rotates a body-fixed vector (mm) with the body.
     pub fn carried(&self, arm: Vector) -> Vector {
         Rotation2::new(self.rotation) * arm
     }
 
-    /// Displacement of the point at `arm` from the centre, mm. Small rotations cause no cancellation.
+    /// Displacement of the point at `arm` from the centre, mm. The formula avoids cancellation at small rotations.
     pub fn displacement_at(&self, arm: Vector) -> Vector {
         Moved::by(self).displacement_at(arm)
     }
 }
 
-/// A motion with its sine and cosine, computed once for all springs of the body.
+/// A motion with the sine and cosine of its rotation, computed once for all springs of the body.
 #[derive(Debug, Clone, Copy)]
 struct Moved {
     displacement: Vector,
@@ -50,7 +50,7 @@ impl Moved {
         Moved { displacement, rotation, turn: Rotation2::new(rotation), versine: 2.0 * half * half }
     }
 
-    /// Displacement of the point at `arm` from the centre, mm, as of [`BodyMotion::displacement_at`].
+    /// Displacement of the point at `arm` from the centre, mm: see [`BodyMotion::displacement_at`].
     fn displacement_at(&self, arm: Vector) -> Vector {
         self.displacement + Vector::new(-arm.y, arm.x) * self.turn[(1, 0)] - arm * self.versine
     }
@@ -154,8 +154,8 @@ pub struct Expansion {
     pub curvature: Vec<Triplet<usize, usize, f64>>,
 }
 
-/// Newton's method has converged if the energy gain of a step falls below this share of the largest gain. Convergence is quadratic, so a further
-/// step would gain nothing.
+/// Newton's method has converged if the energy decrease that a step predicts is at most this share of the largest predicted decrease. Convergence is
+/// quadratic, so a further step would gain nothing.
 const CONVERGED: f64 = 1e-16;
 /// Number of Newton steps after which the load increment is halved.
 const MOST_STEPS: usize = 30;
@@ -164,8 +164,9 @@ const SMALLEST_PART: f64 = 1e-4;
 /// Largest rotation of a body in one load increment, rad. A larger rotation may be a jump to another equilibrium, so the increment is halved.
 const MOST_TURN: f64 = 0.6;
 
-/// A spring counts as rigid if its stiffness exceeds the median by this factor, because rounding then hides its force. Positions of 150 mm are rounded
-/// by 1e-14 mm. The error is 2e-12 N at 240 N/mm, usual for a TPU finger, but 1e-4 N in the springs of a segment of 0.007 mm.
+/// A spring counts as rigid if its stiffness exceeds the median stiffness by this factor, because rounding then hides its force. Positions of 150 mm are
+/// rounded by 1e-14 mm. The resulting error of the force is 2e-12 N at 240 N/mm, a usual stiffness of a TPU finger, but 1e-4 N in the springs of a segment of
+/// 0.007 mm.
 const STIFF: f64 = 1e4;
 
 /// Sparsity pattern and elimination order, shared by all second derivatives under the same loads.
@@ -283,8 +284,8 @@ impl<'a> Energy<'a> {
         self.unknowns.iter().map(Option::is_none).collect()
     }
 
-    /// Marks the clamped bodies, and the bodies connected to them by springs so stiff that rounding hides the spring forces. At rest, the load on the
-    /// marked bodies, from the other bodies and from outside, equals the reaction of the clamps.
+    /// Marks the clamped bodies, and the bodies connected to them by springs so stiff that rounding hides the spring forces. At rest, the sum of all forces
+    /// on the marked bodies, from the other bodies and from outside, equals the force on the clamps.
     pub fn stiff_base(&self) -> Vec<bool> {
         let is_translational = |spring: &&Spring| spring.deformation != Deformation::Turn;
         let springs: Vec<&Spring> = self.assembly.springs.iter().filter(is_translational).collect();

@@ -3,15 +3,15 @@
 //! The lattice uses neither the elements nor the solver of the beam model. Its springs have the stiffnesses EA / l, 12 EI / l^3 and EI / l of the
 //! beams' sections. It therefore verifies solver and kinematics, but not the Euler-Bernoulli theory.
 //!
-//! Plates and ribs are cut into short segments, with a rigid body between two segments and at every rod (junction). Each segment becomes one axial
-//! spring and up to three bending springs ([`springs`]). The equilibrium is found in two ways. [`settling`] lets the bodies move in the physics engine
-//! rapier until they rest; Newton's method minimises the springs' [`energy`]. The comparison separates errors of the lattice from those of settling.
+//! Plates and ribs are cut into short segments, with a rigid body between two segments and at every rod (junction). Each segment becomes one axial spring and
+//! up to three bending springs ([`springs`]). The equilibrium is found in two ways. [`settling`] lets the bodies move in the physics engine rapier until they
+//! rest; Newton's method minimises the springs' [`energy`]. Comparing the two separates errors of the lattice from those of settling.
 //!
 //! No parameter is fitted. For small displacements the displacements of the key nodes are exact, as in a frame of slender beams. The geometrically
 //! nonlinear error decreases with the third to fourth power of the segment length.
 //!
-//! The lattice supports every finger: rigid arms, zones, hinged ribs and undeformable ribs. An undeformable rib forms one body with its two rods. If the
-//! rib is hinged, it is a bar with ten times a plate's axial rigidity.
+//! The lattice supports every finger: rigid arms, zones, hinged ribs and undeformable ribs. An undeformable rib with rigid joints forms one body with its two
+//! rods. An undeformable rib with hinges is a bar with ten times the axial rigidity of the stiffer plate.
 //!
 //! [`grasp`] finds the equilibrium of two fingers with an object between them. [`pressing`] uses the same method for one finger and an object held
 //! by a hand; rapier verifies it ([`pressing::settled`]).
@@ -156,7 +156,7 @@ impl Lattice {
         Ok(Settled { shape: self.shape(&dynamics.motions()), steps: rest.steps, residual: rest.residual })
     }
 
-    /// Stable equilibrium under the loads, found by Newton's method. It is followed from the undeformed state as the loads grow.
+    /// Stable equilibrium under the loads, found by Newton's method. The equilibrium is followed from the undeformed state as the loads grow.
     ///
     /// # Errors
     /// [`LatticeError::NoEquilibrium`] if the path ends before the full load, [`LatticeError::Load`] or [`LatticeError::LoadNotFinite`] for a bad load.
@@ -168,7 +168,7 @@ impl Lattice {
     }
 
     /// Equilibria under the loads times each of `factors`, which must increase; each is followed from the previous one. If the path ends before the last
-    /// factor, the second value is the [`LatticeError::NoEquilibrium`] that says where.
+    /// factor, the second value is [`LatticeError::NoEquilibrium`] with the share of the load at which the path ended.
     ///
     /// # Errors
     /// [`LatticeError::Load`] or [`LatticeError::LoadNotFinite`] for a bad load.

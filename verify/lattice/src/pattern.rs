@@ -2,7 +2,7 @@
 
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat, Triplet};
 
-/// Indices (row, column) of a square matrix's entries, in the order of the list from which matrices are built.
+/// Indices (row, column) of a square matrix's entries. Their order is that of the list of entries from which matrices are built.
 #[derive(Clone)]
 pub struct Pattern {
     places: Vec<Pair<usize, usize>>,
@@ -25,7 +25,7 @@ impl Pattern {
             && entries.iter().zip(&self.places).all(|(entry, place)| (entry.row, entry.col) == (place.row, place.col))
     }
 
-    /// The pattern in the form that orderings of an elimination need.
+    /// The pattern in faer's form, from which an elimination order is computed.
     pub fn symbolic(&self) -> &SymbolicSparseColMat<usize> {
         &self.symbolic
     }

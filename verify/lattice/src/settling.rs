@@ -27,8 +27,8 @@ const SOFTNESS: f64 = 4.0;
 /// joints would not help. It applies a joint's old impulse only when the sweep reaches the joint, and a sweep does not depend on its initial values.
 pub const SWEEPS: usize = 32;
 
-/// The lattice counts as at rest if no body moves by more than this, relative to the largest displacement, during its slowest motion. The duration of that
-/// motion is `PATIENCE` times the number of steps to the first peak of the kinetic energy.
+/// The lattice counts as at rest if, during its slowest motion, no body moves by more than this share of the largest displacement. The slowest motion is
+/// assumed to last `PATIENCE` times the number of steps to the first peak of the kinetic energy.
 pub const AT_REST: f64 = 2e-5;
 /// Duration of the slowest motion, in units of the time to the first peak of the kinetic energy. The peak comes a quarter of a period after the start.
 const PATIENCE: usize = 2;
@@ -36,8 +36,8 @@ const PATIENCE: usize = 2;
 const SHORTEST_WATCH: usize = 20;
 /// The displacement scale in the test of rest is at least this share of the finger's size. Rounding of rapier's positions dominates smaller displacements.
 const RESOLUTION: f64 = 1e-9;
-/// Settling fails after this number of steps. With two segments per member the paper's finger needs 3000 steps, a spring-steel finger 22000. Shorter
-/// segments need proportionally more.
+/// Settling fails after this number of steps. With two segments per member the finger of Xu et al. (2021) needs 3000 steps, a spring-steel finger 22000.
+/// Shorter segments need proportionally more.
 pub const MOST_STEPS: usize = 200_000;
 
 /// Numerical settings of settling. With the defaults the minimum of the energy is reached.
@@ -120,12 +120,12 @@ pub(crate) fn own(vector: RapierVector) -> Vector {
     Vector::new(vector.x, vector.y)
 }
 
-/// Mass of a body with the given stiffness (N/mm) for which it converges as fast as the lattice's bodies.
+/// Mass with which a body of the given stiffness (N/mm) converges as fast as the lattice's bodies.
 pub(crate) fn mass_for(stiffness: f64) -> f64 {
     STEP_S * STEP_S * stiffness / SOFTNESS
 }
 
-/// A rapier joint that acts as the spring: a motor with a force, not an acceleration, proportional to the deformation.
+/// A rapier joint that acts like the spring. Its motor applies a force, not an acceleration, proportional to the deformation.
 fn joint(spring: &Spring) -> GenericJoint {
     let [first, second] = spring.ends.map(|end| rapier(end.arm));
     let motor = |axis: JointAxis, angle: f64| {
@@ -324,8 +324,8 @@ impl<'a> Dynamics<'a> {
     }
 }
 
-/// Mass and moment of inertia of every body: dt^2 k / softness. The stiffness k is the diagonal entry of the undeformed lattice's stiffness matrix for
-/// this motion of the body.
+/// Mass and moment of inertia of every body: dt^2 k / softness. The stiffness k is a diagonal entry of the undeformed lattice's stiffness matrix: the larger
+/// of the two translational entries for the mass, and the rotational entry for the moment of inertia.
 fn inertia(assembly: &Assembly) -> Vec<(f64, f64)> {
     let energy = Energy::new(assembly);
     let at_rest = vec![BodyMotion::default(); assembly.bodies.len()];

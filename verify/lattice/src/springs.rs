@@ -68,9 +68,9 @@ pub struct Segment {
 
 /// Distance of the axial spring's points from the unpinned ends of a segment, as a share of the segment length.
 ///
-/// Bending brings the ends of a beam closer together without axial strain. If the ends rotate by -phi and phi against the chord, an arc of length l
-/// has the chord l (1 - phi^2 / 6). Consider two points at the distance c l from the ends that rotate with the ends. Their distance is
-/// l (1 - 2 c) + l (c - 1 / 6) phi^2, which is constant for c = 1 / 6. The same share holds for a segment with one pinned end.
+/// Bending brings the ends of a beam closer together without axial strain. If the ends rotate by -phi and phi against the chord, an arc of length l has the
+/// chord l (1 - phi^2 / 6). Consider two points, each fixed to one end and at the distance c l from that end. The distance of the two points is l (1 - 2 c) +
+/// l (c - 1 / 6) phi^2, which is constant for c = 1 / 6. The same share holds for a segment with one pinned end.
 pub const AXIAL_INSET: f64 = 1.0 / 6.0;
 
 /// Properties of the segments' axial springs. The default is that of a slender beam; studies use other values to show their effect.
@@ -97,10 +97,10 @@ impl Segment {
     /// Springs that replace the segment: one axial spring and the bending springs. Bending springs are three without pinned ends, one with one pinned end, and
     /// none with two pinned ends.
     ///
-    /// Between two unpinned ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative
-    /// rotation of the ends, and `across` the gap at the middle if both halves stayed straight. For symmetry, half of the gap's energy is measured in
-    /// the direction of each end. A segment with one pin has the stiffness of a cantilever, 3 EI / l^3, at the unpinned end. A segment with two pins
-    /// has only the axial spring.
+    /// Between two unpinned ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative rotation
+    /// of the ends, and `across` the gap at the middle if both halves stayed straight. For symmetry, two springs of half the stiffness resist the gap: one
+    /// normal to the direction of the first end, one normal to that of the second. A segment with one pin is a cantilever, clamped at the unpinned end, with
+    /// the stiffness 3 EI / l^3. A segment with two pins has only the axial spring.
     pub fn springs(&self, axial: AxialSprings) -> Vec<Spring> {
         let length = self.length_mm;
         let bending = self.section.bending_rigidity_nmm2;

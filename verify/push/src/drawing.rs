@@ -1,4 +1,4 @@
-//! The finger as lines.
+//! The finger as lines along its members.
 
 use crate::{estimators, xy};
 use finray_model::finger::Plate;
@@ -10,22 +10,22 @@ use serde::Serialize;
 /// Points along a member of the finger, mm.
 pub type Polyline = Vec<[f64; 2]>;
 
-/// The finger at rest, and what can be asked of it.
+/// The finger at rest, and the estimators from which a page can choose.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Drawing {
     /// Name of the scene.
     pub name: String,
     /// The members of the finger at rest.
     pub lines: Vec<Polyline>,
-    /// Marked points at rest.
+    /// Positions of the markers at rest, mm.
     pub markers: Vec<[f64; 2]>,
     /// Length of the front plate, mm.
     pub front_mm: f64,
-    /// Base end and tip end of the front plate.
+    /// Ends of the undeformed front plate, at the base and at the tip, mm.
     pub front: [[f64; 2]; 2],
-    /// Inward normal of the undeformed front plate.
+    /// Inward unit normal of the undeformed front plate.
     pub inward: [f64; 2],
-    /// Noise that the scene states, mm.
+    /// Standard deviation of the marker noise that the scene states, mm.
     pub noise_mm: Option<f64>,
     /// Name and description of each estimator.
     pub estimators: Vec<[&'static str; 2]>,
@@ -49,7 +49,7 @@ impl Drawing {
     }
 }
 
-/// The members of a finger, at rest or in a motion.
+/// The members of a finger: at rest, or displaced by `motion`.
 pub(crate) fn lines(mesh: &Mesh, motion: Option<&FrameMotion>) -> Vec<Polyline> {
     let at = |node: &usize| {
         let rest = mesh.frame().position(*node);

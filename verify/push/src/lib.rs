@@ -1,8 +1,9 @@
-//! A finger that a web page can push: its equilibrium under one force, and the force that would be sensed from a camera's view of it.
+//! Simulation of a finger that a user pushes on a web page: the equilibrium under one force, and the force that a sensor estimates from the noisy displacements
+//! of the markers.
 //!
-//! The report embeds this crate as WebAssembly (`push.wasm`), so that its page computes with the same beam model and the same sensor as the program. A page
-//! asks in JSON and gets JSON (see [`Session::answer`]); a Rust program uses [`PushedFinger`]. Lengths are in mm, forces in N, angles in degrees,
-//! vectors in the finger frame of [`finray_model`].
+//! The report embeds this crate as WebAssembly (`push.wasm`), so that the page of the report computes with the same beam model and the same sensor as the
+//! program. A page sends a question and receives an answer, both in JSON (see [`Session::answer`]); a Rust program uses [`PushedFinger`]. Lengths are in mm,
+//! forces in N, angles in degrees, vectors in the finger frame of [`finray_model`].
 
 mod drawing;
 #[cfg(target_arch = "wasm32")]
@@ -25,35 +26,35 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-/// This crate as WebAssembly, made by `verify/push/build`.
+/// This crate, compiled to WebAssembly by `verify/push/build`.
 #[cfg(not(target_arch = "wasm32"))]
 pub const PROGRAM: &[u8] = include_bytes!("../push.wasm");
 
-/// Mesh nodes of the true finger. Twice as many change its displacements by less than a camera resolves.
+/// Number of mesh nodes of the true finger. Doubling this number changes the finger's displacements by less than a camera resolves.
 pub const MESH_NODES: usize = 200;
-/// Elements per member of a finger that has more key nodes than [`MESH_NODES`].
+/// Number of elements per member, for a finger that has more key nodes than [`MESH_NODES`].
 const FEWEST_ELEMENTS: usize = 2;
 
-/// A force on the finger, and what is asked of the sensor.
+/// A force on the finger, and the question to the sensor.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Push {
     /// Position of the true force along the front plate, mm from the base.
     pub s_mm: f64,
-    /// Direction of the true force, degrees from the undeformed inward normal, positive towards the tip.
+    /// Direction of the true force, degrees from the inward normal of the undeformed front plate, positive towards the tip.
     pub angle_deg: f64,
     /// The true force, N.
     pub force_n: f64,
-    /// Whether the true finger is the other one of [`PushedFinger::new`]; the sensor always takes it for the scene's.
+    /// Whether the true finger is the finger of `other` in [`PushedFinger::new`]. The sensor always assumes the finger of the scene.
     #[serde(default)]
     pub is_other: bool,
     /// What the sensor knows of the contact.
     pub contact: Knowledge,
     /// Name of the estimator.
     pub estimator: String,
-    /// Standard deviation of one coordinate of a marker, mm.
+    /// Standard deviation of the noise in one coordinate of a marker, mm.
     pub noise_mm: f64,
-    /// Number of the image. Every number has its own noise; the same number has the same noise under every force.
+    /// Number of the image: the seed of its noise. Images with the same number have the same noise, whatever the force is.
     pub image: u64,
 }
 
@@ -63,41 +64,41 @@ pub struct Push {
 pub enum Knowledge {
     /// Position and direction are known.
     Known,
-    /// The sensor assumes a position and a direction that are off by these amounts. The position stays on the plate.
+    /// The sensor assumes a position and a direction that deviate from the true ones by these amounts. An assumed position beyond the tip is moved to the tip.
     Off {
-        /// Assumed less true position, mm.
+        /// Assumed minus true position, mm.
         by_mm: f64,
-        /// Assumed less true direction, degrees.
+        /// Assumed minus true direction, degrees.
         by_deg: f64,
     },
-    /// The sensor seeks position and direction together with the force.
+    /// The sensor estimates position and direction together with the force.
     Sought,
-    /// The sensor is not asked: a page that shows a moving finger can have its shape at once, and the force when it rests.
+    /// The sensor is not asked. A page that shows a moving finger then gets the shape without delay, and can ask for the force when the finger rests.
     Unasked,
 }
 
-/// The pushed finger, and what the sensor makes of its image.
+/// Result of a push: the bent finger with the sensor's answer, or the reason why there is no equilibrium.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Pushed {
     /// The finger carries the force.
     Bent(Box<Bent>),
-    /// The finger has no equilibrium under the force; the reason.
+    /// No equilibrium under the force was found. Holds the reason.
     NotCarried(String),
 }
 
 /// A finger bent by a force.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bent {
-    /// The bent finger.
+    /// Lines along the members of the bent finger.
     pub lines: Vec<Polyline>,
-    /// Point of the bent front plate at which the force acts.
+    /// Point of the bent front plate at which the force acts, mm.
     pub at: [f64; 2],
-    /// True displacement of each marked node.
+    /// True displacement of each marked node, mm.
     pub displacements: Vec<[f64; 2]>,
-    /// Displacement of each marked node with the camera's noise, as the sensor sees it.
+    /// Displacement of each marked node with noise, mm: the input of the sensor.
     pub seen: Vec<[f64; 2]>,
-    /// What the sensor answers.
+    /// Answer of the sensor.
     pub sensed: Sensed,
 }
 
@@ -107,7 +108,7 @@ pub struct Bent {
 pub enum Sensed {
     /// A force.
     Force(Box<SensedForce>),
-    /// No force, for this reason.
+    /// The sensor gave no force. Holds the reason.
     Refused(String),
     /// The sensor was not asked.
     Unasked,
@@ -118,17 +119,17 @@ pub enum Sensed {
 pub struct SensedForce {
     /// The force along the direction at `angle_deg`, N.
     pub force_n: f64,
-    /// Standard deviation, N.
+    /// Standard deviation of the force, N.
     pub sigma_n: f64,
     /// Lower and upper limit of the 95 % interval, N.
     pub interval_n: [f64; 2],
-    /// Known, assumed or sought position, mm from the base.
+    /// Known, assumed or estimated position along the front plate, mm from the base.
     pub s_mm: Option<f64>,
-    /// Known, assumed or sought direction, degrees.
+    /// Known, assumed or estimated direction, degrees; see [`Push::angle_deg`].
     pub angle_deg: f64,
-    /// Point of the bent front plate at `s_mm`.
+    /// Point of the bent front plate at `s_mm`, mm.
     pub at: Option<[f64; 2]>,
-    /// Reasons to trust the force less than its interval says.
+    /// Reasons why the error of the force may exceed its interval.
     pub warnings: Vec<String>,
 }
 
@@ -141,8 +142,8 @@ pub struct PushedFinger {
 }
 
 impl PushedFinger {
-    /// The finger of a scene, in TOML. `other` is the text of a scene with another finger of as many nodes: a true finger that differs from the one that the
-    /// sensor knows.
+    /// The finger of the scene with the text `scene` (TOML). `other` is the text of a scene with another finger of the same number of nodes. It can be the true
+    /// finger, so that the sensor assumes a wrong one.
     ///
     /// # Errors
     /// [`SceneError`] if a scene cannot be read.
@@ -186,7 +187,7 @@ impl PushedFinger {
         })
     }
 
-    /// What the sensor is asked of the contact; `None` if it is not asked.
+    /// The question to the sensor about the contact; `None` for [`Knowledge::Unasked`].
     fn question(&self, push: &Push) -> Option<ContactQuestion> {
         let at = |s_mm, angle_deg| ContactQuestion {
             position: Some(ContactPosition::At(s_mm)),
@@ -203,7 +204,8 @@ impl PushedFinger {
         }
     }
 
-    /// The force at the contact that is known, assumed or found; or why there is none. `at` gives points of the bent front plate.
+    /// The force at the known, assumed or estimated contact; the error is the reason why the sensor gave no force. `at` returns the point of the bent front
+    /// plate at a position (both in mm).
     fn sensed(&self, seen: &Observation, push: &Push, at: impl Fn(f64) -> Option<[f64; 2]>) -> Result<Sensed, String> {
         let Some(question) = self.question(push) else { return Ok(Sensed::Unasked) };
         let estimator = estimators().find(|estimator| estimator.name() == push.estimator).ok_or_else(|| {
@@ -241,7 +243,7 @@ fn drawn_mesh(scene: &Scene) -> Mesh {
         .unwrap_or_else(|_| Mesh::with_elements_per_member(&scene.finger, FEWEST_ELEMENTS))
 }
 
-/// The observation with the noise of an image.
+/// The observation with the noise of image number `push.image`.
 fn with_noise(mut seen: Observation, push: &Push) -> Observation {
     let mut chance = ChaCha8Rng::seed_from_u64(push.image);
     for marker in &mut seen.markers {

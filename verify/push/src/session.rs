@@ -8,27 +8,27 @@ use serde_json::{Value, json};
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 enum Asked {
-    /// Takes the finger of a scene. The answer is its [`Drawing`](crate::Drawing).
+    /// Loads the finger of a scene. The answer is the finger's [`Drawing`](crate::Drawing).
     Finger {
         /// Text of the scene.
         scene: String,
-        /// Text of the scene of another true finger.
+        /// Text of a scene with another finger, which can be the true one.
         other: Option<String>,
     },
     /// Pushes the finger. The answer is [`Pushed`](crate::Pushed).
     Push(Push),
 }
 
-/// A page's questions about one finger after another.
+/// Answers the questions of a page about the finger that the page loaded last.
 #[derive(Debug, Default)]
 pub struct Session {
     finger: Option<PushedFinger>,
 }
 
 impl Session {
-    /// Answers a question in JSON: `{"finger": {"scene": TEXT, "other": TEXT}}` takes the finger of a scene and gives a [`Drawing`](crate::Drawing);
-    /// `{"push": {...}}`, with the fields of [`Push`], gives [`Pushed`](crate::Pushed). A question that has no answer gives `{"error": TEXT}`, and the
-    /// finger stays as it was.
+    /// Answers a question in JSON: `{"finger": {"scene": TEXT, "other": TEXT}}` loads the finger of a scene and returns a [`Drawing`](crate::Drawing);
+    /// `{"push": {...}}`, with the fields of [`Push`], returns [`Pushed`](crate::Pushed). An invalid question returns `{"error": TEXT}` and leaves the loaded
+    /// finger unchanged.
     pub fn answer(&mut self, question: &str) -> String {
         self.answered(question).unwrap_or_else(|error| json!({ "error": error })).to_string()
     }

@@ -1,4 +1,4 @@
-//! First screen of the report: five questions of a gripper builder, each answered in one line from the results.
+//! First screen of the report: questions of a gripper builder, each answered in one line from the results.
 
 mod in_full;
 
@@ -14,7 +14,7 @@ use finray_studies::experiments::causes::ContactKnowledge;
 use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::experiments::direction::DirectionStudy;
 
-/// The verdict in a few lines: where, why not elsewhere, what to use then, how sure, and what of it is real.
+/// The verdict in a few lines: where forces can be trusted and why not elsewhere, unknown directions, coverage of intervals, checks, and real images.
 pub(super) fn verdict(study: &Study) -> Vec<[String; 2]> {
     let situations = situations(study);
     given([
@@ -63,7 +63,7 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     Some(format!("{known}{}", assumed.unwrap_or_default()))
 }
 
-/// How often an unknown direction is found with the force.
+/// Share of the cells in which an unknown direction is identified together with the force.
 fn seeking(directions: &DirectionStudy) -> Option<String> {
     let share = |force_n: f64| {
         let [identified, all] = directions.identified(force_n);
@@ -93,13 +93,13 @@ fn sureness(study: &Study) -> Option<String> {
     })
 }
 
-/// Checks against other programs.
+/// Number of passed checks against other programs.
 fn checked(study: &Study) -> Option<String> {
     let counts = checks::counted(study).into_iter().find(|tally| tally.against == Against::OtherPrograms)?;
     Some(format!("{} of {} solver checks by other programs pass.", counts.passed, counts.all))
 }
 
-/// What was measured on a real finger.
+/// Results of measured images of a real finger, or the statement that there are none.
 fn reality(study: &Study) -> String {
     let Some(measured::Outcome { images, known, error, within, forces, .. }) =
         study.measured.as_ref().and_then(measured::outcome)
@@ -139,7 +139,7 @@ pub(super) fn caveat(study: &Study) -> String {
     )
 }
 
-/// Cells of a map that answer with an error above the trusted one, and how many of them fail by camera noise rather than by a wrong model.
+/// Answered cells of the situation's map with an error above the trusted limit, and the number of them in which the spread by noise exceeds the bias.
 fn failures<'s>(situation: &Situation<'s>) -> (Vec<&'s MapCell>, usize) {
     let is_wrong = |cell: &&MapCell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
     let failed: Vec<&MapCell> = situation.map.cells.iter().filter(is_wrong).collect();

@@ -53,7 +53,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("camera", "From camera to force", blocks).saying(says(camera))))
 }
 
-/// Chart of the noise at which a force errs by the asked share, and of the paper's camera.
+/// Chart by contact node of the noise at which a force errs by [`ASKED_ERROR`], and of the noise of the paper's camera.
 fn needed(camera: &CameraStudy) -> Result<Option<Block>, FigureError> {
     let asked = percent_two_digits(ASKED_ERROR);
     let title = format!("Noise at which {} N errs by {asked}", camera.force_n);

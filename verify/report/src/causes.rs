@@ -76,7 +76,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.extend(remedies(study)?.map(Block::Figure));
     blocks.push(text(about(study)));
     blocks.push(Block::Table(by_region(study)));
-    // Maps that have every position and direction.
+    // Maps with several directions, not only the normal.
     let full = own_first(study).filter(|map| map.request.angles_deg.len() > 1);
     let figures = full.take(DRAWN).map(|map| map_figure(map, study.forces.drawn_n()));
     blocks.push(Block::Figures(figures.collect::<Result<_, _>>()?));
@@ -141,7 +141,7 @@ fn by_region(study: &Study) -> Table {
         .table(caption, CSV, own_first(study))
 }
 
-/// Contact nodes from base to tip, each with its cells for forces along the normal.
+/// Contact nodes from base to tip, each with its cell for the drawn force along the normal.
 fn at_nodes<'s>(study: &'s Study, map: &'s CauseMap) -> impl Iterator<Item = (NodeId, &'s CauseCell)> {
     let finger = &study.finger;
     let nodes = finger.contact_nodes().rev().filter_map(|node| Some((node, finger.front_position_mm(node)?)));

@@ -10,7 +10,7 @@ const ABOUT: &str = "External: results of another program: OpenSees and MuJoCo w
                      counted separately. Analytical: closed forms, theoretical orders of convergence, and solutions from the literature. Internal: our \
                      second formulation, a balance or a bound. All use the EA and EI of the beams, so they verify solvers and kinematics. Not \
                      verified here: beam theory against a solid model, and material and joints of a real finger.";
-/// Checks that a scene other than the paper's lacks.
+/// Text on the checks that exist only for the paper's scene.
 const OF_ANOTHER_FINGER: &str = "Reference values of other programs (OpenSees) and the paper's Table I exist for the paper's finger alone, and so do the \
                                  spring lattice and the hard cases; they are left out for this scene.";
 
@@ -59,7 +59,7 @@ pub(super) fn counted(study: &Study) -> Vec<Tally> {
 
 /// A disagreement of 0 is drawn at this value, because a logarithmic axis has no 0.
 const LAST_BIT: f64 = f64::EPSILON;
-/// Row of the figure for the residuals of the fit to the paper's Table I.
+/// Label of the figure's row with the residuals of the fit to the paper's Table I.
 const FITTED: &str = "the paper's Table I";
 
 /// Figure of the relative disagreement with each independent reference, one point per check. Residuals of the fit to Table I have a separate row.

@@ -40,7 +40,7 @@ pub fn verdict(verdict: ClaimVerdict) -> Cell {
     match verdict {
         ClaimVerdict::Reproduced => Cell::shaded(words, Shade::Pass),
         ClaimVerdict::Refuted | ClaimVerdict::NotReproduced => Cell::shaded(words, Shade::Fail),
-        // These results hold only in simulation, so they neither confirm nor refute a measurement.
+        // These verdicts neither confirm nor refute a measurement.
         ClaimVerdict::InSimulation
         | ClaimVerdict::LessInSimulation
         | ClaimVerdict::Depends

@@ -5,7 +5,7 @@ use crate::prelude::*;
 use finray_studies::experiments::convergence::{Convergence, MeshSize};
 
 const CSV: &str = "convergence.csv";
-/// The load and the error of a mesh.
+/// Text on the loads, and on the definition of a mesh's error.
 const ABOUT: &str = "A force along the normal acts at one node after the other, without the tip. The error is the largest difference between a key node's \
                      displacement and Richardson's extrapolation, divided by the largest displacement, at the worst loaded node. Linear theory is exact at \
                      the nodes.";

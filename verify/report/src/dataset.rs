@@ -118,7 +118,7 @@ impl<'s> Dataset<'s> {
         Self::records(csv, rows.into_iter().map(fields))
     }
 
-    /// A dataset as of [`new`](Self::new), with rows that are serialised by their own type.
+    /// A dataset like that of [`new`](Self::new), whose rows serialise themselves.
     pub fn records<T: Serialize + 's>(csv: &str, rows: impl IntoIterator<Item = T>) -> Self {
         let rows: Vec<T> = rows.into_iter().collect();
         Dataset { csv: csv.to_owned(), in_csv: !rows.is_empty(), in_summary: true, rows: Box::new(rows) }

@@ -52,7 +52,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("directions", "Unknown directions", blocks)))
 }
 
-/// What is known, and when a cell counts as identifiable.
+/// Text on the known quantities, and on when a cell counts as identifiable.
 fn about(DirectionStudy { noise_mm, samples, .. }: &DirectionStudy) -> String {
     let [force, answered] = [IDENTIFIED_FORCE, IDENTIFIED_ANSWERED].map(percent);
     format!(
@@ -129,7 +129,7 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
     })
 }
 
-/// Errors if the deformed normal is assumed, compared with an unknown direction.
+/// Sentences on the error of the force: with the deformed normal assumed, with the direction unknown, and with the undeformed normal assumed.
 fn without_friction(directions: &DirectionStudy) -> Option<String> {
     let [small_n, _, large_n] = directions.forces_n;
     let error = |assumed: Assumption, force_n: f64| {
@@ -164,7 +164,7 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
             Assumption::Normal => "deformed normal assumed",
             Assumption::Unknown => "direction unknown",
         };
-        // The lines have different widths, so that both are visible where they coincide.
+        // The first line is wider, so that it stays visible where another line coincides with it.
         Series { width: if n == 0 { 6.0 } else { 2.6 }, ..Series::nth(n, label, points) }
     });
     let title = format!("Pushed without friction, {force_n} N");

@@ -47,7 +47,7 @@ fn about(DisplacementNoiseStudy { image_sd_mm, rows, .. }: &DisplacementNoiseStu
     )
 }
 
-/// Sentence on the increase of the bounds.
+/// Sentence on the factors by which errors of the undeformed positions increase the bounds.
 fn says(study: &DisplacementNoiseStudy) -> Option<String> {
     let of = |name: &'static str| study.rows.iter().filter(move |row| row.noise == name);
     let worse = of("motor angle").zip(of("independent")).map(|(motor, alone)| motor.bound_n / alone.bound_n);

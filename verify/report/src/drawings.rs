@@ -7,7 +7,7 @@ use finray_model::finger::{FingerPoint, Part};
 use finray_studies::experiments::table_one::TableOne;
 use finray_studies::settings::GROSS_ERROR;
 
-/// Palette of errors: largest error of each class, %, and its colour (red, green, blue). Two shades of green mean trusted; amber and red do not.
+/// Palette of errors: largest error of each class, %, and its colour (red, green, blue). The three shades of green mean trusted; amber and red do not.
 /// Lightness decreases on both sides of the 10 % threshold, so that colour-blind readers and grey prints show the order.
 const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
     (2.0, [0x1f, 0x8a, 0x57]),
@@ -57,7 +57,7 @@ pub fn percent_classes() -> Vec<Class> {
     ERROR_CLASSES.iter().enumerate().map(class).collect()
 }
 
-/// Classes by rank, followed by those of cells without an error.
+/// Classes of errors by rank, followed by the classes of refused cells and of cells without equilibrium.
 pub(super) fn error_classes() -> Vec<Class> {
     let hatched = |label: &str, rising| Class {
         up_to: 0.0,
@@ -162,7 +162,7 @@ pub(super) fn small_maps(
     Map { rows, columns, rest_label, ..Map::new(frame, [x, y], error_classes(), plots.concat()) }
 }
 
-/// Round positions along a plate, mm, from 0: multiples of the largest round length that fits `times` into the plate.
+/// Round positions along a plate, mm, from 0. The step is the largest round length that fits into the plate `times` times.
 pub(super) fn plate_ticks(length_mm: f64, times: f64) -> impl Iterator<Item = f64> {
     let step_mm =
         [500.0, 200.0, 100.0, 50.0, 20.0, 10.0].into_iter().find(|step| times * step <= length_mm).unwrap_or(5.0);
@@ -200,7 +200,7 @@ pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
         nodes.into_iter().map(|node| (point(&finger.position(node)), node.to_string())).unzip()
     };
     let free = (1..=finger.key_node_count()).map(NodeId).filter(|node| !clamps.contains(node)).collect();
-    // An arrow at the middle of the front plate shows the direction of a force at 0 degrees.
+    // Arrows near the middle of the front plate show the directions of forces at 0 and +40 degrees.
     let length = finger.plate_length_mm(Plate::Front);
     let middle = finger.plate_point(Plate::Front, 0.54 * length);
     let arrow = |angle_deg: f64, label: &str, hue| {
@@ -248,7 +248,7 @@ pub(super) fn error_bars(label: impl Into<String>, hue: Hue, errors: impl IntoIt
     Bars { label: label.into(), hue, values: errors.into_iter().map(|error| error.map(percent)).collect() }
 }
 
-/// Series of true values as a line, and of sensed values, with their intervals, as symbols; one without points is left out.
+/// Series of true values (line), and of sensed values with their intervals (symbols). A series without points is left out.
 pub(super) fn true_and_sensed(
     n: usize,
     name: impl Into<String>,
@@ -260,7 +260,7 @@ pub(super) fn true_and_sensed(
     [truth, sensed].into_iter().filter(|series| !series.points.is_empty()).collect()
 }
 
-/// A quantity of a row of a chart by contact: its text in the legend, and its value; `None` where it is missing.
+/// A line of a chart by contact: its text in the legend, and the function that reads its value from a row (`None` if the value is missing).
 pub(super) type Line<'l, R> = (&'l str, fn(&R) -> Option<f64>);
 
 /// Chart of quantities by contact on a logarithmic axis, one line each; values that are not above zero are left out. `None` if there is nothing to draw.
@@ -282,7 +282,7 @@ pub(super) fn by_contact<R>(
     Chart::new(frame, [x, Axis::log(axis)], series).svg().map(Some)
 }
 
-/// Two charts [by contact](by_contact), of single contacts and of pairs, whose names have a comma.
+/// Two charts [by contact](by_contact): of single contacts, and of pairs. A row is a pair if its name has a comma.
 pub(super) fn one_and_two<R>(
     title: &str,
     axis: &str,

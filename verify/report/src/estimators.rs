@@ -82,8 +82,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("estimators", "Four estimators side by side", blocks).saying(says(study))))
 }
 
-/// Sentences on the recommended estimator, and on the times of the fastest and the slowest one per force; `None` if the slowest takes a tenth of a camera
-/// frame or more.
+/// Sentences on the recommended estimator, and on the time per force of the fastest and the slowest estimator. `None` if the slowest takes at least a
+/// tenth of the time between two frames.
 fn says(study: &Study) -> Option<String> {
     let times: Vec<f64> = rows(study).filter_map(|row| row.seconds).collect();
     let [fastest, slowest] = [f64::min, f64::max].map(|of| times.iter().copied().reduce(of));

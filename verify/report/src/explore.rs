@@ -1,4 +1,4 @@
-//! Data of the interactive section: the report's numbers in the form that its script reads.
+//! Data of the interactive section: the report's numbers in the form that the section's script reads.
 
 use super::maps::small;
 use crate::prelude::*;
@@ -106,7 +106,7 @@ fn of_pair((nonlinear, linear): (&ScatterRow, &ScatterRow)) -> Value {
     Value::Object(pair)
 }
 
-/// Steps of a pressed object: for each contact the true force along its normal, and the force sensed along the measured normal from one noise sample.
+/// Steps of a pressed object. Each contact has its true force along its normal, and the force sensed from one noise sample along the measured normal.
 fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
     let step = |studied: &StudiedStep| {
         let pressed = &studied.step.pressed;

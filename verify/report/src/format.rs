@@ -18,7 +18,7 @@ pub fn figure(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// A share in percent: two significant digits below 1 %, one decimal below 10 %.
+/// A share in percent: two decimals below 1 %, one decimal below 10 %, otherwise none. A share below 0.01 % is written as `< 0.01 %`.
 pub fn percent(share: f64) -> String {
     match 100.0 * share.abs() {
         0.0 => "0 %".to_owned(),
@@ -34,7 +34,7 @@ pub fn percent_with(share: f64, decimals: usize) -> String {
     format!("{:.decimals$} %", 100.0 * share)
 }
 
-/// A share in percent with two significant digits, down to rounding errors.
+/// A share in percent with at least two significant digits, down to 0.000001 %.
 pub fn percent_two_digits(share: f64) -> String {
     match 100.0 * share {
         0.0 => "0 %".to_owned(),

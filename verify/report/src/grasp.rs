@@ -66,7 +66,7 @@ fn scenes<'c>() -> Columns<'c, &'c GraspStudy> {
         .both("refused", "refused", Format::Plain, |grasp| grasp.noisy.sensed.refused)
 }
 
-/// The first grasp: its whole course, its forces, and the key figures of all grasps.
+/// The first grasp, animated, with its forces over the steps, and the key figures of all grasps.
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(first) = study.grasps.first() else { return Ok(None) };
     let figures = std::iter::once(moving(first)?).chain(courses(first)?.into_iter().take(1)).collect();
@@ -77,11 +77,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("grasp", "Grasping an object", blocks).saying(says(first))))
 }
 
-/// How grasps are computed, and every grasp with its forces.
+/// How grasps are computed, then every grasp with its forces.
 pub(super) fn all(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let mut blocks = vec![text(ABOUT)];
     for (n, grasp) in study.grasps.iter().enumerate() {
-        // The whole course of the first grasp is on the first page.
+        // The animation of the first grasp is on the first page.
         let moving = if n == 0 { None } else { Some(moving(grasp)?) };
         blocks.push(Block::Figures(moving.into_iter().chain(courses(grasp)?).collect()));
     }

@@ -53,7 +53,7 @@ fn in_words(cases: &[HardCase]) -> String {
     }
 }
 
-/// Result of a case: its text, then one line per computed number.
+/// Result of a case: its notes, one line per computed number, and the run time.
 fn outcome(case: &HardCase) -> String {
     let mut lines = case.notes.clone();
     lines.extend(case.checks.iter().map(compared));
@@ -81,7 +81,7 @@ fn compared(check: &Check) -> String {
     format!("{quantity}: {} {limit} ({source}){broken}", figure(*ours))
 }
 
-/// Replaces hyphens, so that a power of ten such as 1e-6 is not split between two lines.
+/// Makes the hyphen of a power of ten such as 1e-6 non-breaking, so that the number is not split between two lines.
 fn unbroken(words: &str) -> String {
     words.replace("e-", "e\u{2011}")
 }

@@ -24,7 +24,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 /// Datasets of the section: errors and times by fineness and force, results with other axial springs, and settings of settling.
 pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
-    // Errors are relative to the largest displacement. Reference of the equilibrium: converged beams; of the settled lattice: its equilibrium.
+    // Errors are relative to the largest displacement. The equilibrium is compared with converged beams, the settled lattice with its equilibrium.
     let fineness = Columns::<(&FinenessRow, usize)>::new()
         .file("segments_a_stretch", |(row, _)| row.fineness)
         .file("bodies", |(row, _)| row.bodies)

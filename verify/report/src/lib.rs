@@ -62,7 +62,7 @@ pub enum ReportError {
     /// A table could not be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
-    /// The program of the finger that one can push could not be compressed.
+    /// The program of the finger that the reader can push could not be compressed.
     #[error("cannot compress a program: {0}")]
     Program(#[from] std::io::Error),
     /// The summary could not be written.

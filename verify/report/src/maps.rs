@@ -22,7 +22,7 @@ pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy
     })
 }
 
-/// Reads one explaining quantity of a cell.
+/// Reads from a cell one of the quantities that explain errors.
 type ExplainedQuantity = fn(&Explanation) -> Option<f64>;
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {

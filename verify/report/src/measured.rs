@@ -10,7 +10,7 @@ use finray_studies::statistics::{mean, rms};
 
 const CSV: &str = "measured_forces.csv";
 const COVERAGE_CSV: &str = "measured_coverage.csv";
-/// Number of kinds of contact knowledge that are listed image by image: the measured direction, and the friction of the scene.
+/// Number of kinds of contact knowledge that are listed image by image: the measured direction, and the scene's friction (no friction if it states none).
 const OF_SCENE: usize = 2;
 const RESIDUALS_CSV: &str = "measured_residuals.csv";
 /// Length of the longest drawn residual, mm on the page; all residuals have the same magnification.
@@ -148,7 +148,7 @@ fn image_columns<'s>() -> Columns<'s, &'s MeasuredForce> {
         .page("z", Format::Fixed(2), |force| force.error_over_sigma)
 }
 
-/// What measured images show, sensed with one knowledge of the contact.
+/// Key figures of the measured images, sensed with one kind of contact knowledge.
 pub(super) struct Outcome {
     pub images: usize,
     pub known: &'static str,
@@ -174,7 +174,7 @@ pub(super) fn outcome(measured: &MeasuredStudy) -> Option<Outcome> {
 fn forces(measured: &MeasuredStudy) -> Result<Option<String>, FigureError> {
     let mut series = Vec::new();
     let mut largest = 0.0_f64;
-    // Only kinds of contact knowledge that a scene can provide are drawn; the table lists all kinds.
+    // Only the first three kinds of contact knowledge are drawn; the table lists all kinds.
     for (n, (known, forces)) in measured.by_knowledge().take(3).enumerate() {
         let answered = || forces.iter().filter_map(|force| Some((force.measured_n, force.sensed_n?, force.sigma_n?)));
         let points: Vec<Point> = answered().map(|(measured_n, sensed_n, _)| [measured_n, sensed_n]).collect();

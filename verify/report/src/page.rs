@@ -23,13 +23,13 @@ const PUSH: [&str; 3] = [include_str!("push/push.js"), include_str!("push/push.c
 pub struct Page {
     /// Title of the page.
     pub title: String,
-    /// First screen of the report; `None` on the pages behind it.
+    /// First screen of the report; `None` on all pages but the first.
     pub first: Option<First>,
     /// The finger that the reader can push; `None` leaves the picture out.
     pub push: Option<Pushable>,
     /// Data of the interactive section; `None` leaves the section out.
     pub explore: Option<String>,
-    /// Whether a drawing is animated, so that the page needs the script that stops it.
+    /// Whether a drawing is animated, so that the page needs the script that stops animations.
     pub has_film: bool,
     /// The results, in the order of the page.
     pub sections: Vec<Section>,
@@ -39,7 +39,7 @@ pub struct Page {
     pub footer: String,
 }
 
-/// First screen of the report, and what rests on it.
+/// First screen of the report: verdict, answers and drawings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct First {
     /// Short verdict, beside the picture: questions in the reader's words, each with its answer.
@@ -65,16 +65,16 @@ pub struct Pushable {
     pub is_edited: bool,
 }
 
-/// A page of the report as others link to it.
+/// Link to a page of the report, for the navigation of another page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PageLink {
-    /// File beside this page.
+    /// File of the linked page, beside the linking page.
     pub file: String,
-    /// Its heading in the navigation.
+    /// Heading of the linked page in the navigation.
     pub heading: String,
-    /// Whether it is this page.
+    /// Whether the link leads to the page that shows it.
     pub is_this: bool,
-    /// Its sections: anchor and heading.
+    /// Sections of the linked page: anchor and heading of each.
     pub sections: Vec<[String; 2]>,
 }
 
@@ -105,7 +105,7 @@ pub enum Block {
     Figures(Vec<Figure>),
     /// A table.
     Table(Table),
-    /// A visible line, and blocks that are shown if the reader opens it, and in print.
+    /// A summary line, and blocks that are hidden until the reader opens the line; in print they are visible.
     Details(String, Vec<Block>),
 }
 

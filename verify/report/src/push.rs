@@ -1,4 +1,4 @@
-//! The finger that one can push, on the first page: its program, its scene and the map of trusted cells.
+//! The finger that the reader can push: its program, its scene and the maps of trusted cells.
 
 use super::page::Pushable;
 use super::trust::{Situation, situations};
@@ -8,20 +8,20 @@ use flate2::{Compression, write::GzEncoder};
 use serde_json::{Value, json};
 use std::io::Write;
 
-/// Largest force that can be chosen, relative to the largest of the maps.
+/// Largest force that the reader can choose, relative to the largest force of the maps.
 const MOST: f64 = 1.5;
 /// Names of the situations in the script, and in the files.
 const SITUATIONS: [(&str, &str); 3] =
     [("known", "contact known"), ("off", "contact assumed"), ("other", "softer ends")];
 
-/// Program and data of the picture.
+/// Program and data of the finger on the first page.
 pub(super) fn of(study: &Study) -> Result<Pushable, ReportError> {
     let mut packed = GzEncoder::new(Vec::new(), Compression::best());
     packed.write_all(finray_push::PROGRAM)?;
     Ok(Pushable { program: data_encoding::BASE64.encode(&packed.finish()?), data: data(study), is_edited: false })
 }
 
-/// The same for the page that edits the scene: without the map, which is of the report's finger.
+/// Program and data for the page on which the reader edits the scene. It has no maps, because they hold only for the report's finger.
 pub(super) fn edited(pushed: &Pushable, study: &Study) -> Pushable {
     let [most_n, first_n] = forces_n(study);
     let data = json!({
@@ -30,7 +30,7 @@ pub(super) fn edited(pushed: &Pushable, study: &Study) -> Pushable {
     Pushable { program: pushed.program.clone(), data: embedded(&data), is_edited: true }
 }
 
-/// Largest force that can be chosen, and the first one, N.
+/// Largest force that the reader can choose, and the initial force, N.
 fn forces_n(study: &Study) -> [f64; 2] {
     let largest_n = study.forces.of_maps_n().into_iter().fold(0.0, f64::max);
     [MOST * largest_n, largest_n / 2.0]
@@ -50,7 +50,7 @@ fn data(study: &Study) -> String {
         "scene": study.scene_text,
         "other": study.is_paper.then_some(finray_fixtures::TWIN_SCENE),
         "maps": SITUATIONS.into_iter().filter_map(map).collect::<serde_json::Map<String, Value>>(),
-        // Of the signs that the map of assumed contacts has, one whose two errors do not compensate each other.
+        // The map of assumed contacts has all combinations of signs. With these signs, the errors of position and direction do not compensate each other.
         "off": { "by_mm": -POSITION_OFF_MM, "by_deg": DIRECTION_OFF_DEG },
         "noise_mm": study.noise_mm,
         "most_n": most_n,

@@ -49,7 +49,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("noise", "Force error from camera noise", blocks).saying(says(noise))))
 }
 
-/// Forces, cases and bound; the ranges of the forces are those of one force and of each of two.
+/// Forces, cases and bound. `forces_n` has the range of a single force, and the range of each of two forces, N.
 fn about(single: &[ScatterRow], forces_n: [[f64; 2]; 2]) -> String {
     let cases = single.iter().map(ScatterRow::drawn).max().unwrap_or(1);
     let [one_n, two_n] = forces_n.map(|range_n| list(range_n, " to "));

@@ -102,7 +102,7 @@ fn name(point: &SpeedErrorPoint) -> String {
     }
 }
 
-/// Mesh or other setting of a point; the nodes of a mesh are not those of the finger.
+/// Mesh or other setting of a point. The text says `mesh nodes`, to distinguish them from the finger's key nodes.
 pub(super) fn setting(point: &SpeedErrorPoint) -> String {
     point.mesh().replace(" nodes", " mesh nodes")
 }

@@ -42,7 +42,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("table-one", "The paper's Table I", blocks).saying([says(tables)])))
 }
 
-/// The paper's experiment, and its simulation; the factors are the least and the greatest calibrated modulus over the true modulus.
+/// The paper's experiment, and its simulation; `least` and `greatest` are the extreme ratios of calibrated to true modulus.
 fn about([least, greatest]: [f64; 2]) -> String {
     format!(
         "The paper hangs 50 to 300 g on single nodes and senses them with the linear model, calibrated on nodes 17, 19 and 21 (over the true modulus: \

@@ -13,7 +13,7 @@ const CSV: &str = "trust.csv";
 pub(super) const ASSUMED_CSV: &str = "map_corotational_nonlinear_contact_assumed.csv";
 /// Largest number of contact nodes at which the drawing has a fan of all directions.
 const FANS: usize = 6;
-/// Length of a fan's rays, as a share of the distance between fans, and at most, as a share of the plate length.
+/// Length of a fan's rays: the first share of the distance between fans, but at most the second share of the plate length.
 const REACH: [f64; 2] = [0.48, 0.1];
 /// Half the width of the coloured plate in the drawing, as a share of the plate length.
 const HALF_WIDTH: f64 = 0.012;

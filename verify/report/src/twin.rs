@@ -1,4 +1,4 @@
-//! The finger with softer ends, one of several that fit Table I, and how much sensing improves if its zones are known.
+//! The finger with softer ends (the twin), one of several fingers that fit Table I, and the gain in sensing if its zones are known.
 
 pub mod words;
 

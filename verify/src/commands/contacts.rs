@@ -14,8 +14,8 @@ const AT_POSITIONS: &str = "contact-at";
 pub struct Contacts(Vec<AskedContact>);
 
 impl Contacts {
-    /// Combines the contacts with the scene's friction and object. `friction` is the coefficient of friction of contacts with standard deviations; their
-    /// forces lie in this friction cone. `measured_deg` is the direction of the image's measured force, degrees.
+    /// Combines the contacts with the scene's friction and object. `friction` is the coefficient of friction for contacts with a standard deviation of
+    /// position or direction; it confines their forces to a friction cone. `measured_deg` is the direction of the image's measured force, degrees.
     ///
     /// # Errors
     /// [`Failure::BadInput`] if the scene lacks the friction or object that a direction needs, or if only some contacts have standard deviations.
@@ -42,7 +42,7 @@ impl Contacts {
         self.0.iter().map(question).collect::<Result<_, Failure>>().map(SensorContacts::Asked)
     }
 
-    /// Whether a contact of unknown position has no direction.
+    /// Whether any contact of unknown position is given without a direction; its force is then assumed along the undeformed normal.
     pub fn assume_normal(&self) -> bool {
         self.0.iter().any(|asked| asked.position.is_none() && !asked.is_direction_given)
     }

@@ -45,7 +45,7 @@ fn linkage_errors(text: &str) -> Result<LinkageErrors, String> {
     }
 }
 
-/// Columns that `--errors` adds: position error of the worst node by each cause, mm.
+/// Columns that `--errors` adds: for each cause, the position error of the key node that is affected most, mm.
 #[derive(Serialize)]
 struct ErrorColumns {
     motor_error_mm: Option<f64>,

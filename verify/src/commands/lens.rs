@@ -39,7 +39,7 @@ pub struct Arguments {
 /// grid's plane, then have about the same relative error.
 const LARGEST_FOCAL_SHARE: f64 = 0.05;
 /// The plane counts as moved if its normal in one image differs from the mean normal by more than this, degrees. It also counts as moved if its distance
-/// from the camera differs from the mean by more than the relative limit that follows.
+/// from the camera differs from the mean by more than the share `SAME_DISTANCE`.
 const SAME_NORMAL_DEG: f64 = 0.5;
 const SAME_DISTANCE: f64 = 0.005;
 

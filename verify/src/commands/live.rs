@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let scene = load_scene(&arguments.scene)?;
     hints::of_moduli(&arguments.scene, &scene.finger);
     let networks = Networks::read(&finray_fixtures::NETWORKS)?;
-    // Displacements from a mean of several frames have the noise of that mean as well.
+    // Displacements are measured from the mean of the rest frames, so the noise of this mean adds to that of the frame.
     let wider = if arguments.rest_frames == 0 { 1.0 } else { (1.0 + 1.0 / arguments.rest_frames as f64).sqrt() };
     let options = SensorOptions {
         estimator: arguments.estimator,
@@ -138,14 +138,14 @@ fn camera_size_px(scene: &Scene) -> Option<[u32; 2]> {
     scene.camera.map(|camera| camera.lens.size_px())
 }
 
-/// The finger in a stream.
+/// Evaluation of a stream: marker locator, sensor, and positions of the markers on the unloaded finger.
 struct Watched<'s> {
     scene: &'s Scene,
     sensor: StreamSensor<'s>,
     /// Locator of the markers; `None` for a stream of positions.
     observer: Option<Observer<'s>>,
     rest: RestPositions,
-    /// Number of frames that still show the unloaded finger.
+    /// Number of frames of the unloaded finger that are still to be read.
     rest_frames: usize,
     /// Whether the first frames show the unloaded finger.
     measures_from_rest: bool,
@@ -154,7 +154,7 @@ struct Watched<'s> {
 }
 
 impl Watched<'_> {
-    /// The line of a frame.
+    /// Evaluates a frame. Returns its line of the result.
     fn line(&mut self, frame: &Frame) -> Line {
         let seen = match (&frame.content, &mut self.observer) {
             (Content::Pixels(image), Some(observer)) => observer.observe(image).map_err(|error| match error {
@@ -174,7 +174,7 @@ impl Watched<'_> {
             let seen = if self.measures_from_rest { self.rest.displaced(&seen) } else { seen };
             return self.sensed(frame, &seen, markers);
         }
-        // Markers that the finger does not have would make every later frame invalid.
+        // A frame with markers that the finger does not have is refused; as a rest frame it would make every later frame invalid.
         match seen.for_sensing(self.scene, true, None) {
             Ok(found) if !found.measurement.markers().is_empty() => {
                 self.rest_frames -= 1;

@@ -8,7 +8,7 @@ use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh};
 
 /// Elements per member of successively finer meshes. `render` draws the first mesh whose markers all lie within `DRAWN_MM`, mm, of those on the previous
-/// mesh. Errors fall with the square of the element length, so a third of that change remains: 0.001 px at 10 px per mm.
+/// mesh. Errors fall with the square of the element length, so the remaining error is a third of the last change: 0.001 px at 10 px per mm.
 const DRAWN_ELEMENTS: [usize; 7] = [4, 8, 16, 32, 64, 128, 256];
 const DRAWN_MM: f64 = 3e-4;
 
@@ -40,7 +40,7 @@ impl Loads {
         })
     }
 
-    /// Displacements for an image: on the requested mesh, or on meshes refined until no marker moves.
+    /// Displacements for an image: on the requested mesh, or on meshes refined until each marker moves by at most `DRAWN_MM`.
     pub fn drawn_shape(&self, finger: &Finger) -> Result<FingerShape, Failure> {
         let on = |mesh: &Mesh| Ok::<_, Failure>(mesh.shape(&self.equilibrium(mesh, Kinematics::Corotational)?.0));
         if self.is_empty() {

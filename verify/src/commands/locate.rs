@@ -47,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let observer = observer(arguments, &scene)?;
     warn_of_rest(arguments, &observer);
     let found = images_with_their_radii(arguments, &scene, observer);
-    // If no image was located, the command fails with the first refusal, because there is no table.
+    // If every image is refused, there is no table to write, so the command fails with the first refusal.
     if found.iter().all(Result::is_err) {
         return Err(found
             .into_iter()
@@ -119,7 +119,7 @@ fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Obser
     found
 }
 
-/// Two positions of one marker, from two searches, count as equal up to this distance, in standard deviations of the position.
+/// The positions of a marker in two searches count as equal up to this distance, in standard deviations of the position.
 const ALIKE_SIGMAS: f64 = 3.0;
 
 /// Whether two searches found the same markers at the same positions in all images.
@@ -138,7 +138,7 @@ fn are_alike(one: &SeenImages, other: &SeenImages) -> bool {
     one.len() == other.len() && one.iter().zip(other).all(are_alike)
 }
 
-/// Locates the markers of each image independently, in parallel. If markers are tracked, the search in each image starts from the previous image.
+/// Locates the markers of all images in parallel. If markers are tracked, images are searched in order, each from the positions in the previous image.
 fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
     if observer.is_tracking() {
         return arguments.image.iter().map(|path| observed(&mut observer, path)).collect();
@@ -146,7 +146,7 @@ fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
     arguments.image.par_iter().map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect()
 }
 
-/// Rotation of a base relative to half of the other images, degrees, above which its image is probably upside down.
+/// An image is probably upside down if its base is rotated by more than this, degrees, relative to the base in half of the images.
 const TURNED_DEG: f64 = 150.0;
 
 /// Warns of images whose base is rotated by more than `TURNED_DEG` relative to at least half of all images.

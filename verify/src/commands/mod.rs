@@ -130,7 +130,7 @@ fn path_beside_figure(table: &Path) -> PathBuf {
     if figure_path(table) == table { table.with_extension("csv") } else { table.to_owned() }
 }
 
-/// Rejects inputs of which several come from standard input, which can be read only once.
+/// Fails if more than one input is standard input, which can be read only once.
 fn require_one_standard_input<'p>(inputs: impl IntoIterator<Item = &'p PathBuf>) -> Result<(), Failure> {
     match inputs.into_iter().filter(|input| is_standard_stream(input)).count() {
         0 | 1 => Ok(()),

@@ -80,7 +80,7 @@ pub struct MotorAngles(pub Vec<f64>);
 /// Parses one motor angle `DEG` or a range `FROM:TO:STEP`, degrees.
 pub fn motor_angles(text: &str) -> Result<MotorAngles, String> {
     const MOST: f64 = 1e6;
-    // Relative rounding error by which the last angle may exceed the end of the range.
+    // Rounding error, in steps, by which the last angle may exceed the end of the range.
     const ROUNDING: f64 = 1e-9;
     let numbers = text.split(':').map(finite).collect::<Result<Vec<_>, _>>()?;
     match numbers[..] {
@@ -145,7 +145,7 @@ where
     })
 }
 
-/// Parser of `--kinematics` with some of the names of [`Kinematics`].
+/// Parser of `--kinematics` that accepts these names of [`Kinematics`].
 pub fn kinematics<const N: usize>(names: [&'static str; N]) -> impl TypedValueParser<Value = Kinematics> {
     let of_name =
         |name: String| Kinematics::deserialize(IntoDeserializer::<serde::de::value::Error>::into_deserializer(name));

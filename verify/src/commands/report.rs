@@ -57,7 +57,7 @@ pub struct Arguments {
     open: bool,
 }
 
-/// A warning is printed if the scene's markers and those of the file differ by more than this, mm. It is far below any noise and far above rounding.
+/// A warning is printed if a marker's position in the file differs from that with this scene by more than this, mm: far below any noise, far above rounding.
 const SAME_MM: f64 = 1e-3;
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
@@ -116,7 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         // The report is written and its path is printed, so a browser that does not open is no error.
         print_message(format_args!(
             "note: the page could not be opened ({}); open {} in a browser",
-            // The browser opener's message may have several lines.
+            // The browser opener's message may have several lines; only the first is printed.
             error.to_string().lines().next().unwrap_or_default(),
             page.display()
         ));

@@ -58,7 +58,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Row of a sensed force. With `--all-images` also the name of the image, and the reason why the image was refused, with nothing in the columns between.
+/// Row of a sensed force. With `--all-images` the row also has the name of the image. For a refused image it has the reason, and no numbers.
 #[derive(Serialize, Default)]
 struct Row {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -182,7 +182,7 @@ fn all_images(question: &ImageQuestion, table: &ObservationTable) -> Result<Vec<
                 warn(&format!("{image}: "), &sensed.warnings);
                 all.extend(rows(finger, &sensed).into_iter().map(|row| of_image(row, "")));
             }
-            // An invalid cell ends the command; a refused image only fills its rows with the reason.
+            // An invalid cell of the file ends the command. A refusal for another reason affects only the rows of its image.
             Err(Refusal::Observation(error)) => return Err(table.error(Some(image), &error).into()),
             Err(refusal) => all.extend(refused(&refusal.to_string())),
         }

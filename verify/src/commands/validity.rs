@@ -26,7 +26,7 @@ pub struct Pressing {
 }
 
 impl Pressing {
-    /// Computes the strains of the next step, and keeps the step if they are the largest.
+    /// Computes the strains of the next step. Keeps the step if its largest strain, relative to the limit, is the largest so far.
     pub fn examine(&mut self, scene: &Scene, step: &SceneStep) {
         self.steps += 1;
         match step.validity(&scene.finger) {
@@ -54,7 +54,7 @@ impl Pressing {
     }
 }
 
-/// Prints the places where an equilibrium violates the assumptions of the beam model. The result is still written, so the exit code is 0.
+/// Prints a warning for each violated assumption of the beam model, with `of` before it. The result is still written, so the exit code is 0.
 pub fn warn(of: &str, doubts: &[Doubt]) {
     for doubt in doubts {
         print_message(format_args!("warning: {of}{doubt}"));

@@ -3,7 +3,7 @@
 use clap::{Arg, Command};
 use std::ffi::{OsStr, OsString};
 
-/// Lets every option accept a negative number as its value, so that errors about it come from the option's parser.
+/// Lets every option accept a negative number as its value, so that the option's parser reports an invalid number.
 pub fn taking_negative_numbers(command: Command) -> Command {
     let taking = |arg: Arg| {
         let is_number =
@@ -24,7 +24,7 @@ pub fn readable(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
     words
 }
 
-/// Whether an argument starts with a negative number and has only numbers up to `@`, but is more than one number.
+/// Whether an argument is a list that starts with a negative number: only numbers and separators before any `@`, but not a single number.
 fn begins_below_zero(word: &OsStr) -> bool {
     let Some(text) = word.to_str() else { return false };
     let numbers = text.split('@').next().unwrap_or_default();

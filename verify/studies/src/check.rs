@@ -14,8 +14,8 @@ pub enum Verdict {
 
 /// Origin of the reference of a check.
 ///
-/// External and analytical references verify solvers and kinematics. OpenSees, MuJoCo and rapier use the same EA and EI as the beams, and the
-/// elastica has them in its equation. No reference here tests Euler-Bernoulli theory against a real material.
+/// External and analytical references verify solvers and kinematics. OpenSees, MuJoCo, rapier and the equation of the elastica use the same EA and EI as the
+/// beams. No reference here tests Euler-Bernoulli theory against a real material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -32,11 +32,11 @@ pub enum Kind {
 pub struct Check {
     /// Origin of the reference.
     pub kind: Kind,
-    /// The problem.
+    /// Name of the problem.
     pub problem: String,
     /// Source of the reference: "OpenSees", "closed form", ...
     pub source: String,
-    /// The quantity, with its unit.
+    /// Name of the compared quantity, with its unit.
     pub quantity: String,
     /// Figure of the reference, in the unit of the quantity.
     pub reference: f64,
@@ -65,8 +65,8 @@ impl Kind {
     }
 }
 
-/// Source of checks against shapes of finray's spring lattice, stepped to rest by rapier2d. The program is independent, the springs are not. Forces
-/// sensed on the lattice are compared with true forces, and their checks have another source.
+/// Source of checks against shapes of finray's spring lattice, stepped to rest by rapier2d. rapier2d is an independent program; the springs are finray's.
+/// Checks of forces sensed on the lattice have another source, because they compare with true forces.
 pub const SETTLED_LATTICE: &str = "rapier2d lattice";
 
 /// Group of references by which checks are counted.
@@ -101,7 +101,7 @@ impl Against {
 /// Numbers of checks against one group of references.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tally {
-    /// The group of references.
+    /// Group of references against which the checks compare.
     pub against: Against,
     /// Number of checks that pass.
     pub passed: usize,
@@ -219,11 +219,11 @@ pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
 /// A computed figure beside a reference, without a verdict: a difference is expected, or a fit has minimised the difference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The problem.
+    /// Name of the problem.
     pub problem: String,
     /// Source of the reference.
     pub source: String,
-    /// The quantity, with its unit.
+    /// Name of the compared quantity, with its unit.
     pub quantity: String,
     /// Figure of the reference, in the unit of the quantity.
     pub reference: f64,

@@ -125,7 +125,7 @@ struct ContactRow {
 }
 
 impl ExportedFinger {
-    /// The export whose finger equals this one, regardless of names; `None` if no exported finger does.
+    /// The export of the finger that equals `finger`, regardless of names; `None` if no exported finger equals it.
     pub fn of(finger: &Finger) -> Option<&'static ExportedFinger> {
         FINGERS.iter().find(|exported| exported.finger().is_ok_and(|known| known == *finger))
     }

@@ -1,4 +1,4 @@
-//! Settings of all experiments: effort, forces, noise and progress callbacks. This module depends on no other module.
+//! Settings of all experiments: effort, forces, noise and progress callbacks. This module uses no other module of this crate.
 
 use finray_model::{Finger, Scene};
 
@@ -10,19 +10,20 @@ pub const LEAST_STATED_MM: f64 = 0.01;
 pub const ONE_FORCE_N: [f64; 2] = [0.5, 3.0];
 /// Range of forces on each of two contact nodes of the paper's finger, N (paper, sec. V-C).
 pub const TWO_FORCES_N: [f64; 2] = [0.3, 3.0];
-/// Frame time of the paper's camera at its largest rate of 25 Hz, s (sec. IV-B and VI). In this time the paper only processes images.
+/// Frame time of the paper's camera at its largest rate of 25 Hz, s (sec. IV-B and VI). The paper's image processing alone takes this time.
 pub const CAMERA_FRAME_S: f64 = 0.04;
-/// A force is trusted if its relative error is at most this, dimensionless. The paper's Table I shades larger errors.
+/// A sensed force is trusted if its relative error is at most this value, dimensionless. The paper's Table I shades larger errors.
 pub const TRUSTED_ERROR: f64 = 0.10;
-/// A force counts as not sensed if its relative error exceeds this, dimensionless. The paper's Table I shades such errors darker.
+/// A force counts as not sensed if its relative error exceeds this value, dimensionless. The paper's Table I shades such errors darker.
 pub const GROSS_ERROR: f64 = 0.25;
 pub use finray_model::sensor::TWO_SIDED_95;
-/// With at least this number of cases, a mean error is known to 2 %. Its check then needs no allowance for chance.
+/// With at least this number of cases, the standard error of a mean error is about 2 % of the mean. A check then needs no allowance for chance.
 pub const ENOUGH_CASES: usize = 4000;
-/// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 = asin(29 / 153) if the finger's axis is horizontal.
+/// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. If the finger's axis is horizontal, the direction is
+/// 10.9 = asin(29 mm / 153 mm), from half the base width and the length of the front plate.
 pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
 
-/// Forces for which a report is computed. Their ratios are the same for every finger.
+/// Forces for which a report is computed, up to a largest force. Their ratios are the same for every finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReportForces {
     drawn_n: f64,
@@ -57,7 +58,7 @@ impl ReportForces {
         0.5 * self.drawn_n
     }
 
-    /// Scales forces of the paper's finger (N) to this range, N. Scaled forces are rounded to four digits.
+    /// Scales forces chosen for the paper's finger (N) in proportion to the largest force. Scaled forces (N) are rounded to four digits.
     pub fn scaled<const N: usize>(self, papers_n: [f64; N]) -> [f64; N] {
         let largest_n = ReportForces::PAPER.drawn_n;
         let rounded = |force_n: f64| format!("{force_n:.3e}").parse().unwrap_or(force_n);
@@ -82,7 +83,7 @@ pub trait Progress: Sync {
     fn step(&self);
 }
 
-/// Amount of computation in a study.
+/// Amount of computation in a study: number of positions, directions, noise samples and cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
     /// Coarse maps, for a preview or a test.
@@ -104,7 +105,7 @@ impl Effort {
         self.choose([40, 40], [ENOUGH_CASES; 2])
     }
 
-    /// Number of positions along the front plate, step of the directions (degrees), and noise samples per cell of a map.
+    /// Resolution of a map: number of positions along the front plate, step of the directions (degrees), and number of noise samples per cell.
     pub(crate) fn resolution(self) -> (usize, f64, usize) {
         self.choose((24, 20.0, 100), (48, 5.0, 400))
     }

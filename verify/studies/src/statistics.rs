@@ -11,7 +11,7 @@ pub fn rms(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     mean(figures.into_iter().map(|x| x * x)).map(f64::sqrt)
 }
 
-/// Median, in the unit of the figures; the mean of the two middle figures if their number is even; `None` without figures.
+/// Median, in the unit of the figures; `None` without figures. For an even number of figures: the mean of the two middle figures.
 pub fn median(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = figures.into_iter().collect();
     sorted.sort_by(f64::total_cmp);

@@ -1,8 +1,8 @@
 //! Detection of the inner corners of a chessboard, at which two dark and two light squares meet.
 //!
-//! Around a ring about such a corner, the light changes four times, opposite pixels are equal, and the centre has the mean light of the ring. These
-//! properties distinguish a corner from an edge, a line, and the gap between two dots. The centre of the corner is the point from which the directions to
-//! nearby pixels are perpendicular to the gradients there.
+//! Around a ring about such a corner, the light changes four times, opposite pixels are equal, and the centre has the mean light of the ring. These properties
+//! distinguish a corner from an edge, a line, and the gap between two dots. The centre of the corner is the point from which the directions to nearby pixels
+//! are perpendicular to the gradients at those pixels.
 //!
 //! # Reference
 //! S. Bennett, J. Lasenby, ChESS: quick and robust detection of chess-board features, Computer Vision and Image Understanding 118 (2014); W. Foerstner,
@@ -16,7 +16,7 @@ use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::Matrix2;
 
-/// Longer side of the image in which corners are searched for, px. Larger images are reduced to it.
+/// Corners are first searched for in an image whose longer side is at most this, px. Larger images are reduced by a whole factor.
 const LONGER_SIDE: u32 = 1100;
 /// A corner is a neighbour along the edge of a square only if its direction is within this angle of the edge, degrees.
 const OFF_EDGE_DEG: f64 = 15.0;
@@ -36,7 +36,7 @@ const MIDDLE: std::ops::Range<f64> = 0.25..0.75;
 const BESIDE: f64 = 0.25;
 /// Smallest distance from a corner at which the light of the adjacent squares is sampled, px.
 const BESIDE_PX: f64 = 2.0;
-/// At most about this number of dots is tested for being squares.
+/// At most about this number of dots is used to test whether dots are squares.
 const MOST_LOOKED: usize = 60;
 
 /// The corners of the largest chessboard in an image, each with column and row, and pixel.
@@ -79,7 +79,8 @@ fn neighbours(lattice: &Lattice, [i, k]: [i32; 2]) -> impl Iterator<Item = usize
     [[i + 1, k], [i - 1, k], [i, k + 1], [i, k - 1]].into_iter().filter_map(|index| lattice.get(&index).copied())
 }
 
-/// Whether the dots of a lattice are squares that meet at their corners. The light between diagonal neighbours is then that of a chessboard corner.
+/// Whether the dots of a lattice are squares of a chessboard. Squares of one shade meet at their corners, so the light halfway between neighbouring dots is
+/// then that of a chessboard corner.
 pub(super) fn are_squares(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
     let is_corner = |number: usize, next: [i32; 2], aside: [[i32; 2]; 2]| {
         let next = lattice.get(&next)?;
@@ -118,7 +119,7 @@ fn is_in_turn(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
         let middle = [a, b, c, d].iter().map(|dot| dots[**dot].pixel).sum::<Pixel>() / 4.0;
         light(grey, &middle)
     };
-    // Difference in light between a square and the next square, with the sign that a chessboard pattern would give it.
+    // Difference in light between a square and the next square, multiplied by a sign that alternates. On a chessboard, all results have the same sign.
     let lighter = |&[i, k]: &[i32; 2], next: [i32; 2]| {
         let difference = square([i, k])? - square(next)?;
         Some(if (i + k).rem_euclid(2) == 0 { difference } else { -difference })
@@ -147,7 +148,8 @@ fn seeds(corners: &[Corner]) -> Vec<Seed> {
     corners.iter().enumerate().filter_map(seed).collect()
 }
 
-/// Centre of a corner by weighted least squares of the gradients in a window, px. `None` if it lies outside the window.
+/// Centre of a corner by weighted least squares of the gradients in a window, px. `None` if the centre lies outside the window, or the window reaches beyond
+/// the image.
 fn centre(grey: &GrayImage, from: Pixel, window: f64) -> Option<Pixel> {
     let mut centre = from;
     let reach = window.ceil();
@@ -170,8 +172,8 @@ fn centre(grey: &GrayImage, from: Pixel, window: f64) -> Option<Pixel> {
                 if far2 >= 1.0 {
                     continue;
                 }
-                // The weight is a Gaussian of half the window's radius, lowered to zero at the window's border. The centre then changes smoothly as pixels
-                // enter the window.
+                // The weight is a Gaussian whose standard deviation is half the window's radius, lowered to zero at the window's border. The centre then
+                // changes smoothly as pixels enter the window.
                 let weight = (-2.0 * far2).exp() - (-2.0_f64).exp();
                 let gradient = Pixel::new(value(u + 1, v) - value(u - 1, v), value(u, v + 1) - value(u, v - 1));
                 let product = gradient * gradient.transpose() * weight;

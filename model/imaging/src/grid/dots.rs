@@ -8,8 +8,8 @@ use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::{Matrix3, Vector3};
 
-/// Extent of a dot's light beyond its rim, and extent of the background. Each is a multiple of the dot's radius plus a length in px. The first pair
-/// is for isolated dots, the others for dots that lie close together.
+/// Distances beyond a dot's rim at which the dot's light ends and at which the used background ends. Each is a multiple of the dot's radius plus a length in
+/// px. The first pair is for isolated dots, the other pairs for dots that lie close together.
 const ABOUT: [[(f64, f64); 2]; 3] = [[(0.15, 2.5), (0.35, 4.5)], [(0.0, 2.0), (0.5, 6.0)], [(0.0, 1.0), (1.0, 8.0)]];
 /// A dot is measured only if at least this number of pixels shows the background.
 const LEAST_GROUND: usize = 24;
@@ -82,7 +82,8 @@ fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2])
         }
     }
     let shift = moment / mass;
-    // The position of the threshold on the blurred edge is arbitrary. The area therefore follows from the missing light divided by its depth at the centre.
+    // The area of the patch depends on an arbitrary threshold in the blurred edge. The area of the dot is therefore the sum of the missing light divided by its
+    // mean near the centre.
     let radius_px = (mass * inner / depth / std::f64::consts::PI).sqrt();
     let is_good = shift.norm() < LARGEST_SHIFT * dot.radius_px && AREAS.contains(&(radius_px / dot.radius_px).powi(2));
     is_good.then(|| (middle + shift, radius_px))

@@ -7,7 +7,7 @@ use finray_model::camera::{Camera, Lens, Pixel, Pose};
 
 /// Residuals larger than this multiple of the median residual are outliers.
 const OUTLIER: f64 = 6.0;
-/// A grid is not plane if its root mean square residual exceeds this share of the distance between neighbours; an error reports it.
+/// A grid is rejected as not plane if its root mean square residual exceeds this share of the distance between neighbours.
 const LARGEST_RESIDUAL: f64 = 0.1;
 /// Number of rounds that correct the centres of the dots' images for perspective; each round fits the lens again.
 const ROUNDS: usize = 3;

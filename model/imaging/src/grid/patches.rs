@@ -12,7 +12,8 @@ const CONTRAST: i32 = 10;
 const LEAST_AREA: f64 = 12.0;
 /// A patch with a larger area than this, as a share of the image, is ignored.
 const LARGEST_SHARE: f64 = 0.02;
-/// Range of the area of an elliptic patch, divided by the area of the ellipse with the same second moments. The ratio deviates from 1 because of the pixels.
+/// Range of the area of an elliptic patch, divided by the area of the ellipse with the same second moments. Even for an ellipse, the ratio differs from 1,
+/// because patches consist of whole pixels.
 const FULLNESS: [f64; 2] = [0.85, 1.15];
 /// An ellipse is a dot only if the ratio of its axes is at most this: the ratio of a disc seen at 70 degrees.
 const LONGEST: f64 = 3.0;
@@ -26,8 +27,7 @@ pub(super) struct Dot {
     pub pixel: Pixel,
     /// Radius of a disc with the patch's area, px.
     pub radius_px: f64,
-    /// Transforms steps in the image to steps in which a slanted dot is round: the inverse square root of the patch's second moments, scaled to determinant
-    /// 1.
+    /// Linear map of vectors in the image after which a slanted dot is round: the inverse square root of the patch's second moments, scaled to determinant 1.
     pub upright: Matrix2<f64>,
 }
 
@@ -102,7 +102,7 @@ impl Moments {
 
     fn is_round(&self) -> bool {
         let axes = self.about_middle().symmetric_eigenvalues();
-        // Not a number for a patch without extent, which no range contains.
+        // For a patch without extent, the result is not a number, and no range contains it.
         let fullness = self.area / (4.0 * std::f64::consts::PI * axes.product().sqrt());
         (FULLNESS[0]..=FULLNESS[1]).contains(&fullness) && axes.max() <= LONGEST * LONGEST * axes.min()
     }

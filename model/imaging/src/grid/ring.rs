@@ -9,7 +9,7 @@ const RING: [[i32; 16]; 2] =
 const REACH: u32 = 5;
 /// A pixel is a corner only if the light on the ring about it has at least this contrast, grey levels.
 pub(super) const LEAST_CONTRAST: f32 = 20.0;
-/// A pixel is a corner only if the response of the corner detector, relative to the contrast, is at least this. A sharp corner has a response of about 7.
+/// A pixel is a corner only if the ratio of the corner detector's response to the contrast is at least this. For a sharp corner, the ratio is about 7.
 const LEAST_RESPONSE: f32 = 3.0;
 /// Corners are at least this far apart, px.
 const APART: u32 = 4;
@@ -66,7 +66,7 @@ impl Shrunk {
         turns - across - (16.0 * middle - ring.iter().sum::<f32>()).abs()
     }
 
-    /// The corners of the image, accurate to one pixel.
+    /// The corners of the image, in pixels of the full image, accurate to one pixel of the reduced image.
     pub fn corners(&self) -> Vec<Corner> {
         let (width, height) = (self.width, self.height);
         if width <= 2 * REACH || height <= 2 * REACH {

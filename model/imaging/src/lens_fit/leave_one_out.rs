@@ -25,7 +25,7 @@ pub(super) fn sds(jacobian: &DMatrix<f64>, residual: &DVector<f64>, dots: &[usiz
         let by_lens = jacobian.view((row, 0), (2 * count, PARAMETERS));
         let by_pose = jacobian.view((row, PARAMETERS + 6 * number), (2 * count, 6));
         let mixed = by_pose.tr_mul(&by_lens);
-        // The pose adapts to the lens, so it is eliminated.
+        // The pose of the grid adapts to a change of the lens, so the pose is eliminated.
         let eliminated = mixed.tr_mul(&by_pose.tr_mul(&by_pose).cholesky()?.solve(&mixed));
         let normal = by_lens.tr_mul(&by_lens) - eliminated;
         let gradient = by_lens.tr_mul(&residual.rows(row, 2 * count));

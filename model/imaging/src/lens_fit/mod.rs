@@ -89,8 +89,8 @@ struct LensAndPoses {
 /// [`LensFitError`] for no images, fewer than 12 dots in an image, no pose of the grid, or no lens that fits.
 ///
 /// # Reference
-/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000). One starting point, by eqs (3) and (4), has equal focal lengths and
-/// the principal point in the middle of the image.
+/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000). Eqs (3) and (4) give the focal length of one starting point, with
+/// equal focal lengths and the principal point in the middle of the image.
 pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<LensFit, LensFitError> {
     if views.is_empty() {
         return Err(LensFitError::NoView);
@@ -144,8 +144,8 @@ fn lens_of(size_px: [u32; 2], p: &[f64; PARAMETERS]) -> Result<Lens, ImpossibleL
     Lens::new(size_px, [p[0], p[1]], [p[2], p[3]], Distortion::from_opencv([p[4], p[5], p[6], p[7], p[8]]))
 }
 
-/// One focal length for all images, px, with the principal point in the middle. For the homography (h1 h2 h3) of each image,
-/// (h11 h12 + h21 h22) / f^2 = -h31 h32 and (h11^2 + h21^2 - h12^2 - h22^2) / f^2 = h32^2 - h31^2. `None` if the planes are not tilted.
+/// The focal length common to all images, px, if the principal point is in the middle. For the homography (h1 h2 h3) of each image, (h11 h12 + h21 h22) / f^2 =
+/// -h31 h32 and (h11^2 + h21^2 - h12^2 - h22^2) / f^2 = h32^2 - h31^2. `None` if the planes are not tilted.
 fn first_focal_px(views: &[Vec<(Vector, Pixel)>], middle: [f64; 2]) -> Option<f64> {
     let (mut top, mut bottom) = (0.0, 0.0);
     for view in views {
@@ -183,7 +183,7 @@ impl LensProblem<'_> {
         LevenbergMarquardt::default().minimise(self, start).map_err(Refusal::into_error)
     }
 
-    /// Finds the minimum nearest to a focal length (px). The starting point has the principal point in the middle and no distortion.
+    /// Finds a minimum from a starting point with the given focal length (px), the principal point in the middle and no distortion.
     fn nearest_minimum(&mut self, focal: f64) -> Result<Fit<LensAndPoses>, LensFitError> {
         let UsualLens { middle: [cx, cy], .. } = self.usual;
         let start = Lens::new(self.size_px, [focal; 2], [cx, cy], Distortion::default())?;
@@ -193,7 +193,7 @@ impl LensProblem<'_> {
         });
         let lens = [focal, focal, cx, cy, 0.0, 0.0, 0.0, 0.0, 0.0];
         let start = LensAndPoses { lens, poses: poses.collect::<Result<_, LensFitError>>()? };
-        // The distortion is fitted first: without it, bent rows of dots bias the focal length.
+        // The distortion is fitted first, with a held focal length. Otherwise the rows of dots that distortion bends would bias the focal length.
         let usual = self.usual;
         self.usual = UsualLens { focal, focal_sd: HELD_FOCAL_SD, ..usual };
         let held = self.fit(start);

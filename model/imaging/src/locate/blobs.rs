@@ -49,7 +49,7 @@ pub(super) fn blobs(image: &RgbImage, colours: &Colours, radius_px: f64) -> Vec<
     blobs.into_iter().map(|(_, blob)| blob).collect()
 }
 
-/// Most common radius of the patches, taken as discs, px; and the number of patches with this radius. `None` if no patch is large enough.
+/// Most common radius (px) of discs with the areas of the patches; and the number of patches with about this radius. `None` if no patch is large enough.
 pub(super) fn commonest_radius(image: &RgbImage, colours: &Colours) -> Option<(f64, usize)> {
     const STRIDE: u32 = 2;
     let radius = |patch: &Patch| (f64::from(patch.cells) / std::f64::consts::PI).sqrt() * f64::from(STRIDE);
@@ -124,7 +124,7 @@ pub(super) fn middle_of_colour(
 /// Connected cells of the grid with one colour.
 #[derive(Debug, Clone, Copy, Default)]
 struct Patch {
-    /// Number of the plate whose colour the cells have; 1 is the front plate.
+    /// Number of the plate whose colour the cells have: 1 for the front plate, 2 for the back plate.
     value: u8,
     /// Number of cells in the patch.
     cells: u32,

@@ -80,8 +80,7 @@ impl Colours {
         self.back.is_none()
     }
 
-    /// The plate whose marker colour a pixel has; the front plate, to which tip and clamped node belong, if both plates have the same colour. `None` for any
-    /// other colour.
+    /// The plate whose marker colour a pixel has; `None` for any other colour. If both plates have the same colour, the result is the front plate.
     #[inline]
     pub fn side_of(&self, pixel: &[u8; 3]) -> Option<Plate> {
         if self.front.holds(pixel) {

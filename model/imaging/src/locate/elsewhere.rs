@@ -1,7 +1,7 @@
 //! Detection of a finger that is not where the scene's camera pose puts it: upside down, mirrored, displaced, rotated or scaled.
 //!
-//! First, flips of the image are tried. Then pairs of markers propose a placement and a scale of the finger. A pair may be the two clamped markers,
-//! or the ends of a rib near the base. The proposal with the least cost of naming its markers (assigning them to nodes) is chosen.
+//! First, flips of the image are tried. Then pairs of markers propose a placement and a scale of the finger. A pair consists of the two clamped markers, or of
+//! the ends of a rib near the base. The proposal with the least cost of naming its markers (assigning them to nodes) is chosen.
 
 use super::LocateError;
 use super::finger_placement::FingerPlacement;
@@ -14,7 +14,8 @@ use finray_model::{Finger, NodeId, Vector};
 const PROPOSING: usize = 2;
 /// Standard deviation of the base's position that a rib proposes, as a share of the plate's length up to the rib. Bending of the plate causes this deviation.
 const BEND_SHARE: f64 = 0.2;
-/// A placement must predict the next markers along the plates within this distance, as a share of their distance from the base.
+/// A placement is considered only if it predicts at least half of the next markers along the plates within this distance, as a share of their distance from the
+/// base.
 const BENT: f64 = 0.35;
 /// Another placement is accepted only if its cost is lower than at the scene's camera pose by at least this. The value exceeds the cost of two hidden
 /// markers.

@@ -76,7 +76,7 @@ pub enum LocateError {
         /// Distance between the two positions of the base, mm.
         away_mm: f64,
     },
-    /// The image shows markers, but no marks with the distances of the references on the base.
+    /// The image shows markers, but no pair of marks whose distance is that of two references on the base.
     #[error(
         "the references on the base were not found: {} marks look like them (one number per reference), but no pair has their distance; \
          {like_markers} rims look like markers; check base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose",
@@ -127,7 +127,7 @@ pub enum LocatorError {
     Camera(#[from] LocateError),
 }
 
-/// Checks that every marker has a rib that identifies it.
+/// Rejects a finger whose ribs share a junction or end in a corner of the base.
 pub(super) fn require_own_junctions(finger: &Finger) -> Result<(), LocatorError> {
     if finger.has_shared_junctions() { Err(LocatorError::SharedJunctions) } else { Ok(()) }
 }

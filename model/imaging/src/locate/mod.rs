@@ -49,7 +49,7 @@ const FOUND_AGAIN: f64 = 0.8;
 const SEARCH_AGAIN: usize = 10;
 /// One in this number of markers is tested for motion blur.
 const FEW: usize = 5;
-/// The camera or scale of the scene is reported as wrong if the radii of patches and markers differ by more than this factor.
+/// [`LocateError::OtherSize`] is reported if the most common radius of the patches differs from the expected radius of the markers by more than this factor.
 const OTHER_SIZE: f64 = 1.2;
 
 /// A marker that was located in an image.
@@ -77,7 +77,7 @@ pub struct Locator<'f> {
     radius_px: f64,
     /// Key nodes of the front plate.
     on_front: Vec<NodeId>,
-    /// Last known state of every marker that was seen in or since the last full search.
+    /// Last known state of every marker that the last full search found.
     last: Vec<Located>,
     /// Number of markers in the last full search.
     searched: usize,

@@ -1,15 +1,17 @@
-//! Motion blur: blur that is larger in one direction, from a motion of finger or camera during the exposure.
+//! Motion blur: a motion of finger or camera during the exposure makes the blur larger in one direction.
 //!
-//! The sum of the squared gradients across a blurred edge is its squared contrast divided by its blur. With isotropic blur, the edges of discs have equal
-//! sums in all directions. Only gradients of colour are used, because beams and background have no colour.
+//! The sum of the squared gradients across a blurred edge is proportional to the edge's squared contrast divided by its blur. With isotropic blur, the edges of
+//! discs have equal sums in all directions. Only gradients of colour are used, because beams and background have no colour.
 
 use super::disc::Disc;
 use image::RgbImage;
 use nalgebra::Matrix2;
 
-/// Ratio of the smaller to the larger sum of gradients above which blur counts as isotropic. Discs seen at an angle of 20 degrees have 0.94.
+/// Ratio of the smaller to the larger sum of squared gradients above which blur counts as isotropic. For discs seen at an angle of 20 degrees, the ratio is
+/// 0.94.
 const ROUND: f64 = 0.75;
-/// Smaller motion blur is not reported, px. Encoders that halve the resolution of colour only along rows cause up to 0.9 px.
+/// Motion blur with a smaller standard deviation than this, px, is not reported. Encoders that halve the resolution of colour only along rows cause up to 0.9
+/// px.
 const LEAST_PX: f64 = 1.2;
 /// Radius of the window about a disc in which gradients are summed, in radii of the disc.
 const ROOM: f64 = 1.4;
@@ -17,8 +19,8 @@ const ROOM: f64 = 1.4;
 const DIRECTIONS: usize = 32;
 /// Number of bisection steps for the ratio of the blurs.
 const STEPS: usize = 50;
-/// Largest motion blur that can be measured, as a share of a disc's radius; an image with more is rejected. Up to half of a larger blur stays hidden, and its
-/// effect would exceed any stated standard deviation.
+/// Largest standard deviation of motion blur, as a share of a disc's radius. An image with more motion blur is rejected: up to half of the blur would stay
+/// undetected, and the errors would exceed the stated standard deviations.
 pub(super) const LARGEST_MOTION: f64 = 0.2;
 /// Largest ratio of the variance of motion blur to the variance of isotropic blur that is considered.
 const MOST: f64 = 1e4;
@@ -37,7 +39,7 @@ pub(super) fn motion_blur_px<'d>(
     if ratio.is_nan() || ratio >= ROUND {
         return None;
     }
-    // An edge whose normal has an angle to the motion is blurred with the variance 1 + k cos^2, relative to the isotropic blur.
+    // If the normal of an edge has the angle a to the motion, the variance of the edge's blur is 1 + k cos^2 a times that of the isotropic blur.
     let ratio_of = |k: f64| {
         let (along, across) = (0..DIRECTIONS).fold((0.0, 0.0), |(along, across), i| {
             let cosine = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).cos().powi(2);

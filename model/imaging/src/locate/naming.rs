@@ -1,7 +1,7 @@
 //! Naming: assignment of markers to nodes, by their order along the plates and the possible shapes of a finger.
 //!
 //! A plate keeps its length and bends gently, and a rib nearly keeps its length. Each plate is a chain of markers that starts at the clamped node, whose
-//! position is known. The chain with the least cost is chosen. Distances, bends and hidden nodes have higher costs if they are less likely. No initial shape
+//! position is known. The chain with the least cost is chosen. Unlikely distances, unlikely bends and hidden nodes add to the cost of a chain. No initial shape
 //! is needed.
 
 mod chain;
@@ -14,13 +14,13 @@ use finray_model::{Finger, NodeId, Vector};
 /// A measured disc that may be a marker.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
-    /// Whether the candidate's colour allows the front plate, and whether it allows the back plate.
+    /// Whether the candidate may belong to the front plate, and whether it may belong to the back plate, by its colour.
     pub sides: [bool; 2],
     /// Position of the candidate's centre, mm, finger frame.
     pub at: Vector,
-    /// The node that this candidate must be, if the previous image determines it; `None` if any node is possible.
+    /// The only node to which this candidate may be assigned, as known from the previous image; `None` if any node is possible.
     pub node: Option<NodeId>,
-    /// Additional cost if this candidate is assigned to a node, dimensionless; positive if the candidate looks little like a marker.
+    /// Additional cost if this candidate is assigned to a node, dimensionless; the larger, the less the candidate looks like a marker.
     pub cost: f64,
 }
 
@@ -29,7 +29,7 @@ const ALIKE: f64 = 4.0;
 /// Equally good chains may differ at up to this number of nodes; those nodes get no marker. If the chains differ at more nodes, the assignment is rejected as
 /// ambiguous.
 const MOST_DOUBTFUL: usize = 1;
-/// Number of rounds. Each round assigns the markers of both plates in turn, with the latest assignment of the other plate.
+/// Number of rounds. Each round assigns the markers of both plates in turn, and takes the latest assignment of the other plate as given.
 const ROUNDS: usize = 3;
 
 /// Reason why markers cannot be assigned to nodes.
@@ -38,7 +38,7 @@ pub enum NamingError {
     /// Too few markers fit the finger.
     #[error("found {found} of {all} markers on the free nodes, expected at least {least}")]
     TooFew {
-        /// Number of markers on free nodes that fit the finger.
+        /// Number of free nodes to which a marker was assigned.
         found: usize,
         /// Number of free nodes that have a marker.
         all: usize,
@@ -61,7 +61,7 @@ pub enum NamingError {
     },
 }
 
-/// Index of the candidate that is each key node's marker, by node number minus one; `None` without a candidate.
+/// For each key node, in the order of node numbers: index of the candidate that is its marker; `None` if no candidate is.
 pub(super) type Names = Vec<Option<usize>>;
 
 /// A finger whose base may have an uncertain position.
@@ -88,15 +88,16 @@ pub(super) fn name_likely(marked: Marked, candidates: &[Candidate]) -> Names {
     likely(marked, candidates).0
 }
 
-/// Same as [`name_likely`]; also returns the cost. `None` if no candidate can be assigned.
+/// Same as [`name_likely`]; also returns the cost. `None` if one of the plates has no possible chain.
 pub(super) fn name_at_cost(marked: Marked, candidates: &[Candidate]) -> Option<(Names, f64)> {
     let (names, chains) = likely(marked, candidates);
     let cost = chains.iter().map(|chain| chain.as_ref().map(|chain| chain.cost)).sum::<Option<f64>>()?;
     Some((names, cost))
 }
 
-/// Assigns both plates in turn. The cost of a plate includes the lengths of the ribs to the markers assigned on the other plate. If candidates may be on
-/// either plate, the plate that comes first may take markers of the other plate. Three starting points are then tried, and the cheapest result is used.
+/// Assigns both plates in turn. The cost of a plate includes the length errors of the ribs to markers that are assigned on the other plate. If a candidate may
+/// belong to either plate, the plate that is assigned first may take markers of the other plate. Three starting points are then tried, and the cheapest result
+/// is used.
 fn likely(marked: Marked, candidates: &[Candidate]) -> (Names, [Option<Named>; 2]) {
     const FRONT_FIRST: [Plate; 2] = [Plate::Front, Plate::Back];
     let none: Names = vec![None; marked.finger.key_node_count()];
@@ -194,7 +195,7 @@ mod tests {
     }
 
     /// Checks that every assigned marker gets its correct node, for three fingers with large deflections, hidden markers, and false markers of the same
-    /// colours. A false marker may replace a hidden one: in up to 0.2 % of the assignments for nodes 20 to 40 mm apart.
+    /// colours. If nodes are 20 to 40 mm apart, up to 0.2 % of the assignments may be wrong, because a false marker may replace a hidden one.
     #[test]
     fn no_marker_gets_another_nodes_name() {
         const SHAPES: u64 = 400;
@@ -245,7 +246,7 @@ mod tests {
         assert!(matches!(name(Marked::at_base(&finger), &[]), Err(NamingError::TooFew { found: 0, .. })));
     }
 
-    /// Adds a copy beside every marker of a plate. The true marker is then ambiguous, so neither it nor the copy is assigned.
+    /// Adds a copy beside every marker. The true markers are then ambiguous, so the assignment is refused.
     #[test]
     fn two_ways_to_name_are_refused() {
         let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;

@@ -76,7 +76,7 @@ impl<'f> Observer<'f> {
         Ok(observer)
     }
 
-    /// An observer for a finger, and a camera with known pose. `base` holds the reference marks on a moving base; only locators of grey markers use it.
+    /// An observer for a finger and a camera of known pose. `base` holds the reference marks on a moving base; only locators of grey markers use it.
     ///
     /// # Errors
     /// [`LocatorError`] for markers that no locator supports, or a camera that does not see the finger.

@@ -1,8 +1,8 @@
-//! Detection of the undeformed finger in an image without an initial pose, by its two rows of markers that meet at the tip.
+//! Detection of the undeformed finger in an image. No initial pose is needed, because two rows of markers that meet at the tip identify the finger.
 //!
 //! A camera maps straight lines to straight lines, after its distortion is removed. Among the lines through two markers of one colour, the line that contains
-//! the most markers is a plate. Two markers near the ends of each plate, matched to nodes near the plate's ends, define a homography. The homography that
-//! maps the most nodes onto markers decides which marker belongs to which node.
+//! the most markers is taken as a plate. Two markers near the ends of each plate, matched to nodes near the plate's ends, define a homography. The homography
+//! that maps the most nodes onto markers decides which marker belongs to which node.
 
 use super::blobs::Blob;
 use super::marker_count;
@@ -17,15 +17,15 @@ const MOST_BLOBS: usize = 150;
 const ON_LINE: f64 = 0.7;
 /// A marker belongs to a node only within this distance of the predicted position of that node, in marker radii.
 const ON_NODE: f64 = 1.2;
-/// Up to this number of markers at each end of a line may be false. Up to this number of nodes at each end of a plate may be hidden.
+/// Fewer than this number of markers at each end of a line may be false. Fewer than this number of nodes at each end of a plate may be hidden.
 const DOUBTFUL: usize = 3;
-/// A finger is recognised only if at least this share of its nodes has a marker.
+/// A finger is recognised only if the image shows at least this share of its markers.
 const LEAST_SHARE: f64 = 0.6;
 
 /// A marker with its undistorted image position (dimensionless) and its pixel.
 #[derive(Debug, Clone, Copy)]
 struct Mark {
-    /// Whether the colour allows the front plate, and whether it allows the back plate.
+    /// Whether the marker may belong to the front plate, and whether it may belong to the back plate, by its colour.
     sides: [bool; 2],
     /// Undistorted image position of the marker, dimensionless.
     at: Vector,
@@ -33,7 +33,8 @@ struct Mark {
     pixel: Pixel,
 }
 
-/// Nodes of the undeformed finger with their pixels; `None` if the image does not show the finger's two rows of markers.
+/// Nodes of the undeformed finger with their pixels; `None` if the image does not show the finger's two rows of markers. `radius_px` is the radius of a marker;
+/// `alike` states whether both plates have the same colour.
 pub(super) fn at_rest(
     finger: &Finger,
     lens: &Lens,
@@ -61,8 +62,8 @@ pub(super) fn at_rest(
                 let pairs = [first[0], first[1], second[0], second[1]];
                 let positions = pairs.map(|(_, node)| finger.marker_position(node));
                 let Some(homography) = through(&positions, &pairs.map(|(mark, _)| marks[mark].at)) else { continue };
-                // If the finger is seen from above (z > 0), the image is mirrored, since v points down. With equal colours, only this distinguishes the
-                // plates.
+                // Seen from above (from z > 0), the finger is mirrored in pixel coordinates, because v points down. If both plates have the same colour, only
+                // this handedness distinguishes them.
                 if alike && !is_from_above(&homography, &positions[0]) {
                     continue;
                 }
@@ -86,7 +87,8 @@ struct Named {
     distance: f64,
 }
 
-/// Markers of a plate, in order along the line through two markers that contains the most markers; `None` for fewer than two markers.
+/// Markers of a plate, in order along a line. Among the lines through two markers, it is the line that contains the most markers. `None` for fewer than two
+/// markers. Markers in `taken` are excluded.
 fn row(marks: &[Mark], side: Plate, radius: f64, taken: &[usize]) -> Option<Vec<usize>> {
     let of_side: Vec<usize> =
         (0..marks.len()).filter(|i| marks[*i].sides[side as usize] && !taken.contains(i)).collect();
@@ -110,7 +112,7 @@ fn ends(row: &[usize], nodes: &[NodeId]) -> Vec<[(usize, NodeId); 2]> {
     let mut ways = Vec::new();
     for (i, k) in (0..DOUBTFUL).flat_map(|i| (0..DOUBTFUL).map(move |k| (i, k))) {
         for (n, m) in (0..DOUBTFUL).flat_map(|n| (0..DOUBTFUL).map(move |m| (n, m))) {
-            // Skipped markers are false, and skipped nodes have hidden markers.
+            // Skipped markers are assumed to be false; the markers of skipped nodes are assumed to be hidden.
             if i + k + 2 > row.len() || n + m + 2 > nodes.len() {
                 continue;
             }
@@ -123,12 +125,12 @@ fn ends(row: &[usize], nodes: &[NodeId]) -> Vec<[(usize, NodeId); 2]> {
     ways
 }
 
-/// The homography that maps four points to four others; `None` if three of the first four lie on one line.
+/// The homography that maps `positions` to `seen`; `None` if three of the positions, or the first three of `seen`, lie on one line.
 fn through(positions: &[Vector; 4], seen: &[Vector; 4]) -> Option<Matrix3<f64>> {
     Some(from_basis(seen)? * from_basis(positions)?.try_inverse()?)
 }
 
-/// The homography that maps the unit vectors and their sum to four points.
+/// The homography that maps the three unit vectors and their sum to four points; `None` if the first three points lie on one line.
 fn from_basis(points: &[Vector; 4]) -> Option<Matrix3<f64>> {
     let [first, second, third, sum] = points.map(|point| point.push(1.0));
     let columns = Matrix3::from_columns(&[first, second, third]);

@@ -11,10 +11,10 @@ use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::scene::{MarkerLook, Markers};
 use image::RgbImage;
 
-/// An image is rejected if the residual of the fitted pose exceeds this, px. The finger is then bent, or is not the scene's finger.
+/// An image is rejected if the residual standard deviation of the fitted pose exceeds this, px. The finger is then bent, or is not the scene's finger.
 const LARGEST_RESIDUAL_PX: f64 = 2.0;
-/// Number of rounds, each of which locates the markers and then fits the pose. Several are needed, because the markers are measured as circles in the
-/// finger's plane, which depends on the pose.
+/// Number of rounds, each of which fits the pose and then locates the markers again. Several rounds are needed, because markers are measured as circles in the
+/// finger's plane, and this plane depends on the pose.
 const ROUNDS: usize = 3;
 
 /// Results from an image of the unloaded finger.
@@ -28,7 +28,7 @@ pub struct Rest {
     pub residual_sd_px: f64,
 }
 
-/// Reason why an image does not show the unloaded finger.
+/// Reason why the unloaded finger was not found in an image.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RestError {
     /// The markers could not be located.
@@ -70,7 +70,7 @@ impl Rest {
     ) -> Result<Rest, RestError> {
         require_own_junctions(finger)?;
         require_size(lens, image)?;
-        // The pattern of markers determines the pose, so the stated pose, which may be inaccurate, is not needed.
+        // The pose from the pattern of markers takes precedence, because the stated pose may be inaccurate.
         let pose = pose_of_pattern(finger, lens, markers, image)?.or(pose).ok_or(RestError::NoPattern)?;
         let mut camera = Camera { lens: *lens, pose };
         let mut located = Locator::new(finger, &camera, markers)?.locate_about(image, false)?;

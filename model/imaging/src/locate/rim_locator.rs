@@ -1,8 +1,8 @@
 //! Locator of grey markers by their rims, in surroundings of similar shades, on a finger whose base may move.
 //!
-//! An image has many round rims. The rims whose positions fit one finger are its markers. If the position of the base is unknown, pairs of rims propose it:
-//! two rims that may be references on the base, or the two ends of a rib. The proposal with the least cost of naming the markers (assigning them to nodes) is
-//! chosen.
+//! An image has many round rims. The rims whose positions fit one finger are taken as its markers. If the position of the base is unknown, pairs of rims
+//! propose it: two rims that may be references on the base, or the two ends of a rib. The proposal with the least cost of naming the markers (assigning them to
+//! nodes) is chosen.
 
 use super::elsewhere::{Scenery, ribs_near_base};
 use super::error::require_own_junctions;
@@ -23,8 +23,8 @@ const REFERENCE_SHARE: f64 = 0.03;
 /// Two rims may be the ends of a rib if their distance deviates from the rib's length by at most this share. The share is large, because the scene's geometry
 /// is nominal.
 const RIB_SHARE: f64 = 0.08;
-/// A rim has cost 1 if the standard deviation of its centre as found by rays is this share of its radius. Markers are round, so a larger deviation costs
-/// more.
+/// A rim has cost 1 if the standard deviation of its centre as found by rays is this share of the markers' stated radius. Markers are round, so a larger
+/// deviation costs more.
 const ROUND: f64 = 0.02;
 /// A rim is rejected as a marker if its standard deviation, as found by rays, exceeds this multiple of the median over all assigned rims. All markers
 /// are equal, so their standard deviations should be similar.
@@ -58,8 +58,8 @@ pub struct SeenFinger {
 pub struct SeenBase {
     /// Transform (rotation, and translation in mm) from the finger frame, which moves with the base, to the finger frame at the scene's camera pose.
     pub pose: Isometry2<f64>,
-    /// Whether the camera's pose or two references determine the base. Otherwise the markers determine the base only roughly, and displacements relative to
-    /// the base are unknown.
+    /// Whether the camera's pose or two references determine the pose of the base. Otherwise the markers determine it only roughly, and displacements relative
+    /// to the base are unknown.
     pub is_known: bool,
     /// Mean position of the references, mm, finger frame.
     pub middle: Vector,
@@ -70,7 +70,8 @@ pub struct SeenBase {
 }
 
 impl SeenBase {
-    /// Standard deviation that the base's pose causes in one coordinate of a position of the finger frame, mm: the root mean square of x and y.
+    /// Standard deviation of one coordinate of a position in the finger frame, mm, due to the uncertainty of the base's pose. It is the root mean square of the
+    /// standard deviations in x and y.
     pub fn sd_at(&self, position: &Vector) -> f64 {
         self.sd_mm.hypot(self.sd_rad * (position - self.middle).norm() / std::f64::consts::SQRT_2)
     }
@@ -297,7 +298,7 @@ fn pairs(first: &[Rim], second: &[Rim], distance_mm: f64, tolerance_mm: f64) -> 
     all.filter(move |[a, b]| a != b && ((a - b).norm() - distance_mm).abs() <= tolerance_mm)
 }
 
-/// Proposals for the pose of the base from references: those with the largest number of references found.
+/// Proposals for the pose of the base from pairs of references. Only the proposals with the largest number of found references are kept.
 fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
     let places: Vec<Vector> = base.references.iter().map(|reference| reference.at).collect();
     let mut proposals: Vec<Proposal> = Vec::new();

@@ -34,9 +34,9 @@ pub(super) struct Common {
     pub motion_sd_mm: f64,
 }
 
-/// Measures the centres again with a common outline. Markers are equal and equally sharp, so a marker with a disturbed edge gets the medians of all markers.
-/// If colour is noisier than brightness, as after compression, it gets less weight. `view` must weigh both equally. `radius_px` is the radius of a marker at
-/// the middle of the finger, px.
+/// Measures the centres again with a common outline. All markers have the same size and sharpness, so every marker gets the median radius and blurs of all
+/// markers. If colour is noisier than brightness, as after compression, colour gets less weight. `view` must give equal weights to brightness and colour.
+/// `radius_px` is the radius of a marker at the middle of the finger, px.
 ///
 /// # Errors
 /// [`LocateError::Blurred`] or [`LocateError::Moved`] if the blur is too large for the markers' radius.

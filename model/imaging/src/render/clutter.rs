@@ -13,14 +13,14 @@ use rand_chacha::ChaCha8Rng;
 const SIZES: [f64; 2] = [0.5, 2.5];
 /// A piece of clutter keeps this gap, in marker radii, from the centre of every marker, in addition to its own half diagonal.
 const CLEAR: f64 = 3.0;
-/// A piece of clutter is given up after this number of random positions that are all too close to a marker.
+/// Painting of clutter stops after this number of successive random positions that are all too close to a marker.
 const MOST_DRAWS: usize = 1000;
 /// Largest random change of each colour channel of a piece of clutter from its nominal colour, grey levels.
 const OTHER_SHADE: f64 = 30.0;
 /// Nominal colours of those pieces of clutter that do not have a marker's colour.
 const GREYS: [Rgb; 2] = [[120, 110, 100], [220, 220, 225]];
 
-/// Paints up to `count` pieces of clutter, none of which touches a marker.
+/// Paints up to `count` pieces of clutter that touch no marker; fewer if there is no space.
 pub(super) fn scatter(
     canvas: &mut Rgb32FImage,
     camera: &Camera,

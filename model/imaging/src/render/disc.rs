@@ -1,11 +1,11 @@
-//! Painting of discs in planes parallel to the finger's plane. A pixel at the edge is mixed by the area that the disc covers.
+//! Painting of discs in planes parallel to the finger's plane. At the edge of a disc, each pixel is blended in proportion to the area that the disc covers.
 
 use super::mix;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use image::Rgb32FImage;
 
-/// Number of subpixels along each side of a pixel. The centre of a disc of 12 px radius, from its 75 edge pixels, is then accurate to 0.001 px.
+/// Number of subpixels along each side of a pixel. With this number, the painted centre of a disc of 12 px radius (75 edge pixels) is accurate to 0.001 px.
 const SUBPIXELS: u32 = 32;
 
 /// Paints a disc. Its centre is a point of the finger frame (mm), at a height above the finger's plane (mm). Parts that the camera does not see are omitted.
@@ -17,7 +17,8 @@ pub(super) fn paint_disc(
     colour: [f32; 3],
 ) {
     let Ok((pixel, by_point)) = camera.project_with_derivatives(&centre.push(height_mm)) else { return };
-    // Perspective enlarges the half of the disc that is nearer to the camera. A factor of 1.5 suffices for a radius up to a third of the distance.
+    // Perspective enlarges the half of the disc that is nearer to the camera. A factor of 1.5 suffices if the disc's radius is at most a third of its distance
+    // from the camera.
     let px_a_mm = by_point.fixed_columns::<2>(0).singular_values().max();
     let reach = 1.5 * radius_mm * px_a_mm + 2.0;
     let (width, height) = canvas.dimensions();
@@ -75,8 +76,8 @@ mod tests {
         (0..STRIPS).map(strip).sum::<f64>() / f64::from(STRIPS)
     }
 
-    /// Checks that each pixel has the share of the disc that covers it, for any subpixel position. The errors shift the centre of the disc by less than 1e-3
-    /// px.
+    /// Checks that the light of each pixel equals the share of the pixel that the disc covers, for ten subpixel positions of the disc. The errors shift the
+    /// centre of the disc by less than 1e-3 px.
     #[test]
     fn light_is_that_of_the_disc() {
         let lens = Lens::new([80, 60], [400.0, 400.0], [39.5, 29.5], Distortion::default()).expect("a lens");

@@ -1,7 +1,8 @@
 //! Rendering of the image that a camera takes of a deformed finger, with known true centres of the markers.
 //!
-//! Plates and ribs are painted as strips about curves. Each curve is that of an unloaded beam with the given positions and rotations of its ends. Markers are
-//! discs parallel to the finger's plane; their edge pixels are mixed by the area that the disc covers. Light falloff, blur and noise follow, in this order.
+//! Plates and ribs are painted as strips along curves. Each curve is the shape of a beam without load between its ends, whose positions and rotations are
+//! given. Markers are discs parallel to the finger's plane; their edge pixels are blended in proportion to the area that the disc covers. Light falloff, blur
+//! and noise follow, in this order.
 
 mod clutter;
 mod disc;
@@ -58,7 +59,7 @@ pub struct Disturbances {
     pub blur_px: f64,
     /// Standard deviation of the noise that is added to every channel of every pixel, grey levels (of 255).
     pub grey_noise: f64,
-    /// Number of discs and boxes in the background. Half of them have the colours of the markers.
+    /// Number of discs and boxes in the background; fewer are painted if there is no space. Half of them have the colours of the markers.
     pub clutter: usize,
     /// Seed of the random numbers for noise and clutter.
     pub seed: u64,
@@ -80,7 +81,7 @@ pub enum RenderError {
     Outside,
 }
 
-/// Pixels of the true centres of all markers, each with its node. `height_mm` is the height of the markers above the finger's plane, mm.
+/// Pixels of the true marker positions at all key nodes, each with its node. `height_mm` is the height of the markers above the finger's plane, mm.
 fn marker_pixels(
     camera: &Camera,
     finger: &Finger,
@@ -182,7 +183,7 @@ fn developed(mut canvas: Rgb32FImage, disturbances: &Disturbances) -> RgbImage {
     image
 }
 
-/// Stream number `stream` of the random numbers from a seed.
+/// Random number generator for a seed. Different values of `stream` give independent random numbers.
 fn chance(seed: u64, stream: u64) -> ChaCha8Rng {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     chance.set_stream(stream);

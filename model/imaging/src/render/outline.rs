@@ -1,4 +1,4 @@
-//! Outlines of plates, ribs and base line in the image of a finger.
+//! Outlines of plates, ribs, brackets and base line in the image of a finger. The base line joins the two clamped nodes.
 
 use finray_model::camera::Camera;
 use finray_model::finger::{FingerPoint, Joints, Plate};
@@ -23,7 +23,7 @@ pub(super) fn finger_mask(camera: &Camera, finger: &Finger, shape: &FingerShape)
     Some(mask)
 }
 
-/// A segment of a plate, or a rib: points of its middle line (mm), and its thickness at both ends, mm.
+/// A segment of a plate, a rib, a bracket or the base line: points of its middle line (mm), and its thickness at both ends (mm).
 struct Strip {
     middle: Vec<Vector>,
     thickness_mm: [f64; 2],
@@ -81,7 +81,7 @@ fn bent(finger: &Finger, shape: &FingerShape, ends: [FingerPoint; 2]) -> Vec<Vec
     (0..POINTS).map(at).collect()
 }
 
-/// Outline of a strip, in pixel coordinates whose integers are the corners of pixels. `None` if the camera does not see one of the points.
+/// Outline of a strip, in pixel coordinates that are integers at the corners of pixels. `None` if the camera does not see one of the points.
 fn path(camera: &Camera, strip: &Strip) -> Option<Path> {
     let count = strip.middle.len();
     let edge = |k: usize, side: f64| {

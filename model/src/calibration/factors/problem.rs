@@ -14,8 +14,8 @@ use nalgebra::{DMatrix, DVector};
 /// A step changes ln(factor) by at most this, dimensionless: a factor of e.
 const LARGEST_STEP: f64 = 1.0;
 
-/// Least-squares problem of the modulus factors. Residuals are computed minus measured displacements times a weight, mm, in two rows (x, y) per marker. The
-/// unknowns are logarithms of the factors.
+/// Least-squares problem of the modulus factors. Residuals are weighted differences of displacements (computed minus measured), mm, in two rows (x, y) per
+/// marker. The unknowns are logarithms of the factors.
 pub(super) struct FactorProblem<'p> {
     pub finger: &'p Finger,
     pub cases: &'p [CalibrationCase],
@@ -109,7 +109,7 @@ fn refusal(error: CalibrationError) -> Refusal<CalibrationError> {
     }
 }
 
-/// Indices of members, each with the share of its stiffness that is proportional to the unknown.
+/// Indices of members, each with the relative change of the member's stiffness per relative change of the unknown factor.
 fn shares(mesh: &Mesh, unknown: &Unknown) -> Vec<(usize, f64)> {
     match unknown {
         Unknown::Modulus => (0..mesh.frame().members().len()).map(|member| (member, 1.0)).collect(),

@@ -12,7 +12,7 @@ const STEPS: usize = 60;
 /// Prior standard deviation of the logarithm of the factor on the stated noise. It is needed if the stated noise is equal for all markers, because residuals
 /// then show only the sum of model error and noise.
 const FACTOR_SD: f64 = 1.0;
-/// Two solutions count as equally likely up to this difference of twice their log-likelihoods, which is far from significant.
+/// Two solutions count as equally likely if twice the difference of their log-likelihoods is at most this, which is far from significant.
 const ALIKE: f64 = 1e-6;
 /// Number of golden-section steps of each search.
 const SECTIONS: usize = 50;
@@ -43,8 +43,8 @@ impl Problem<'_> {
                 });
             }
         }
-        // Errors that a marker has in every image count as geometry, and no residual shows them. If measured forces do not set the scale of sensed forces,
-        // these rest on the geometry alone, so the geometry keeps the weight of the stated noise.
+        // An error that a marker has in every image counts as geometry, so no residual shows it. Unless measured forces set the scale of sensed forces, sensed
+        // forces depend on the geometry alone. The stated noise is then not reduced.
         likeliest(left, self.scatter.is_some())
     }
 

@@ -1,4 +1,4 @@
-//! Compares measured forces with the forces that the images of a fit show.
+//! Compares measured forces with the forces estimated from the images of a fit.
 
 use super::View;
 use super::problem::{BASE_ROWS, OWN, Point, Problem};
@@ -40,12 +40,12 @@ impl Problem<'_> {
         let mut alone = of_view.select_columns(own);
         alone.column_mut(OWN).scale_mut(force_n);
         let covariance = covariance(&alone)?;
-        // A change of the shared unknowns changes the force.
+        // Change of the estimated force per unit change of each shared unknown.
         let by_shared = -alone.tr_mul(&of_view.columns(0, self.sought.len())).tr_mul(&covariance.column(OWN));
         Some((by_shared, covariance, alone))
     }
 
-    /// Scatter of measured forces about the forces that the images show, linearised at a fit. `None` if the images do not determine all unknowns.
+    /// Scatter of measured forces about the forces estimated from the images, linearised at a fit. `None` if the images do not determine all unknowns.
     pub(super) fn scatter_of(&self, fitted: &Fit<Point>) -> Option<Scatter> {
         let (mut by, mut residual) = (fitted.jacobian.clone(), fitted.residual.clone());
         let shared = self.sought.len();

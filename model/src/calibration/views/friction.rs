@@ -7,19 +7,19 @@ use crate::sensing::{Lean, Normal};
 /// Options for the estimate of friction between finger and objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrictionQuestion {
-    /// Whether friction builds up over a force. This force is then estimated as well.
+    /// Whether friction builds up as the force grows. The force over which friction builds up is then estimated as well.
     pub builds_up: bool,
-    /// Standard deviation of the coefficient of friction between objects, dimensionless. It is assumed for a single object, and sets the scale of the prior for
-    /// several objects. Zero if it is not stated.
+    /// Standard deviation of the coefficient of friction from object to object, dimensionless. For a single object, this value is assumed. For several objects,
+    /// it sets the scale of the prior. Zero if it is not stated.
     pub between_objects: f64,
 }
 
 /// The search tries this number of build-up forces over three powers of ten, in steps of 0.7 %.
 const BUILD_UPS: usize = 1000;
-/// The search tries standard deviations between objects from the first to the second value, degrees, in steps of 2 %.
+/// The search tries standard deviations of the lean from object to object, from the first to the second value, degrees, in steps of 2 %.
 const SDS_DEG: [f64; 2] = [0.01, 60.0];
 const SDS: usize = 400;
-/// Standard deviation of the coefficient of friction between objects, dimensionless, if none is stated.
+/// Standard deviation of the coefficient of friction from object to object, dimensionless, if none is stated.
 const USUAL_BETWEEN_OBJECTS: f64 = 0.05;
 
 /// Name of the object that pressed the finger (empty if unknown), measured force, N, and lean of the force, degrees. The lean is the angle from the normal,
@@ -31,7 +31,7 @@ pub type MeasuredLean<'o> = (&'o str, f64, f64);
 pub struct FrictionEstimate {
     /// Mean lean (angle between force and normal), and the standard deviation of the lean of a single force of a new object.
     pub lean: Lean,
-    /// Standard deviation of the coefficient of friction between objects, dimensionless. `None` for a single object.
+    /// Standard deviation of the coefficient of friction from object to object, dimensionless. `None` for a single object.
     pub between_objects: Option<f64>,
     /// Cross-validation, in which each object is predicted from the others. Empty if there are too few objects.
     pub left_out: Vec<LeftOutObject>,
@@ -75,8 +75,8 @@ impl Fit {
         Fit { build_up_n, sliding, within_deg: variance.sqrt() }
     }
 
-    /// Mean lean over objects, degrees, the variance of this mean, degrees^2, and the logarithm of the restricted likelihood. The assumed standard deviation
-    /// between objects is `between_deg`.
+    /// Mean lean over objects, degrees, the variance of this mean, degrees^2, and the logarithm of the restricted likelihood. The assumed standard deviation of
+    /// the lean from object to object is `between_deg`.
     fn mean(&self, between_deg: f64) -> [f64; 3] {
         let variances = || self.sliding.iter().map(|(_, variance)| variance + between_deg * between_deg);
         let variance = 1.0 / variances().map(|variance| 1.0 / variance).sum::<f64>();
@@ -85,8 +85,8 @@ impl Fit {
         [mean, variance, 0.5 * (variance.ln() - off.sum::<f64>())]
     }
 
-    /// Mean lean of a sliding force, most likely standard deviation between objects, and standard deviation of a new object's lean about the mean, all in
-    /// degrees. The last value includes the uncertainty due to few objects. Half of a 95 % interval is 1.96 times this value.
+    /// Three values in degrees: mean lean of a sliding force, most likely standard deviation of this lean from object to object, and standard deviation of a
+    /// new object's lean about the mean. The last value includes the uncertainty due to few objects. Half of a 95 % interval is 1.96 times this value.
     ///
     /// # Reference
     /// Restricted maximum likelihood; posterior predictive distribution of a new group (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 5.4) with the

@@ -68,7 +68,7 @@ pub struct FoundQuantity {
     pub sigma: f64,
 }
 
-/// A view as the calibrated finger explains it.
+/// Estimates for one view, from the fit of the calibrated finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundView {
     /// Position of the force along the front plate, mm.
@@ -110,13 +110,13 @@ pub struct ViewEstimate {
     pub finger: Finger,
     /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
-    /// Part of the transformation from the finger frame to the frame of a view that all views share, mm and rad.
+    /// Transformation from the finger frame to the frame of a view, mm and rad: the part of it that all views share.
     pub base: Isometry2<f64>,
     /// Estimates of the sought quantities.
     pub quantities: Vec<FoundQuantity>,
     /// Correlation matrix of the quantities, one row and column per quantity.
     pub correlation: DMatrix<f64>,
-    /// The views as the calibrated finger explains them.
+    /// Estimates for each view, from the fit of the calibrated finger.
     pub views: Vec<FoundView>,
     /// Errors of the markers estimated from the residuals, relative to the stated noise of the views.
     pub marker_errors: MarkerErrors,
@@ -171,6 +171,7 @@ fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Optio
 /// estimated with the fit, so that priors have the right weight. The noise is reduced if residuals are smaller than the noise. If a modulus is sought, the
 /// relative variance of measured forces is also estimated. This variance covers errors of the force sensor, and of the model where markers do not show them.
 /// All variances follow by restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971). Fits are repeated until the variances settle.
+///
 /// # Errors
 /// [`CalibrationError`] if the scene's finger does not explain a view, a view contradicts the others, or if a quantity is not identifiable. Also if the
 /// calibrated finger would be too inaccurate for use.
@@ -232,7 +233,7 @@ pub fn views(
     let open = |k: &usize| {
         let quantity = sought[*k].quantity;
         let limit = LARGEST_SIGMAS[usize::from(!quantity.is_modulus())];
-        // A shared lean is as uncertain as its prior where nothing shows it.
+        // If no view constrains a shared lean, the lean is as uncertain as its prior.
         sigma(*k).is_nan() || sigma(*k) >= limit && quantity != Quantity::Lean
     };
     if (0..sought.len()).any(|k| open(&k)) {

@@ -21,7 +21,7 @@ const FIRST_CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-3, st
 /// Starting point of the search without an earlier estimate: positions as shares of the plate's length (`STARTS`), and the force, N (`FIRST_FORCE_N`).
 const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
 const FIRST_FORCE_N: f64 = 1.0;
-/// The force is far from linear in a position that is uncertain by more than this share of its distance from an end of the plate.
+/// The force depends far from linearly on the position if the position's standard deviation exceeds this share of the distance to the nearer end of the plate.
 const UNCERTAIN_POSITION: f64 = 0.1;
 /// Standard deviation that stands for an unknown direction, degrees.
 const UNKNOWN_DEG: f64 = 1e3;
@@ -72,7 +72,8 @@ pub struct ForceInView {
 ///
 /// # Errors
 /// [`SensingError::NoSuchFinger`] if the search finds no minimum or an unknown is not identifiable. [`SensingError::Undetermined`] for a force so uncertain
-/// that the markers do not follow a change by one standard deviation linearly, or for a position that the markers do not bound.
+/// that the markers do not respond linearly to a change of the force by one standard deviation. Also for a position that the markers do not confine to a part
+/// of the plate.
 ///
 /// # Reference
 /// As [`views`](super::views): nonlinear least squares with Gaussian priors. The standard deviation is that of the linearised posterior distribution.
@@ -134,7 +135,7 @@ pub fn force_in_view(
     Ok(found)
 }
 
-/// The best minimum of the search of [`force_in_view`], however uncertain its force.
+/// The best minimum of the search of [`force_in_view`], regardless of the uncertainty of its force.
 ///
 /// # Errors
 /// [`SensingError::NoSuchFinger`] if the search finds no minimum or an unknown is not identifiable.
@@ -174,7 +175,7 @@ pub(super) struct Found {
     shared: Vec<f64>,
     /// Standard deviation of the position, mm. Zero for a known position.
     position_sd_mm: f64,
-    /// Whether the force is known well, or the markers follow a change of it by one standard deviation linearly.
+    /// Whether the force is known well, or the markers respond linearly to a change of the force by one standard deviation.
     is_linear: bool,
 }
 
@@ -231,7 +232,7 @@ fn found_from(
         is_position_known: question.position.is_some(),
         is_from_rest,
     };
-    // Large marker errors in the first searches lead past local minima far from the priors.
+    // Large assumed marker errors in the first searches keep the search from ending at local minima far from the priors.
     let first = LevenbergMarquardt { convergence: FIRST_CONVERGENCE, ..search };
     for model_mm in FIRST_ERRORS_MM.into_iter().filter(|model_mm| shared.is_none() && *model_mm > view.noise_mm) {
         problem.errors.model_mm = model_mm;
@@ -241,7 +242,7 @@ fn found_from(
     let fitted = search.minimise(&mut problem, point).ok()?;
     let own = fitted.point.own[0];
     let known = usize::from(question.position.is_some());
-    // A known position, the first of the view's own unknowns, is removed.
+    // The column of a known position, the first of the view's own unknowns, is removed.
     let by = match known {
         0 => fitted.jacobian.clone(),
         _ => fitted.jacobian.clone().remove_column(errors.len()),

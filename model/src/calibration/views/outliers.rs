@@ -18,7 +18,8 @@ const MOST_SIGMAS: f64 = 6.0;
 const SD_OF_MEDIAN: f64 = 1.4826;
 /// A marker is an outlier if normal errors would cause a largest residual of its size with less than this probability.
 const CHANCE: f64 = 1e-4;
-/// A fit is too inaccurate for use if the relative standard deviation of a force reaches this value: the force's 95 % interval then includes zero.
+/// A fit is too inaccurate for use if the relative standard deviation of a force reaches this value: the lower end of the force's 95 % interval is then about
+/// zero or below.
 const OF_NO_USE: f64 = 0.5;
 
 /// A measured force or marker of a view that deviates more than the scatter of the others suggests.
@@ -101,7 +102,7 @@ impl Problem<'_> {
         forces.chain(marker_outlier(&self.off_markers(fitted, covariance))).collect()
     }
 
-    /// Ratio of each measured force to the force that all other data show. Omits views whose markers and base do not determine the force.
+    /// Ratio of each measured force to the force estimated from all other data. Omits views whose markers and base do not determine the force.
     fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Compared<'_>> {
         let Some(scatter) = self.scatter else { return Vec::new() };
         let shared = covariance.view((0, 0), (self.sought.len(), self.sought.len()));
@@ -183,7 +184,7 @@ impl Problem<'_> {
 /// The marker that deviates most, if its deviation is improbable for normal errors.
 ///
 /// # Reference
-/// Two of n squared independent normal residuals exceed a share q of their sum with probability (1 - q)^(n / 2 - 1). This is a beta
+/// The sum of two of n squared independent normal residuals exceeds a share q of the total sum with probability (1 - q)^(n / 2 - 1). The share has a beta
 /// distribution, as for internally studentised residuals (Cook and Weisberg, Residuals and Influence in Regression, 1982, sec. 2.2).
 fn marker_outlier(all: &[OffMarker]) -> Option<Outlier> {
     let worst = all.iter().max_by(|a, b| a.standardised.total_cmp(&b.standardised))?;

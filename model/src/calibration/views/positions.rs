@@ -1,16 +1,17 @@
 //! Distribution of a force whose position along the plate is uncertain.
 //!
-//! A force near the base bends the finger as a smaller force farther away does. If the position is uncertain by a large share of its distance from an end of the
-//! plate, the force is far from linear in it, and a linearised standard deviation is too small.
+//! A force near the base bends the finger like a smaller force farther from the base. If the position is uncertain by a large share of its distance from an end
+//! of the plate, the force depends far from linearly on the position. A linearised standard deviation of the force is then too small.
 
 /// Step between the positions of a scan, in standard deviations of the position.
 const STEP_SDS: f64 = 0.75;
 /// Largest step, as a share of the plate's length, and largest number of steps on either side.
 const LARGEST_STEP: f64 = 0.1;
 const MOST_STEPS: usize = 12;
-/// A scan ends where the sum of squares exceeds the smallest one by this: three standard deviations of a linear finger.
+/// A scan ends where the sum of squares exceeds the smallest sum by this. For a linear finger, this is at three standard deviations from the best position.
 const BEYOND: f64 = 9.0;
-/// The markers do not bound the position if the sum of squares grows by less than this, one standard deviation, up to an end of the plate.
+/// The markers do not bound the position if the sum of squares grows by less than this up to an end of the plate. For a linear finger, this is at one standard
+/// deviation.
 const BOUNDED: f64 = 1.0;
 
 /// Estimate of a force at one position.
@@ -80,7 +81,7 @@ pub(super) fn scan<N>(
             last = Some(next);
         }
     }
-    // The deviation at the best position alone is close to that at its neighbour.
+    // For a known position, the standard deviation of the force at the best position is close to that at its neighbour.
     count(&found, own_sigma_n.unwrap_or(found.sigma_n));
     Spread { sigma_n: (of_force_n2 / weights).sqrt(), position_sd_mm: (of_position_mm2 / weights).sqrt(), is_bounded }
 }

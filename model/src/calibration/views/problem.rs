@@ -55,7 +55,7 @@ pub(super) struct Candidate {
     pub mesh: Mesh,
     /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
-    /// Part of the transformation from the finger frame to the frame of a view that all views share, mm and rad.
+    /// Transformation from the finger frame to the frame of a view, mm and rad: the part of it that all views share.
     pub base: Isometry2<f64>,
     /// Moment that the plates exert on each other at the tip without load, N mm.
     pub preload_nmm: f64,

@@ -33,7 +33,7 @@ pub enum Quantity {
     /// Common deviation from the scene's mean lean (angle between force and normal) of all forces that were not measured, degrees. All these forces share the
     /// deviation, because one object has one coefficient of friction.
     Lean,
-    /// Multiple of one error that the scene states for its unloaded finger, in standard deviations. The field is the index of the error, from 0.
+    /// Amplitude of one stated error of the unloaded finger, in standard deviations of this error. The field is the index of the error, from 0.
     Unloaded(usize),
 }
 

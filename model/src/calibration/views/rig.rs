@@ -36,7 +36,7 @@ pub struct RigQuestion {
     pub friction: Option<FrictionQuestion>,
     /// Whether the rotation of the base under force is estimated.
     pub base_compliance: bool,
-    /// Relative standard deviation of forces between objects, dimensionless. Images of one object do not show this deviation.
+    /// Relative standard deviation of sensed forces from object to object, dimensionless. Images of one object do not show this deviation.
     pub force_error_between_objects: f64,
 }
 
@@ -49,7 +49,7 @@ pub struct RigEstimate {
     pub friction: Option<FrictionEstimate>,
     /// Rotation of the base under force. `None` if it was not sought.
     pub compliance: Option<BaseCompliance>,
-    /// Relative standard deviation of a force in a new image, including other objects, dimensionless. `None` if it is unknown.
+    /// Relative standard deviation of a force in a new image, including the variation from object to object, dimensionless. `None` if it is unknown.
     pub force_error: Option<f64>,
     /// Whether the base was sought with the prior [`UNSTATED_BASE`], because the scene states no uncertainty of the base.
     pub is_base_unstated: bool,

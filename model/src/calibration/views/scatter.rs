@@ -1,4 +1,4 @@
-//! Relative scatter of measured forces about the forces that images show, and the resulting error of a sensed force.
+//! Relative scatter of measured forces about the forces estimated from images, and the resulting error of a sensed force.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::function::erf::erfc;
@@ -18,14 +18,14 @@ const FARTHEST: f64 = 10.0;
 /// Iterations of the search for two variances. They give three digits if both variances matter. A variance of zero decreases only as 1 / iterations.
 const ROUNDS: usize = 1000;
 
-/// An independent combination of the relative differences between the forces of images and measured forces.
+/// An independent combination of the relative differences between forces estimated from images and measured forces.
 #[derive(Debug, Clone, PartialEq)]
 struct Combination {
     /// Inverse of the variance without scatter, dimensionless. Zero for a common factor on all forces if a modulus is sought.
     precision: f64,
     /// Observed value of the combination times the precision.
     seen: f64,
-    /// Square of the change that the combination causes in the relative force of each new image.
+    /// Square of the change in the relative force of each new image per unit of the combination.
     carried: Vec<f64>,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct AddedForceError {
     pub of_markers: f64,
 }
 
-/// Comparison of the forces that images show with measured forces.
+/// Comparison of forces estimated from images with measured forces.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scatter {
     combinations: Vec<Combination>,
@@ -113,7 +113,7 @@ impl Scatter {
         0.5 * self.combinations.iter().map(of).sum::<f64>()
     }
 
-    /// Number of independent differences of forces that the images show.
+    /// Number of independent combinations so precise that the images show a relative scatter of [`LARGEST`] in them.
     fn differences(&self) -> usize {
         self.combinations.iter().filter(|it| it.precision * LARGEST * LARGEST > 1.0).count()
     }
@@ -169,8 +169,8 @@ impl Scatter {
     /// the scatter of measured forces. The scatter is `assumed` if the images do not show it.
     ///
     /// An uncertain modulus changes every force by the same share. Uncertain geometry moves markers as noise does. The relative error due to geometry is larger
-    /// for a small force, or for a force whose position is hardly visible. Images with different effects of noise separate the two parts; without such images
-    /// each part gets half.
+    /// for a small force, or for a force whose position has little effect on the markers. Images with different effects of noise separate the two parts;
+    /// without such images each part gets half.
     pub fn of_new(&self, assumed: f64) -> AddedForceError {
         let scatter = self.of_new_force().unwrap_or(assumed);
         let of_finger: Vec<f64> = (0..self.of_markers.len()).map(|image| self.of_finger(image, scatter)).collect();
@@ -204,7 +204,8 @@ fn shares(variances: &[f64], growing_with: &[f64]) -> [f64; 2] {
     found
 }
 
-/// 1 / 1.96 of half a 95 % interval of a mixture of normal distributions about zero, each a weight and a variance. It is sought between two limits.
+/// Half of the 95 % interval of a mixture of normal distributions about zero, divided by 1.96. `mixture` holds the weight and the variance of each
+/// distribution. The search is confined to the values from `low` to `high`.
 pub(super) fn predictive_sd(mixture: &[(f64, f64)], [mut low, mut high]: [f64; 2]) -> f64 {
     let all: f64 = mixture.iter().map(|(weight, _)| weight).sum();
     for _ in 0..HALVINGS {

@@ -59,7 +59,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Position along the plate at which the measured force explains the shape best, for any rigid motion of the finger. `None` if the finger has no
+    /// Position along the plate at which the measured force explains the markers best, after the best rigid motion of the finger. `None` if the finger has no
     /// equilibrium under the force at any position.
     fn start_of_known(&self, stated: &Candidate, view: &View, force_n: f64) -> Option<ViewUnknowns> {
         let length_mm = self.finger.plate_length_mm(Plate::Front);
@@ -82,8 +82,8 @@ impl Problem<'_> {
         tried.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, own)| own)
     }
 
-    /// Force and position that the scene's finger explains best. If the scene's finger does not explain the view, the search also varies the sought quantities
-    /// within their priors.
+    /// Force and position with which the scene's finger explains the view best. If the scene's finger does not explain the view, the search also varies the
+    /// sought quantities within their priors.
     fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<ViewUnknowns, ViewError> {
         let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..self.model.lean });
         let question = ContactQuestion { position: None, direction };

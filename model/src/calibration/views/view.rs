@@ -24,7 +24,7 @@ pub struct View {
     pub force: Option<Vector>,
 }
 
-/// An observation for the calibration of a scene, with its view.
+/// An observation for the calibration of a scene, with the view to which it is converted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocatedView {
     /// The observation.

@@ -8,7 +8,7 @@ use toml::de::DeValue;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quantity(pub &'static str, pub &'static str);
 
-/// Range of valid numbers. Ranges that start at zero exclude subnormal numbers, which have too few digits.
+/// Range of valid numbers. [`Positive`](Range::Positive), and [`Within`](Range::Within) from zero, exclude subnormal numbers, which have too few digits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
     /// Any finite number.
@@ -289,8 +289,8 @@ impl Kind for RibLengths {
     }
 }
 
-/// A list of pairs of numbers. The text names the pairs and their unit. The optional limit consists of a name for the pairs and of the largest magnitude of a
-/// coordinate, mm.
+/// A list of pairs of numbers. The first text names the pairs and their unit. The optional limit holds another name for the pairs, and the largest valid
+/// magnitude of a number in a pair, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pairs(pub &'static str, pub Option<(&'static str, f64)>);
 

@@ -81,7 +81,7 @@ pub enum NetworkError {
         "the network was trained for another finger: its fingerprint is {trained:.8}..., that of this finger {found:.8}..."
     )]
     AnotherFinger {
-        /// Fingerprint of the training's finger, in hexadecimal digits.
+        /// Fingerprint of the finger for which the network was trained, in hexadecimal digits.
         trained: String,
         /// Fingerprint of the given finger, in hexadecimal digits.
         found: String,

@@ -1,4 +1,4 @@
-//! Estimates forces with a network in microseconds, with their known errors.
+//! Estimates forces and their known errors with a network, within microseconds.
 
 use super::forward::{Forward, Instructions};
 use super::hidden::{directions, filling};
@@ -22,8 +22,8 @@ const RANGE_SIGMAS: f64 = 4.0;
 /// Estimates forces with a network, for the contacts and markers for which it is prepared.
 ///
 /// # Requirements
-/// The finger and contacts of the training: all contacts in any order, or for [`ContactSet::AnyOf`] those at which forces act. Markers may be hidden if the
-/// network's inputs are principal directions.
+/// The finger for which the network was trained, and all contacts of the training in any order. For [`ContactSet::AnyOf`], only the contacts at which forces
+/// act. Markers may be hidden if the network's inputs are principal directions.
 #[derive(Debug, Clone)]
 pub struct NetworkEstimator {
     forward: Forward,
@@ -128,12 +128,12 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Estimates forces with their standard deviations. These include noise and hidden markers, through the network's derivatives, and the network's own error
-    /// on held-out samples. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or if
-    /// the residual contradicts it.
+    /// Estimates forces with their standard deviations. The standard deviations combine the effects of noise and hidden markers, linearised by the network's
+    /// derivatives, with the network's own error on held-out samples. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from
+    /// the residual if `noise_mm` is `None` or contradicts the residual.
     ///
-    /// The residual is the part of the displacements outside the principal directions. The estimate's singular values are the reciprocals of those of the
-    /// derivatives of the forces with respect to the displacements.
+    /// The residual is the part of the displacements outside the principal directions. The estimate's singular values are the reciprocals of the singular
+    /// values of the forces' derivatives with respect to the displacements.
     ///
     /// # Errors
     /// [`NetworkError`] for markers other than the prepared ones, for weights other than 1, and for shapes or forces outside the training.
@@ -173,9 +173,9 @@ impl NetworkEstimator {
         })
     }
 
-    /// Tests the part of displacements `x`, mm, outside the principal directions against the stated noise (chi-squared); no training sample has such a part.
-    /// Returns the standard deviation of a coordinate, mm, from which those of forces follow, the root mean square of the residual, mm, and a warning if the
-    /// residual exceeds the noise significantly.
+    /// Tests the part of displacements `x`, mm, outside the principal directions against the stated noise (chi-squared test). In noise-free training shapes,
+    /// this part is negligible. Returns the noise, the root mean square of the residual, both mm, and a warning if the residual exceeds the stated noise
+    /// significantly. The standard deviations of the forces follow from the returned noise.
     fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<(f64, f64, Option<Warning>), SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;

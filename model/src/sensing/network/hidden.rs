@@ -1,8 +1,9 @@
 //! Estimates the displacements of hidden markers from the training shapes.
 //!
-//! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c of the stored variances L. The measured coordinates
-//! x_s deviate by d = x_s - mean_s from their mean. The expected coordinates of all markers are mean + F d. For measured coordinates F is the identity, for
-//! hidden ones it is S_hs S_ss^-1. S = V^T L V + noise^2 is the covariance (Rasmussen and Williams, Gaussian Processes for Machine Learning, eq. (A.6)).
+//! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c, whose variances L are stored. The measured
+//! coordinates x_s deviate by d = x_s - mean_s from their mean. The expected coordinates of all markers are mean + F d. For measured coordinates F is the
+//! identity, for hidden ones it is S_hs S_ss^-1. S = V^T L V + noise^2 I is the covariance of all coordinates (Rasmussen and Williams, Gaussian Processes for
+//! Machine Learning, eq. (A.6)).
 
 use super::Network;
 use nalgebra::DMatrix;
@@ -23,7 +24,8 @@ pub(super) fn directions(network: &Network) -> DMatrix<f64> {
 }
 
 /// Linear map F from the measured coordinates `seen` (indices, in their order) to all coordinates, dimensionless: one row per coordinate of the network, one
-/// column per measured coordinate. Then the covariance of the difference between F d and the shape without noise, mm^2, zero if all are measured. `None` if these coordinates do not determine the shapes without noise.
+/// column per measured coordinate. Also returns the covariance of the error of F for noise-free shapes, mm^2, which is zero if all coordinates are measured.
+/// `None` if the covariance of the measured coordinates is singular to rounding.
 pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
     let n = network.inputs.coordinate_count();
     let mut matrix = DMatrix::zeros(n, seen.len());

@@ -1,8 +1,8 @@
 //! Sensing by a neural network: its definition, its file, and its fast evaluation.
 //!
 //! A network maps measured displacements x (mm: ux, uy of each marker) to inputs z = P (x - mean), and the inputs to forces f (N). For [`ContactSet::Fixed`], f
-//! = skip z + MLP(z). For [`ContactSet::AnyOf`] with forces at the contacts S, the linear finger first gives ridge forces r = G_S x; then f_S = r_S + MLP_S([z,
-//! mask, r / prior]). Hidden layers of the MLP end in tanh, the last layer is linear.
+//! = skip z + MLP(z). For [`ContactSet::AnyOf`] with forces at the contacts S, ridge regression on the linear finger first gives the forces r = G_S x. Then f_S
+//! = r_S + MLP_S([z, mask, r / prior]). The MLP is a multilayer perceptron: its hidden layers end in tanh, and its last layer is linear.
 
 mod card;
 mod error;
@@ -30,8 +30,8 @@ pub struct Inputs {
     pub mean: Vec<f64>,
     /// P, p x n, 1/mm. For [`Scaling::Principal`], orthogonal rows of length 1 / sqrt(variance_i + noise^2); otherwise diagonal.
     pub projection: DMatrix<f64>,
-    /// Variance of the training shapes without noise along the direction of each row, length p, mm^2. Other scalings than [`Scaling::Principal`] have one
-    /// common squared scale.
+    /// Variance of the noise-free training shapes along the direction of each row of P, length p, mm^2. For scalings other than [`Scaling::Principal`], all
+    /// entries are the same squared scale.
     pub variances: Vec<f64>,
     /// Largest |z_i| in training, length p, dimensionless.
     pub largest: Vec<f64>,
@@ -72,10 +72,10 @@ pub struct Network {
     /// Conversion of displacements to inputs.
     pub inputs: Inputs,
     /// Layers of the MLP, at least one, all but the last with tanh. The first layer takes the p inputs. For [`ContactSet::AnyOf`], two further inputs per
-    /// contact follow. First come masks of all contacts (1 if a force acts there, else 0), then ridge forces of all contacts over the prior. The last layer
-    /// returns forces, N.
+    /// contact follow. First come the masks of all contacts (1 if a force acts there, else 0), then the forces of all contacts from ridge regression, divided
+    /// by the prior's standard deviation. The last layer returns forces, N.
     pub layers: Vec<Dense>,
-    /// Skip branch by rows, contacts x p, N. Empty without a skip branch, as for [`ContactSet::AnyOf`].
+    /// Weights of the skip branch by rows, contacts x p, N. Empty without a skip branch, as for [`ContactSet::AnyOf`].
     pub skip: Vec<f32>,
     /// Displacements of the linear finger under 1 N at each contact, n x contacts, mm/N. Only for [`ContactSet::AnyOf`].
     pub compliance: Option<DMatrix<f64>>,

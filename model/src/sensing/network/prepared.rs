@@ -5,8 +5,8 @@ use crate::sensing::linear::Inverse;
 use nalgebra::DMatrix;
 
 /// Gain G of ridge regression, contacts x n, N/mm. It maps displacements x to the forces r = G x at the contacts marked in `touching`: G = (C^T C + ridge^2)^-1
-/// C^T. C has the columns of these contacts from the compliance (n x contacts, mm/N). Rows of other contacts are zero. `ridge` is the noise of a coordinate
-/// over the forces' standard deviation, mm/N.
+/// C^T. C consists of the columns of `compliance` (n x contacts, mm/N) for these contacts. The rows of G for other contacts are zero. `ridge` is the noise of a
+/// coordinate divided by the prior standard deviation of a force, mm/N.
 pub fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> DMatrix<f64> {
     let those: Vec<usize> = (0..touching.len()).filter(|&i| touching[i]).collect();
     let inverse = Inverse::of(&compliance.select_columns(&those), ridge);
@@ -26,7 +26,7 @@ pub(super) struct Prepared {
     pub(super) offset: Vec<f64>,
     /// The layers of the MLP.
     pub(super) layers: Vec<Dense>,
-    /// Skip branch by rows, outputs x inputs, N. Empty without a skip branch.
+    /// Weights of the skip branch by rows, outputs x inputs, N. Empty without a skip branch.
     pub(super) skip: Vec<f32>,
 }
 
@@ -34,8 +34,8 @@ impl Prepared {
     /// Prepares a network for the contacts `selected`, which are indices in the network's list. For [`ContactSet::AnyOf`] these are the contacts at which
     /// forces act.
     ///
-    /// The mask of these contacts is constant and becomes part of the bias of the first layer. Their ridge forces
-    /// G_S x / prior, G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T, become further inputs with a skip to the outputs.
+    /// The mask of these contacts is constant and becomes part of the bias of the first layer. Their forces from ridge regression, divided by the prior, become
+    /// further inputs with a skip connection to the outputs. These forces are G_S x with G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T.
     pub(super) fn new(network: &Network, selected: &[usize]) -> Prepared {
         let (p, m) = (network.inputs.count(), network.contact_count());
         let mut layers = network.layers.clone();
@@ -122,7 +122,7 @@ impl Dense {
     }
 }
 
-/// Selected rows of a matrix of `columns` columns. An empty matrix gives none.
+/// Selected rows of a matrix of `columns` columns. An empty matrix gives an empty result.
 fn rows(matrix: &[f32], columns: usize, selected: &[usize]) -> Vec<f32> {
     if matrix.is_empty() {
         return Vec::new();

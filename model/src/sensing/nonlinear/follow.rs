@@ -1,4 +1,4 @@
-//! Follows a step of the search along equilibria, from small shares of the step to the whole step. The misfit is the sum of squared weighted residuals.
+//! Follows a step of the search along equilibria, while the share of the step grows from zero to one. The misfit is the sum of squared weighted residuals.
 
 use super::{NonlinearEstimator, Posed, State};
 use crate::frame::FrameMotion;
@@ -19,10 +19,10 @@ pub(super) struct OnTheWay {
 
 impl NonlinearEstimator<'_> {
     /// Follows the equilibrium from `state` to the loads of `next`, and stores the resulting motion in `next`. All misfits (sums of squared weighted residuals)
-    /// use the weights of `state`, because new weights alone are no progress. `current_mm2` is the misfit of `state`.
+    /// use the weights of `state`, because new weights would change the misfit without progress of the search. `current_mm2` is the misfit of `state`.
     ///
-    /// Returns the misfit at the end of the step, mm^2, or else the share of the step (0 to 1) up to which equilibria exist, and the equilibrium with the
-    /// smallest misfit on the path.
+    /// The first result is the misfit at the end of the step, mm^2, or else the share of the step (0 to 1) up to which equilibria exist. The second result is
+    /// the equilibrium with the smallest misfit on the path, if this misfit does not exceed `current_mm2`.
     pub(super) fn follow(
         &mut self,
         state: &State,
@@ -57,8 +57,8 @@ impl NonlinearEstimator<'_> {
         (misfit_mm2, best)
     }
 
-    /// Share (0 to 1) and state after the share of the step that `on_the_way` states, iterated to equilibrium. `None` if no equilibrium is found, or if the equilibrium's misfit
-    /// exceeds `current_mm2`, the misfit of `state`.
+    /// State after a part of a step, iterated to equilibrium, with the part as a share of the step (0 to 1). `on_the_way` states this share. `None` if no
+    /// equilibrium is found, or if the equilibrium's misfit exceeds `current_mm2`, the misfit of `state`.
     pub(super) fn part_of_step(
         &mut self,
         state: &State,

@@ -31,7 +31,7 @@ impl NonlinearEstimate {
     /// noise may look like a force. Both misfits are in mm^2.
     ///
     /// # Errors
-    /// [`SensingError::Ambiguous`] for the first force that differs from zero.
+    /// [`SensingError::Ambiguous`] for the first force that differs significantly from zero.
     pub(super) fn check_against_nothing(&self, misfit: f64, misfit_at_rest: f64) -> Result<(), SensingError> {
         let Estimate { forces_n, sigmas_n, noise_mm, .. } = &self.forces;
         if misfit_at_rest - misfit > AS_GOOD * noise_mm * noise_mm {
@@ -41,8 +41,8 @@ impl NonlinearEstimate {
         claimed.map_or(Ok(()), |i| Err(SensingError::Ambiguous { contact: i + 1, force_n: forces_n[i], other_n: 0.0 }))
     }
 
-    /// Refuses an estimate if other forces explain the data equally well, even if their misfit is no minimum. On a linear finger, forces whose misfit is within
-    /// [`AS_GOOD`] are within three standard deviations. `others` holds misfits, mm^2, and forces, N.
+    /// Refuses an estimate if other forces explain the data equally well, even if their misfit is no minimum. On a linear finger, forces whose misfit exceeds
+    /// the smallest by at most [`AS_GOOD`] noise variances are within three standard deviations. `others` holds misfits, mm^2, and forces, N.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`] for the first force that differs.
@@ -205,7 +205,7 @@ impl NonlinearEstimator<'_> {
         let scales = &state.linearised.scales;
         let linear = |i: usize, j: usize| scales[i] * scales[j] * parts.covariance(i, j) * noise_mm * noise_mm;
         // A force b across the direction adds b^2 / (2 f) to the force f, to second order. If b has the standard deviation s, the mean square of this term is 3
-        // s^4 / (4 f^2). Higher orders are negligible if the direction is known to some degrees.
+        // s^4 / (4 f^2). Higher orders are negligible if the direction is known to within some degrees.
         let by_direction = |i: usize| {
             let across = self.unknowns.iter().position(|unknown| *unknown == Unknown::Across(i));
             across.map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))

@@ -47,7 +47,7 @@ impl NonlinearEstimator<'_> {
             if !estimate.forces.sigmas_n.iter().enumerate().any(counts) {
                 continue;
             }
-            // If the search fails at one end, the other end counts alone.
+            // If the search fails at one end, only the other end counts.
             let ends = [-REACH, REACH]
                 .map(|reach| self.leaning_at(state, &found, reach * found.sd_deg, measurement, noise_mm).ok());
             let answered = ends.iter().flatten().count();

@@ -87,8 +87,8 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Refuses forces so uncertain that the finger responds nonlinearly, or not at all, within one standard deviation. For example, a force along a plate moves
-    /// nothing until the plate buckles.
+    /// Refuses a force if, within one standard deviation of it, the markers do not move linearly with the force or the finger has no equilibrium. For example,
+    /// a force along a plate hardly moves any marker until the plate buckles.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] for the first force that is so uncertain.

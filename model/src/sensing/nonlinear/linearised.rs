@@ -33,7 +33,8 @@ pub(super) struct Linearised {
     /// The priors. `prior_rows` has their rows of the least-squares problem at the linearised state.
     pub priors: Priors,
     prior_rows: Vec<PriorRow>,
-    /// Violations of the conditions of contacts with an object at the linearised state, in their standard deviations times the noise, mm.
+    /// Violations of the conditions of contacts with an object at the linearised state. Each is divided by its standard deviation and multiplied by the noise,
+    /// mm.
     misses_mm: Vec<f64>,
     /// Derivatives of these violations, conditions x unknowns, mm per unit of the unknown.
     touch_rates: DMatrix<f64>,
@@ -147,8 +148,8 @@ impl Linearised {
         self.rates[unknown * self.weights.len() + key_node]
     }
 
-    /// Sets the robust factor of each marker from its distance to the computed position. It is 1, or limit / distance beyond a limit (square root of Cauchy's
-    /// weight for large distances).
+    /// Sets the robust factor of each marker from its distance to the computed position. The factor is 1 up to a limiting distance, and limit / distance beyond
+    /// it. This is the square root of Cauchy's weight for large distances.
     pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {
         let markers = measurement.markers();
         self.distances.clear();
@@ -177,7 +178,7 @@ impl Linearised {
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
     }
 
-    /// Largest decrease of a shape's misfit of the markers, mm^2, by a change of the forces in proportion to `shares`.
+    /// Largest decrease of the markers' misfit, mm^2, that changes of the forces in proportion to `shares` can cause, to first order.
     pub(super) fn explained_along(
         &self,
         shares: impl Iterator<Item = f64> + Clone,
@@ -363,7 +364,7 @@ impl NonlinearEstimator<'_> {
     }
 }
 
-/// Sums the effects of the loads on the key nodes in `rates`. `room` is a buffer for one load.
+/// Writes the summed effects of the loads on the key nodes to `rates`. `room` is a buffer for one load.
 fn add_up(
     loads: impl Iterator<Item = Result<FrameLoad, LoadError>>,
     rates: &mut [Vector],

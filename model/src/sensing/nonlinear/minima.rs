@@ -12,16 +12,16 @@ use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
 
-/// A minimum may be wrong if its residual exceeds this share of the displacements and this many standard deviations of the noise. The search then also starts
-/// from multiples of the forces that fit the linear finger, and the best minimum counts.
+/// A minimum may be wrong if its residual exceeds both this share of the displacements and this many standard deviations of the noise. The search then also
+/// starts from multiples of the forces that fit the linear finger, and the best minimum counts.
 const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
 
 /// A minimum may count as unique from this number of measured coordinates: the first value is for one force, the second for several forces. The minimum must
 /// also explain all coordinates, and the first starting point must lead to it.
 pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
-/// From this multiple of [`MANY_COORDINATES`], a minimum counts as unique if it explains all coordinates or if two searches end in it. Applies if only forces
-/// are unknown. None of 8000 random fingers had an undetected error (test `random_fingers`).
+/// From this multiple of [`MANY_COORDINATES`], a minimum counts as unique if it explains all coordinates or if two searches end in it. This rule applies if
+/// only forces are unknown. None of 8000 random fingers had an undetected error (test `random_fingers`).
 const VERY_MANY: usize = 2;
 
 /// The smallest minimum, and the other results of the searches.
@@ -74,14 +74,14 @@ impl NonlinearEstimator<'_> {
         let is_at_hand = is_good(&best, self);
         let many = MANY_COORDINATES[usize::from(self.questions.len() > 1)];
         let has_many = coordinates >= many;
-        // Unknown positions, directions or a base make a scan coarse and slow, so it is used only for few markers.
+        // Unknown positions, directions or base poses make a scan coarse and slow. The scan is then used only for few markers and without priors.
         let is_coarse = self.unknowns.len() > self.questions.len();
         let has_very_many = !is_coarse && !self.follows_plate() && coordinates >= VERY_MANY * many;
         let (failure, all) = (None, Vec::new());
         let mut search = Search { measurement, noise_mm, has_very_many, history, best, failure, all };
         let starts = self.search_from_starts(&mut search, largest_misfit)?;
         let fits = search.best.as_ref().is_some_and(|it| self.misfit(&it.state, measurement) <= largest_misfit);
-        // Many markers also show that a minimum is unique if two searches agree that no minimum explains the measurement.
+        // With many markers, a minimum far from explaining the measurement also counts as unique, if two searches agree on it.
         let is_only_one = has_very_many && (fits || search.history.agree())
             || has_many && (is_good(&search.best, self) || search.history.agree_on_none());
         let is_worth_it = !is_coarse || self.priors.count() == 0 && !has_many;

@@ -118,7 +118,7 @@ pub struct NonlinearEstimator<'m> {
     held: Option<State>,
     /// Whether the minimum near the last estimate was chosen among all minima on a coarser mesh.
     is_chosen: bool,
-    /// Equilibria under all forces at the contacts. The outer option is `None` before the scan, the inner option if these contacts cannot be scanned.
+    /// Equilibria under all forces at the contacts. The outer option is `None` before the scan. The inner option is `None` if these contacts cannot be scanned.
     scan: Option<Option<Scan>>,
 }
 
@@ -163,14 +163,14 @@ impl State {
         linearised.solve(shape, measurement, damping)
     }
 
-    /// Misfit of the measurement and the priors, mm^2.
+    /// Sum of the squared weighted residuals of the measurement and the priors, mm^2.
     fn misfit(&self, measurement: &Measurement) -> f64 {
         self.linearised.misfit(self.posed(), measurement)
     }
 }
 
-/// A minimum and the number of steps to it. If `near`, the starting point was near or the path straight, so the minimum is locally unique. Otherwise there may
-/// be further minima.
+/// A minimum and the number of steps to it. If `near`, the search started near the minimum, or every step was complete and as good as predicted. The minimum
+/// then counts as locally unique. Otherwise there may be further minima.
 struct Found {
     state: State,
     steps: usize,
@@ -213,7 +213,7 @@ impl<'m> NonlinearEstimator<'m> {
         })
     }
 
-    /// This estimator with a pad between objects and the plate. Call it before [`with_object`](NonlinearEstimator::with_object).
+    /// This estimator with a pad between objects and the plate. Set the pad before the object ([`with_object`](NonlinearEstimator::with_object)).
     pub fn with_pad(mut self, pad: Pad) -> NonlinearEstimator<'m> {
         self.pad = pad;
         self.scan = None;
@@ -231,8 +231,8 @@ impl<'m> NonlinearEstimator<'m> {
         self.held.clone_from(&self.last);
     }
 
-    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from it. Serves error bounds at known forces.
-    /// Holds nothing if positions or directions are unknown, or the finger has no equilibrium under the forces.
+    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from it. Used for error bounds at known
+    /// forces. Holds nothing if positions or directions are unknown, or the finger has no equilibrium under the forces.
     pub fn hold_at(&mut self, forces_n: &[f64]) {
         let before = self.held.take();
         self.forget();
@@ -297,8 +297,8 @@ impl<'m> NonlinearEstimator<'m> {
         self.mesh.finger()
     }
 
-    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or if
-    /// the residual contradicts it.
+    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or
+    /// contradicts the residual.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, no equilibrium explains the measurement, or the search does not converge.

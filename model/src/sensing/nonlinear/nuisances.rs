@@ -2,8 +2,8 @@
 //! all markers share.
 //!
 //! Each parameter has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected value, in
-//! standard deviations, times the noise of a coordinate. A compliant base is expected to turn with the forces, and the uncertainty of this turn grows with the
-//! forces.
+//! standard deviations, times the noise of a coordinate. The expected rotation of a compliant base is proportional to the sum of the forces, and its
+//! uncertainty grows with this sum.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;
@@ -42,7 +42,7 @@ impl Nuisances {
         self.shared_mm.get(key_node).copied().unwrap_or_default()
     }
 
-    /// Changes a shared error by `by` of its standard deviations.
+    /// Changes a shared error by `by` times its standard deviation.
     pub fn share(&mut self, index: usize, error: &SharedError, by: f64) {
         self.shared[index] += by;
         self.shared_mm.iter_mut().zip(error).for_each(|(all, of_error)| *all += of_error * by);
@@ -161,7 +161,7 @@ impl Priors {
         self.priors.len()
     }
 
-    /// Sum of the squared deviations, scaled by the noise, mm^2.
+    /// Sum of the squared deviations from the expected values, in standard deviations, times the squared noise, mm^2.
     pub fn misfit(&self, nuisances: &Nuisances, forces_n: &[f64]) -> f64 {
         let sum_n = forces_n.iter().sum();
         let off = |prior: &Prior| self.noise_mm * prior.deviation(nuisances.value(prior.unknown), sum_n);

@@ -2,8 +2,8 @@
 //!
 //! One force of known position and direction has one curve of equilibria, which passes through the unloaded finger. Two forces have a surface, covered by
 //! curves of the second force from each point of the first force's curve. For one force of unknown position or direction, curves at several positions and
-//! directions pass near every minimum. Misfits between the points of a curve follow from the displacements and their derivatives at its points (cubic Hermite
-//! interpolation).
+//! directions pass near every minimum. Misfits between the points of a curve follow from the displacements and their derivatives at the two neighbouring points
+//! (cubic Hermite interpolation).
 
 use super::{NonlinearEstimator, State};
 use crate::Vector;
@@ -13,7 +13,7 @@ use crate::measurement::{Marker, Measurement};
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 
 /// Intended largest changes between neighbouring points of a curve: of a displacement, as a share of the front plate's length, and of a rotation, rad. The
-/// first row is for the curve of a single force, the second for curves that cover a surface.
+/// first row is for a single curve, the second for several curves.
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
 /// A step is repeated with half its length if its change exceeds the largest change by more than this factor.
 const TOO_LONG: f64 = 1.5;
@@ -174,7 +174,7 @@ impl NonlinearEstimator<'_> {
 }
 
 impl Curve {
-    /// Misfits at the points of the curve and between them.
+    /// Misfits at the points of the curve, except the last point, and between them.
     fn misfits(&self, measurement: &Measurement, curve: usize) -> Vec<ScannedPoint> {
         let mut scanned = Vec::with_capacity(BETWEEN * self.points.len());
         let at =

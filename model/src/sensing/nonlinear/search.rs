@@ -1,9 +1,9 @@
 //! Search for the nearest minimum of the misfit (sum of squared weighted residuals) from any starting point: the Levenberg-Marquardt method with a trust
 //! region.
 //!
-//! The finger hardly responds to a force along a plate until the plate buckles. A step that suits the linearised finger may
-//! lead far away, or to no equilibrium. The trust region therefore limits steps to the range in which predictions held. A
-//! step also ends at an equilibrium with a larger misfit than its start ([`follow`](super::follow)).
+//! The finger hardly responds to a force along a plate until the plate buckles. A step that suits the linearised finger may lead far away, or to no
+//! equilibrium. The trust region therefore limits steps to the range in which predictions held. A step also ends at an equilibrium whose misfit is much larger
+//! than that at the start of the step ([`follow`](super::follow)).
 
 use super::search_history::SearchHistory;
 use super::{Found, NonlinearEstimator, SETTLED_ANGLE_DEG, State};
@@ -20,7 +20,8 @@ const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, s
 /// After [`MAX_STEPS`], the result is accepted if the last step changed every unknown by at most this share of its scale. No camera resolves such a change. If
 /// the finger does not explain the data, the weights of the markers change in every step and converge slowly.
 const SMALL_ENOUGH: f64 = 1e-5;
-/// The minimum may be near if a step changes the unknowns by at most this share of their scales. If it is not near, a tenth of that change is the next limit.
+/// The minimum may be near if a step changes the unknowns by at most this share of their scales. If the minimum proves not to be near, the next limit is a
+/// tenth of that change.
 const MAY_BE_NEAR: f64 = 0.03;
 /// A step is accepted if it increases the misfit (sum of squared residuals) by at most this share: by rounding, or while directions follow a turning plate. A
 /// turning normal may make a good step look worse, but the next step corrects the residual.
@@ -55,8 +56,8 @@ enum End {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Searches by Gauss-Newton steps, each to its equilibrium. Steps are shortened if they do not reduce the misfit (sum of squared residuals). The minimum
-    /// counts as near if every step was complete and as good as predicted. `None` if the search meets an earlier path of `history`.
+    /// Searches by Gauss-Newton steps, each of which ends at an equilibrium. Steps are shortened if they do not reduce the misfit (sum of squared residuals).
+    /// The minimum counts as near if every step was complete and as good as predicted. `None` if the search meets an earlier path of `history`.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not converge.

@@ -31,7 +31,7 @@ struct SearchPath {
 /// Paths of all searches.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SearchHistory {
-    /// Whether paths are recorded, because only forces are unknown.
+    /// Whether paths are recorded: only if forces are the only unknowns and no direction follows the plate.
     are_kept: bool,
     ended: Vec<SearchPath>,
     current: Vec<Vec<f64>>,
@@ -54,7 +54,8 @@ impl SearchHistory {
         SearchHistory { far_mm2: misfit_mm2.map(|misfit_mm2| FAR * FAR * misfit_mm2), ..self }
     }
 
-    /// Whether a search may end at `misfit_mm2`, which is far from explaining the measurement, because the next step would decrease it by only `decrease_mm2`.
+    /// Whether a search may end at the misfit `misfit_mm2`: if this misfit is far from explaining the measurement, and its predicted decrease `decrease_mm2` in
+    /// the next step is small.
     pub(super) fn ends_far(&self, misfit_mm2: f64, decrease_mm2: f64) -> bool {
         self.is_far(misfit_mm2) && decrease_mm2 <= NEARLY * misfit_mm2
     }

@@ -1,4 +1,4 @@
-//! Simultaneous correction of forces and shape, for a near minimum.
+//! Simultaneous correction of forces and shape, for a starting point near a minimum.
 //!
 //! Each step factors the tangent once. It corrects the shape by Newton's method, then the forces by the Gauss-Newton method with derivatives from the same
 //! tangent. These derivatives lag one correction behind, but both methods still converge quadratically. A frame of a stream needs three or four linearisations
@@ -16,8 +16,8 @@ const LARGEST_TURN: f64 = 0.3;
 const LATER_TURNS: f64 = 0.5;
 /// Later corrections may always turn nodes by this negligible angle, rad.
 const TURN_NOISE: f64 = 1e-4;
-/// The unknowns have converged if the last step changes each unknown by at most this share of its scale. The derivatives lag, so the step is wrong by about a
-/// hundredth.
+/// The unknowns have converged if the last step changes each unknown by at most this share of its scale. The derivatives lag one correction behind, so the step
+/// has a relative error of about 1 %.
 const SETTLED_STEP: f64 = 1e-8;
 /// The shape has converged if its last correction is at most this share of the largest rotation. The remaining error of the shape is of second order, and the
 /// derivatives lag by this correction.

@@ -52,7 +52,7 @@ impl NonlinearEstimator<'_> {
         Ok(self.minimum_near(start, measurement, noise_mm, &mut SearchHistory::default()).ok().flatten())
     }
 
-    /// Whether a direction follows the plate.
+    /// Whether a direction is a [`Direction::Leaning`], and so may follow the deformed plate.
     pub(super) fn follows_plate(&self) -> bool {
         self.questions.iter().any(|question| matches!(question.direction, Direction::Leaning(_)))
     }
@@ -104,7 +104,7 @@ impl NonlinearEstimator<'_> {
             positions[i] = Some(ContactPosition::Node(best.map_or(finger.tip(), |(node, _)| node)));
         }
         let (contacts, estimate) = self.linear_start(&positions, towards_deg, &from_base)?;
-        // A variable position is a distance along the plate, not a node.
+        // An unknown position varies continuously, so it is stored as a distance along the plate and not as a node.
         let contacts: Vec<Contact> = contacts
             .iter()
             .zip(&self.questions)
@@ -200,8 +200,9 @@ impl NonlinearEstimator<'_> {
             }
         }
         let estimator = LinearEstimator::new(finger, &components, measurement)?;
-        // If few markers hardly separate forces, large forces that cancel are a bad start. The standard deviation of the prior is the force that alone would
-        // move the finger as far. The prior has little effect on forces that the markers separate well.
+        // If few markers barely separate forces, least squares may give large forces that cancel, which are a bad starting point. The prior prevents this. Its
+        // standard deviation is about the force that alone would move the markers as far as measured. The prior has little effect on forces that the markers
+        // separate well.
         let moved: f64 = measurement.markers().iter().map(|m| (m.displacement * m.weight).norm_squared()).sum();
         let prior = Prior::Gaussian { force_n: moved.sqrt() / estimator.singular_values()[0] };
         let mut estimate = estimator.estimate(measurement, None, prior);

@@ -1,7 +1,8 @@
 //! Contacts with an object of known shape: the plate, or the pad on it, touches the object's outline tangentially.
 //!
-//! Each contact adds two rows below the markers and the priors. The point of the outline that faces the plate must coincide with the contact, both
-//! perpendicular to the plate and along it. The rows determine position and direction as accurately as the object's pose is known.
+//! Each contact adds two rows to the least-squares problem, below those of the markers and the priors. The point of the outline that faces the plate must
+//! coincide with the contact, both perpendicular to the plate and along it. The rows determine position and direction as accurately as the object's pose is
+//! known.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
@@ -16,7 +17,7 @@ use nalgebra::Point2;
 /// Assumed standard deviation of a closed contact, mm: perpendicular to the plate, and along it. It is far smaller than the error of outlines, but not smaller
 /// than the error of a mesh.
 const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
-/// Step of the difference quotients, as a share of each unknown's scale. The quantities are linear in the step except for turns.
+/// Step of the difference quotients, as a share of each unknown's scale. For so small a step, the differenced quantities are almost linear in the step.
 const STEP: f64 = 1e-5;
 /// Number of times that loads are updated for the bent shape, which determines their directions and levers.
 const FOLLOWED: usize = 3;

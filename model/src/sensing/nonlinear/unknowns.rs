@@ -80,8 +80,8 @@ impl Unknown {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm or one standard deviation for other errors. The scale of a position
-    /// moves the finger about as far as 1 N does.
+    /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm for translations, and one standard deviation for errors that all
+    /// markers share. A shift of a position by its scale moves the finger about as far as 1 N does.
     pub(super) fn rescale(&self, state: &mut State) {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
@@ -123,7 +123,7 @@ impl NonlinearEstimator<'_> {
         for (unknown, &x) in self.unknowns.iter().zip(&linearised.step) {
             match *unknown {
                 Unknown::Force(i) => forces_n[i] += x,
-                // Forces are the first unknowns, so the component along the direction is current.
+                // Forces are the first unknowns, so the force along the direction has already been updated.
                 Unknown::Across(i) => {
                     let turned_deg = x.atan2(forces_n[i]).to_degrees();
                     match self.questions[i].direction {

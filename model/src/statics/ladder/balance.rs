@@ -1,4 +1,4 @@
-//! Residual of a finger in equilibrium equations: its elimination with a factored stiffness, and Newton's correction.
+//! Residual of a finger's equilibrium equations: its elimination with a factored stiffness, and Newton's correction.
 
 use super::chain::{Between, ChainForces, joints_of};
 use super::elements::OneLine;
@@ -13,7 +13,7 @@ use crate::mesh::Mesh;
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// Forces and work arrays for one motion under one load, or for several motions in SIMD lanes. The stiffness is stored separately, in [`Factor`].
+/// Forces and buffers for one motion under one load, or for several motions in SIMD lanes. The stiffness is stored separately, in [`Factor`].
 #[derive(Debug, Clone)]
 pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     pub(super) mesh: &'m Mesh,
@@ -35,7 +35,7 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     corrections: Vec<Ends<R>>,
     /// Correction of the tip, mm and rad.
     tip_correction: [R; 3],
-    /// Exists for nonlinear kinematics if at least one line has inner nodes.
+    /// `None` with linear kinematics, or if no line has inner nodes.
     pub(super) retraction: Option<Retraction<R>>,
 }
 
@@ -80,7 +80,7 @@ impl<'m, R: Number> Balance<'m, R> {
         self.applied.add(lane, (self.mesh, self.kinematics), motion, loads, factor);
     }
 
-    /// The undeformable rib of the rung `level`; `None` if its rib deforms.
+    /// The undeformable rib of the rung `level`; `None` if the rib is deformable.
     #[inline(always)]
     fn rigid_rib(&self, stiffness: &Factor<R>, level: usize, motion: &FrameMotion<R>) -> Option<RigidRib<R>> {
         let frame = self.mesh.frame();
@@ -228,7 +228,7 @@ impl<'m, R: Number> Balance<'m, R> {
         self.work
     }
 
-    /// Corrects the nodes inside lines by the [`Retraction`], so that they rotate with the last correction.
+    /// Moves and rotates the nodes inside lines by the [`Retraction`] of the last correction.
     #[inline(always)]
     pub(super) fn mend_lines(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) {
         let Some(mut retraction) = self.retraction.take() else { return };

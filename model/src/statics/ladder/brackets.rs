@@ -20,7 +20,7 @@ impl<R: Number> Brackets<R> {
     #[inline(always)]
     pub(super) fn of(frame: &PlaneFrame, line: &Line, motion: &FrameMotion<R>, linear: bool) -> Option<Brackets<R>> {
         let ends = [line.nodes[0], line.nodes[line.nodes.len() - 1]];
-        // If a node of a plate is linked, an undeformable rib carries it as a key node, without bracket.
+        // A linked node at the end of a plate member is a key node that follows an undeformable rib. It has no bracket.
         if line.part != Part::Ribs || !ends.iter().any(|node| frame.is_linked(*node)) {
             return None;
         }

@@ -1,10 +1,10 @@
 //! The elements from the first end of a chain to one of its nodes, as a cantilever that grows element by element.
 //!
-//! The position of the second end relative to the rotating first end determines how the elements deform. With this deflection as unknown, the stiffness
-//! matrix contains only the elements' stiffness. With nodal positions as unknowns, the matrix also resists a motion of one end alone. The common motion of
-//! both ends is then a small difference of large numbers, and eliminating n elements node by node amplifies rounding errors by n^3. The deflection of the
-//! next element is therefore eliminated instead of the node before it. Elements in a row act as springs in series. The stiffness S so far and the stiffness k
-//! of the next element combine to S - S (S + k)^-1 S. Little is subtracted, since k is large.
+//! The motion of the second end relative to the rotating first end (the *deflection*) determines how the elements deform. With the deflection as unknown, the
+//! stiffness matrix contains only the elements' stiffness. With nodal positions as unknowns, the matrix also resists a motion of one end alone. Its resistance
+//! to a common motion of both ends is then a small difference of large numbers. Eliminating n elements node by node amplifies rounding errors by n^3. The
+//! deflection of the next element is therefore eliminated instead of the node before that element. Consecutive elements act as springs in series. The stiffness
+//! S of the elements so far and the stiffness k of the next element combine to S - S (S + k)^-1 S. Little is subtracted, because k is large compared with S.
 //!
 //! A fourth unknown is the rotation of the whole cantilever, which rotates the elements' forces. A translation of the whole cantilever changes no forces.
 
@@ -14,11 +14,12 @@ use crate::element::{Response, quarter_turn};
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// Unknowns of a cantilever: deflection x, y (mm) and rotation (rad) of the second end relative to the first; then the rotation of the whole (rad).
+/// Unknowns of a cantilever: deflection x, y (mm) and rotation (rad) of the second end relative to the first; then the rotation of the whole
+/// cantilever (rad).
 pub(super) type Deflection<R = f64> = [R; 4];
 const TURN: usize = 3;
 
-/// Forces on a cantilever: gradient of the energy by the deflection (N, N mm), and by a translation of the whole (N).
+/// Forces on a cantilever: gradient of the energy by the deflection (N, N mm), and by a translation of the whole cantilever (N).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Forces<R: Number> {
     /// Gradient of the energy by the deflection, N and N mm.
@@ -30,7 +31,7 @@ pub(super) struct Forces<R: Number> {
 }
 
 impl<R: Number> Forces<R> {
-    /// Forces for a gradient by the motions of the two ends. `lever` is the vector from the first to the second end, mm.
+    /// Converts a gradient by the motions of the two ends to forces. `lever` is the vector from the first to the second end, mm.
     #[inline(always)]
     pub(super) fn on(gradient: &Ends<R>, lever: Vector2<R>) -> Forces<R> {
         let [x, y, moment, end_x, end_y, end_moment] = *gradient;
@@ -57,7 +58,7 @@ impl<R: Number> Forces<R> {
         let (arm, next_arm) = (quarter_turn(self.lever), quarter_turn(joint.lever));
         self.lever = sum(self.lever, joint.lever);
         let g = &mut self.by_deflection;
-        // The next element translates with the second end so far.
+        // The next element translates with the present second end.
         let [x, y] = next.by_displacement;
         self.by_displacement[0] += x;
         self.by_displacement[1] += y;
@@ -117,8 +118,8 @@ pub(super) struct Cantilever<R: Number> {
 impl<R: Number> Cantilever<R> {
     /// The cantilever of one element without loads. `carried` is the force at the element's second end, N, which rotates with the element.
     ///
-    /// The stiffness by the deflection is that of the second end alone. A rotation of the whole by w rotates the force f by w quarter_turn(f). Its moments
-    /// about the first end, which were in balance, change by -w f . lever.
+    /// The stiffness by the deflection is that of the second end alone. A rotation of the whole cantilever by w changes the force f by w quarter_turn(f). The
+    /// moment of this change about the first end is w f . lever.
     #[inline(always)]
     pub(super) fn of_element(element: &Response<R>, carried: Vector2<R>, lever: Vector2<R>) -> Cantilever<R> {
         let mut stiffness = [[lever.x.zero(); 4]; 4];
@@ -135,7 +136,8 @@ impl<R: Number> Cantilever<R> {
         Cantilever { stiffness, lever }
     }
 
-    /// Adds the potential of a dead load on the element. A dead load does not rotate, so all its terms count.
+    /// Adds the second derivatives of the potential of a dead load on the element. A dead load does not rotate with the cantilever, so the full tangent of its
+    /// potential is transformed.
     #[inline(always)]
     pub(super) fn add_load(&mut self, potential: &Response<R>) {
         let tangent = &potential.tangent;
@@ -159,7 +161,7 @@ impl<R: Number> Cantilever<R> {
         joint.lever = next.lever;
         self.lever = sum(self.lever, next.lever);
         let s = &mut self.stiffness;
-        // Moves the stiffness to the new second end. The old second end lags behind the new one by `arm` times its rotation.
+        // Moves the stiffness to the new second end. The old second end moves like the new one, minus `arm` times the rotation.
         let lifted = [s[0][0] * arm.x + s[0][1] * arm.y, s[0][1] * arm.x + s[1][1] * arm.y];
         s[2][2] -= arm.x * s[0][2] + arm.y * s[1][2];
         s[0][2] -= lifted[0];
@@ -197,7 +199,7 @@ impl<R: Number> Cantilever<R> {
         let s = &self.stiffness;
         let arm = quarter_turn(self.lever);
         let upper = |i: usize, j: usize| s[i.min(j)][i.max(j)];
-        // Column of the first end's rotation, which moves the second end by minus the arm.
+        // Column of the first end's rotation, which changes the deflection by minus the arm.
         let mut held = [arm.x; 3];
         for i in 0..3 {
             held[i] = upper(i, 0) * arm.x + upper(i, 1) * arm.y + upper(i, 2) - s[i][TURN];

@@ -1,7 +1,7 @@
 //! A chain of elements condensed onto its two ends: a plate member between two key nodes, or a rib.
 //!
-//! The elements are appended one by one to a [`Cantilever`], so the work is proportional to their number. Stiffness and forces are separate, because the
-//! stiffness at rest serves for many loads.
+//! The elements are appended one by one to a [`Cantilever`], so the work is proportional to their number. Stiffness and forces are stored separately,
+//! because many loads use the stiffness at rest.
 
 use super::SMALL_PIVOT;
 use super::block::Block;
@@ -33,7 +33,7 @@ pub(super) struct Chain<R: Number = f64> {
     first_lever: Vector2<R>,
     /// Vector from the first to the last node of the chain, mm.
     lever: Vector2<R>,
-    /// Elimination of the two end rotations of a pinned member; no other member has these rotations.
+    /// Elimination of the two end rotations of a pinned member; `None` without pins.
     pins: Option<Block<R, 2, 6>>,
     /// Brackets between the chain's ends and the key nodes; `None` without brackets.
     brackets: Option<Brackets<R>>,
@@ -200,7 +200,8 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Gradient by the motions of the chain's two ends that is equivalent to the gradients `on_element` by the motions of each element's nodes.
+    /// Gradient by the motions of the chain's two ends, or of the key nodes if the chain has brackets. It is equivalent to the gradients `on_element` by the
+    /// motions of each element's nodes.
     pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], on_element: impl Fn(usize) -> Ends<R>) -> Ends<R> {
         let mut gradient = on_element(0);
         if !joints.is_empty() {
@@ -225,7 +226,7 @@ impl<R: Number> Chain<R> {
         self.brackets.as_ref().map_or(*key_nodes, |brackets| brackets.carried(key_nodes))
     }
 
-    /// Natural logarithm of the determinant of the eliminated pinned rotations; 0 without pins.
+    /// Natural logarithm of the determinant of the stiffness of the pinned rotations; 0 without pins.
     pub(super) fn log_determinant(&self) -> R {
         self.pins.as_ref().map_or(self.lever.x.zero(), |block| block.factor.log_determinant())
     }
@@ -285,9 +286,9 @@ impl<R: Number> Element<'_, R> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ChainForces<R: Number> {
     pins_y: [R; 2],
-    /// Gradient by the motions of the two ends, N and N mm.
+    /// Gradient by the motions of the two ends, or of the key nodes if the chain has brackets; N and N mm.
     pub gradient: Ends<R>,
-    /// Gradient by the motions of the two ends before any condensation, N and N mm.
+    /// Gradient before any condensation, N and N mm: that of the first element by the first end, and that of the last element by the second end.
     pub raw: Ends<R>,
     /// Work of the residual on the corrections of the eliminated unknowns, N mm.
     pub work: R,
@@ -316,7 +317,7 @@ impl<R: Number> ChainForces<R> {
 /// The elements of a chain that are condensed so far, as a cantilever with its forces.
 pub(super) type PartialChain<R> = (Cantilever<R>, Forces<R>);
 
-/// Index ranges of a chain's inner nodes and inner rotations in a motion. Both ranges are contiguous.
+/// Index ranges of a chain's inner nodes and inner rotations in a motion. Both are numbered consecutively.
 #[derive(Debug, Clone)]
 pub(super) struct Between {
     pub nodes: Range<usize>,

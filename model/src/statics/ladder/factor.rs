@@ -16,7 +16,7 @@ use crate::number::Number;
 pub(crate) struct Factor<R: Number = f64> {
     /// One chain per line of the mesh.
     pub(super) chains: Vec<Chain<R>>,
-    /// One joint per member of the frame, the elimination of the member's deflection. The first member of a line does not use its joint.
+    /// One joint per member of the frame: the elimination of the member's deflection. The first member of a line does not use its joint.
     pub(super) joints: Vec<Joint<R>>,
     /// Rungs (pairs of key nodes joined by a rib) from base to tip.
     pub(super) rungs: Vec<Rung<R>>,
@@ -59,7 +59,8 @@ impl<R: Number> Factor<R> {
         }
     }
 
-    /// Indices of the plate members above rung `level - 1` (0: above the base), back then front. Lines are ordered back, front, ribs, each from the base.
+    /// Line indices of the back and front plate member that lead from below to rung `level`, or to the tip if `level` is the number of rungs. Lines are ordered
+    /// back, front, ribs, each from the base.
     pub(super) fn plate_members(&self, level: usize) -> [usize; 2] {
         [level, self.rungs.len() + 1 + level]
     }

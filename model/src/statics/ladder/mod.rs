@@ -1,11 +1,11 @@
 //! The finger as a ladder. Plates and ribs are condensed onto the key nodes; then the pair of key nodes of each rib (a rung) is eliminated, from tip to base.
 //!
-//! The equations of a finger extend in one direction only. Members are condensed onto their ends ([`chain`]). The back and front node of each rib remain as a
-//! block of six unknowns, coupled only to its two neighbours: a block tridiagonal system. Its elimination from the tip needs a fixed number of operations per
-//! rib and no heap memory. Tests compare it with the sparse solver ([`SparseEquations`](super::SparseEquations)).
+//! Members are condensed onto their ends ([`chain`]). The back and front node of each rib then remain as a block of six unknowns. Each block is coupled
+//! only to its two neighbours, so the system is block tridiagonal. Its elimination from the tip needs a fixed number of operations per rib and no heap memory.
+//! Tests compare the solution with the sparse solver ([`SparseEquations`](super::SparseEquations)).
 //!
-//! Stiffness and forces are separate. [`Factor`] holds the factored tangent. The tangent at rest is computed only once per mesh; it suffices for linear
-//! solutions, and starts co-rotational ones. [`Balance`] holds the forces. Both are generic over [`Number`](crate::number::Number), for one load, or for
+//! Stiffness and forces are stored separately. [`Factor`] holds the factored tangent. The tangent at rest is computed only once per mesh; it suffices for
+//! linear solutions, and starts co-rotational ones. [`Balance`] holds the forces. Both are generic over [`Number`](crate::number::Number), for one load, or for
 //! several in SIMD lanes.
 
 mod balance;
@@ -32,8 +32,9 @@ pub(super) use balance::Balance;
 use ends::Ends;
 pub(super) use factor::Factor;
 
-/// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same holds for an element's share of a
-/// member's stiffness. The paper's finger stays at 2e-2 on any mesh. Thin plates, and random fingers with errors above 1e-8, fall below the limit.
+/// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same limit applies to the stiffness of a chain
+/// after an element is appended, relative to the stiffness before. The smallest share in the paper's finger is 2e-2 on any mesh. Thin plates, and random
+/// fingers with errors above 1e-8, fall below the limit.
 const SMALL_PIVOT: f64 = 1e-3;
 
 /// Location of a frame node or of a load in the ladder.
@@ -45,7 +46,7 @@ enum Location {
         rung: usize,
         row: usize,
     },
-    /// A node inside a line, `element` elements from the line's first end.
+    /// A node inside a line, `element` elements from the line's first end; or a load on the element with the index `element`, from 0.
     Inside {
         line: usize,
         element: usize,
@@ -83,7 +84,7 @@ impl<'m> Ladder<'m> {
         self.kinematics == Kinematics::Linear
     }
 
-    /// The stiffness that was used last.
+    /// The factored stiffness of the last linearisation.
     fn factor(&self) -> &Factor {
         Factor::chosen(self.mesh, &self.own, self.rests)
     }
@@ -94,8 +95,8 @@ impl<'m> Ladder<'m> {
         dispatched::factorise(&mut self.balance, &mut self.own, motion);
     }
 
-    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics, it does if nothing has moved, all ribs deform, and all loads act on
-    /// nodes. Loads on arms or between nodes contribute to the tangent.
+    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics, this holds if nothing has moved, the ribs are deformable, and all loads act
+    /// on nodes. Loads on arms or between nodes contribute to the tangent.
     fn has_rest_stiffness(&self, unmoved: bool, loads: &[FrameLoad]) -> bool {
         if self.linear() {
             return true;

@@ -49,7 +49,8 @@ impl Ladder<'_> {
     }
 
     /// Writes to `out` the markers' first-order displacements per unit of ln(modulus), mm, at the last linearised `motion`. `shares` pairs a member's
-    /// index with the derivative of its ln(stiffness). The member's scaled nodal forces act as the additional load. `out` is indexed by key node from 0.
+    /// index with the derivative of its ln(stiffness). The member's nodal forces times this derivative act as the additional load. `out` is indexed by key
+    /// node from 0.
     pub fn stiffened(&mut self, motion: &FrameMotion, shares: &[(usize, f64)], out: &mut [Vector]) {
         let members = self.mesh.frame().members();
         let mut share_of = vec![0.0; members.len()];
@@ -129,7 +130,7 @@ impl Ladder<'_> {
         tip
     }
 
-    /// Forward and back substitution along the rungs with the stored factors. Handles only rungs and tip.
+    /// Forward and back substitution for rungs and tip, with the stored factors. Gradients inside lines must already be condensed.
     fn respond(&mut self, motion: &FrameMotion, tip: &[f64; 3], out: &mut [Vector]) {
         let count = self.waiting.len();
         let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);

@@ -1,15 +1,15 @@
 //! Retraction of Newton's correction at the nodes inside a member, so that chords and nodes rotate by the same angle.
 //!
 //! Newton's method adds displacements and rotations linearly. A correction that rotates a plate member by `a` rotates its nodes by `a`. The chords of its
-//! elements rotate only by atan(a) = a - a^3 / 3 (less by `a e` if they also elongate by `e`). Both ends of an element of length h then rotate by phi = a^3 /
-//! 3 against its chord, which causes a shear force of 12 EI phi / h^2. This is negligible between key nodes. But the rotations for which the tangent stays
-//! positive definite shrink as h^(2/3), so finer meshes would need more load steps. The effect is larger at the end of a rigid arm or link, which moves on a
-//! circle while its neighbours move along straight lines.
+//! elements rotate only by atan(a) = a - a^3 / 3 (by `a e` less if they also elongate by the strain `e`). Both ends of an element of length h then rotate by
+//! phi = a^3 / 3 against its chord, which causes a shear force of 12 EI phi / h^2. This force is negligible for an element that spans a whole member. But the
+//! rotations for which the tangent stays positive definite shrink as h^(2/3), so finer meshes would need more load steps. The effect
+//! is larger at the end of a rigid arm or link, which moves on a circle while its neighbours move along straight lines.
 //!
 //! Any update that agrees with Newton's to first order converges as fast; it is called a *retraction*. This retraction keeps Newton's update at the key
 //! nodes. It moves the nodes between them along a smooth curve that follows arms and links, and rotates the nodes with their chords. A fine mesh then needs
 //! no more load steps and iterations than a coarse mesh. The curve must meet the key nodes without a kink. A curve correct to second order does not suffice,
-//! since the stiffness of elements grows without bound.
+//! because the stiffness of elements grows without bound as they become shorter.
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
@@ -41,8 +41,8 @@ impl<R: Number> Retraction<R> {
         Retraction { before: FrameMotion::empty(), chords: Vec::new() }
     }
 
-    /// Updates the inner nodes of a line after a correction was added, in the lanes in which at least one of its nodes rotates. `end_nodes` are the linear
-    /// corrections of the line's first and last node, mm. They differ from the motion of a node at a rigid link.
+    /// Updates the inner nodes of a line after a correction was added, in the lanes in which at least one of the line's nodes rotates. `end_nodes` are
+    /// the linear corrections of the line's first and last node, mm. If such a node follows a rigid link, its motion differs from its linear correction.
     #[inline(always)]
     pub(super) fn mend(&mut self, elements: impl Elements<R>, motion: &mut FrameMotion<R>, end_nodes: [Vector2<R>; 2]) {
         let count = elements.count();
@@ -95,7 +95,7 @@ impl<R: Number> Retraction<R> {
             advance(&mut u.x, turns, across.x * lift);
             advance(&mut u.y, turns, across.y * lift);
         }
-        // An inner node rotates with the mean rotation of its two chords.
+        // An inner node rotates with the mean rotation of the two adjacent chords.
         let mut below = self.surplus(0, chord_in(motion, &first));
         for index in 1..count {
             let member = elements.member(index);
@@ -228,7 +228,7 @@ fn end_slopes<R: Number>(chords: [R; 2], count: usize) -> [R; 2] {
     [(first * rest + last * xi) / divisor, (last * rest + first * xi) / divisor]
 }
 
-/// Adds to a value in the lanes of a mask.
+/// Adds `by` to a value in the lanes that `mask` selects.
 #[inline(always)]
 fn advance<R: Number>(value: &mut R, mask: R::Mask, by: R) {
     *value = R::select(mask, *value + by, *value);

@@ -72,18 +72,19 @@ fn transposed<R: Number>(matrix: &EndsMatrix<R>) -> EndsMatrix<R> {
 
 /// A node of a rung that coincides with a node of the rung below, because the ribs of both rungs share a junction.
 ///
-/// The three unknowns of the tied node keep unit stiffness without coupling, so their y equals their gradient. Stiffness, gradient and couplings of the node
-/// move to the node below.
+/// The three unknowns of the tied node keep unit stiffness without coupling, so their y equals their gradient. Stiffness, gradient and couplings of the tied
+/// node are added to those of the node below.
 #[derive(Debug, Clone, Copy)]
 struct TiedNode<R> {
     /// Index of the node's first unknown: 0 for the back node, 3 for the front node.
     row: usize,
-    /// The node's stiffness before it is moved, upper triangle only.
+    /// The node's original stiffness; only the upper triangle is valid.
     stiffness: [[R; 3]; 3],
 }
 
 impl<R: Number> TiedNode<R> {
-    /// Moves the node's stiffness to the node below. Rows of `coupling` are the unknowns of this rung, columns those of the rung below.
+    /// Moves the stiffness between the tied and the other node to `coupling`. Stores the tied node's own stiffness and replaces it by unit stiffness. Rows of
+    /// `coupling` are the unknowns of this rung, columns those of the rung below.
     #[inline(always)]
     fn release(&mut self, stiffness: &mut EndsMatrix<R>, coupling: &mut EndsMatrix<R>) {
         let (row, other, zero) = (self.row, 3 - self.row, stiffness[0][0].zero());
@@ -150,7 +151,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Lanes in which each pivot exceeds its limit; `None` with an undeformable rib, because its unknowns differ.
+    /// Lanes in which each pivot exceeds its limit; `None` with an undeformable rib, because the unknowns then differ.
     #[inline(always)]
     pub(super) fn pivots_exceed(&self, limits: &Ends<R>) -> Option<R::Mask> {
         self.rib.is_none().then(|| self.block.factor.pivots_exceed(limits))

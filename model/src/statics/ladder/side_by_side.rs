@@ -87,7 +87,7 @@ impl Balance<'_> {
         }
     }
 
-    /// The loads on the elements with one index in several lines; zero in lanes without load.
+    /// The loads on the elements with the index `element` of several lines, one line per lane; zero in lanes without load.
     fn loads_abreast<L: Number>(&self, indices: &[usize], element: usize, like: L) -> Response<L> {
         let load = |lane: usize| {
             let line = &self.mesh.lines()[indices[lane.min(indices.len() - 1)]];

@@ -9,9 +9,9 @@ struct Inner<'o> {
     /// Index of the finger's first unknown.
     first: usize,
     blocks: Vec<Matrix3<f64>>,
-    /// Derivatives with respect to the border: unknown of the finger, column of the border, value.
+    /// Derivatives of the finger's equations with respect to the border's unknowns: row of the finger, column of the border, value.
     by_border: Vec<(usize, usize, f64)>,
-    /// Derivatives of the border's equations: row of the border, unknown of the finger, value.
+    /// Derivatives of the border's equations with respect to the finger's unknowns: row of the border, column of the finger, value.
     of_border: Vec<(usize, usize, f64)>,
 }
 
@@ -20,8 +20,8 @@ impl Inner<'_> {
         3 * self.order.body_count()
     }
 
-    /// Returns A⁻¹ r, then A⁻¹ B, with one row per unknown. A is the finger's matrix, r a right-hand side, and B the derivatives with respect to the
-    /// border.
+    /// Returns A⁻¹ r in the first column and A⁻¹ B in the others, with one row per unknown. A is the finger's matrix, r a right-hand side, and B the
+    /// derivatives with respect to the border's unknowns.
     fn solved(&mut self, right: &[f64], border_count: usize) -> Option<Vec<f64>> {
         let columns = 1 + border_count;
         let mut solved = vec![0.0; self.unknown_count() * columns];
@@ -35,7 +35,7 @@ impl Inner<'_> {
     }
 }
 
-/// A square matrix. Its unknowns are those of the fingers' bodies, finger by finger, then those of the border.
+/// Matrix of the equations. The unknowns are those of the fingers' bodies, finger by finger, then those of the border.
 pub(super) struct Bordered<'o> {
     fingers: Vec<Inner<'o>>,
     border: DMatrix<f64>,
@@ -62,7 +62,7 @@ impl<'o> Bordered<'o> {
         (order, blocks)
     }
 
-    /// Adds a derivative. Panics if row and column belong to two different bodies; such a derivative belongs in the [`blocks`](Self::blocks).
+    /// Adds a derivative to one element. Panics if row and column belong to two different bodies; such a derivative belongs in the [`blocks`](Self::blocks).
     pub fn add(&mut self, row: usize, column: usize, derivative: f64) {
         let first = self.first;
         if row.min(column) >= first {

@@ -12,7 +12,8 @@ use num_dual::{Dual64, DualNum};
 /// Displacement x, y (mm) and rotation (rad) of the finger's body, then x, y (mm) and angle (rad) of the object.
 pub type Unknowns = [f64; 6];
 
-/// Geometry of the two parts in contact, mm. Points of the finger are relative to the body's centre, undeformed; points of the object are in its frame.
+/// Geometry of the two parts in contact, mm. Points of the finger are relative to the body's centre, undeformed; points of the object are in the object's
+/// frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pair {
     /// A disc of the finger, and a corner or a disc of the object.
@@ -85,8 +86,8 @@ pub struct Touching {
 pub struct Tangent {
     /// Derivatives of the slip, mm per mm and mm per rad.
     pub slip_by: Unknowns,
-    /// Generalised forces of 1 N along the normal, and of 1 N across it. Entries: N and N mm on the body in the finger's frame, then on the object in the
-    /// world. The first vector is also the gradient of the gap.
+    /// Generalised forces of a contact force of 1 N along the normal, and of one of 1 N along the tangent. Entries: N and N mm on the body in the finger's
+    /// frame, then on the object in the world frame. The first vector is also the gradient of the gap.
     pub pull: [Unknowns; 2],
     /// Derivatives of both vectors in `pull` with respect to each unknown (mm or rad), one row per unknown.
     pub pull_by: [[Unknowns; 2]; 6],
@@ -130,8 +131,8 @@ struct Evaluated<D> {
 }
 
 impl Pair {
-    /// Gap and slip between the object and a body whose undeformed centre is `rest`, mm, finger frame. Slip counts from the poses `before`, at the
-    /// start of the step.
+    /// Gap and slip between the object and a body whose undeformed centre is `rest`, mm, finger frame. Slip is zero in the poses `before`, at the start of
+    /// the step.
     pub fn touching(&self, rest: Vector, now: &PairPose, before: &PairPose) -> Touching {
         let Evaluated { gap, slip, normal, point, .. } = self.evaluate(rest, &now.finger, now.unknowns(), before);
         Touching { gap_mm: gap, slip_mm: slip, normal, point }

@@ -9,7 +9,7 @@ struct Pivot {
     body: usize,
     /// Bodies that share blocks with the pivot and are eliminated later.
     later: Vec<CoupledBody>,
-    /// Indices of the blocks that this step changes: those between each two bodies of `later`, row by row.
+    /// Indices of the blocks that this step changes: one for each pair (row, column) of bodies in `later`, row by row.
     changed: Vec<usize>,
 }
 
@@ -27,7 +27,8 @@ struct CoupledBody {
 #[derive(Debug, Clone)]
 pub(super) struct Order {
     pivots: Vec<Pivot>,
-    /// Block indices of each link between two bodies: in the row of its first body, and of its second; `None` if an end is clamped.
+    /// For each link between two bodies, the indices of its two blocks: in the row of the first body, and in the row of the second. `None` if an end is
+    /// clamped.
     links: Vec<Option<[usize; 2]>>,
     block_count: usize,
 }
@@ -78,15 +79,16 @@ impl Order {
         vec![Matrix3::zeros(); self.block_count]
     }
 
-    /// Block indices of each link between two bodies: in the row of its first body, and of its second; `None` if an end is clamped.
+    /// For each link between two bodies, the indices of its two blocks: in the row of the first body, and in the row of the second. `None` if an end is
+    /// clamped.
     pub fn links(&self) -> &[Option<[usize; 2]>] {
         &self.links
     }
 
     /// Factorises the blocks in place, always in the same order. `None` if a pivot block is exactly singular.
     ///
-    /// The elimination is stable if the stiffness of the finger with its contacts is positive definite. During a snap the stiffness may be indefinite.
-    /// The correction is then less accurate, and Newton's method repeats it or gives up.
+    /// The elimination is stable if the stiffness of the finger with its contacts is positive definite. During a snap the stiffness may be indefinite. The
+    /// correction is then less accurate, and Newton's method takes further steps or fails.
     pub fn factorise(&self, blocks: &mut [Matrix3<f64>]) -> Option<()> {
         for Pivot { body, later, changed } in &self.pivots {
             let inverse = blocks[*body].try_inverse()?;

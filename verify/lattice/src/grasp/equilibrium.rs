@@ -25,7 +25,7 @@ const LAGGING: usize = 15;
 const ROUND: f64 = 1e-3;
 /// A step shorter than this share of the object's size never counts as cycling, because the iteration may still converge.
 const ROUND_MM: f64 = 1e-6;
-/// A longer Newton step is scaled down to these limits for every body and the object: translation as a share of the object's size, and rotation, rad.
+/// Largest Newton step of a body or the object: translation as a share of the object's size, and rotation, rad. A longer step is scaled down.
 const LONGEST: [f64; 2] = [0.3, 0.2];
 /// The iteration converges only when a Newton step moves every body and the object by at most this share of the object's size.
 const CONVERGED: f64 = 1e-11;
@@ -47,7 +47,8 @@ impl Scene<'_> {
         let mut statuses: BTreeMap<Key, ContactStatus> = BTreeMap::new();
         let mut passed: Vec<(Vec<Option<Grip>>, f64)> = Vec::new();
         for step in 0..MOST_STEPS {
-            // If a hand holds the object, the first step moves the finger with only the loaded contacts, because overlaps before that step have no meaning.
+            // If a hand holds the object, the first Newton step considers only contacts that carried a force, because overlaps before that step have no
+            // meaning.
             let pairs = match step == 0 && self.held == [true; 3] {
                 true => self.loaded_pairs(&state, before, around),
                 false => self.near_pairs(&state, before, around),

@@ -1,7 +1,7 @@
 //! Linear equations of one Newton step: equilibrium of the fingers' bodies and of the object, and two contact laws per contact.
 //!
-//! The two laws of a contact involve only its two forces and the motions of its body and of the object. Each contact's laws are solved for its forces,
-//! so the unknowns of the remaining system are the motions, regardless of the number of contacts.
+//! The two laws of a contact involve only the two forces of that contact and the motions of its body and of the object. The laws are therefore solved for the
+//! forces of each contact. The remaining unknowns are the motions, whatever the number of contacts.
 
 use super::bordered::Bordered;
 use super::contact::{Tangent, Touching};
@@ -23,7 +23,7 @@ struct Law {
     by_forces: [f64; 2],
 }
 
-/// Change of a contact's two forces: minus (`value` + `by_motion` times the motions). It follows from the contact's laws.
+/// Change of a contact's two forces by the contact's laws: minus (`value` + `by_motion` times the six motions).
 struct ForceChange {
     value: Vector2<f64>,
     by_motion: SMatrix<f64, 2, 6>,
@@ -41,7 +41,7 @@ impl ForceChange {
     }
 }
 
-/// Indices of a contact's six unknowns: three of the body (`None` if the body is clamped or the support), then three of the object.
+/// Indices of a contact's six unknowns: three of the body (`None` if the body is clamped or is the support), then three of the object.
 fn unknowns(of_body: Option<usize>, object: usize) -> [Option<usize>; 6] {
     [0, 1, 2, 3, 4, 5].map(|i| if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) })
 }
@@ -137,7 +137,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Index of the first unknown of the pair's body; `None` if the body is clamped or the support.
+    /// Index of the first unknown of the pair's body; `None` if the body is clamped or is the support.
     fn first_of_body(&self, pair: &ContactPair) -> Option<usize> {
         let body = pair.part?.body;
         Some(self.first(pair.key.0) + self.fingers[pair.key.0].energy.first_unknown(body)?)

@@ -11,7 +11,8 @@ use std::collections::BTreeMap;
 
 /// A contact counts as unloaded below this force, relative to the force that would bend a finger by the object's size.
 const ROUNDING: f64 = 1e-11;
-/// Compliance of a contact, relative to the finger's compliance. It determines how friction is shared between two contacts of rigid object and support.
+/// Compliance of a contact, relative to the finger's compliance. It determines how friction is shared between two contacts of the rigid object with the rigid
+/// support.
 const YIELD: f64 = 1e-6;
 
 /// Identifies a contact pair by the index of the finger, the index of its part, and the object's feature. The support has the index after the last finger.
@@ -54,7 +55,7 @@ pub(super) struct Scene<'l> {
     pub friction: f64,
     /// Centre of mass in the object's frame, mm.
     pub centre: Vector,
-    /// Stiffness of the softest finger, N/mm, as the scale for tolerances.
+    /// Stiffness of the softest finger, N/mm; the scale for tolerances.
     pub stiffness: f64,
     /// Length scale, mm: the object's size, or a share of the finger's length if a hand holds the object.
     pub size_mm: f64,
@@ -85,9 +86,11 @@ pub(super) struct Surroundings {
     /// Displacement of the gripper in this step, mm. The Newton iteration starts with the object displaced by this vector; numerical resistance acts
     /// against further displacement.
     pub carried: Vector,
-    /// Numerical resistance to the object's translation since the start of the step, N/mm. Resistance to rotation is this value times the square of the object's size, in N mm per rad.
+    /// Numerical resistance to the object's translation since the start of the step, N/mm. Resistance to rotation is this value times the square of the
+    /// object's size, in N mm per rad.
     pub drag: f64,
-    /// Numerical resistance to the motion of each body in its finger's frame, N/mm. With it, a step over a snap is solvable although no equilibrium path exists.
+    /// Numerical resistance to the motion of each body in its finger's frame, N/mm. With this resistance, a step over a snap is solvable although no
+    /// equilibrium path exists.
     pub finger_drag: f64,
 }
 

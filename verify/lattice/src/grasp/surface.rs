@@ -21,7 +21,7 @@ pub struct Part {
     pub to: Option<Vector>,
     /// Radius of a disc, or half the thickness of a flat piece, mm.
     pub radius_mm: f64,
-    /// For callers: the rod, or the position along the plate at which the part begins.
+    /// Rod, or position along the plate at which the part begins; reported to callers.
     pub touched: TouchedPart,
 }
 
@@ -79,11 +79,12 @@ pub struct Shape {
     size_mm: f64,
 }
 
-/// A disc deeper than this below a side, mm, is attributed to another side of a thin object.
+/// A disc whose centre is deeper than this below a side, mm, is attributed to another side of a thin object.
 const BEHIND_MM: f64 = 0.5;
 /// Margin of the coarse distance test, mm; it is larger than rounding errors.
 const FAR_MM: f64 = 1e-3;
-/// A corner may lie beyond the ends of a piece by this share of the piece's length. Where two pieces meet at a concave angle, both may touch the corner.
+/// A corner can touch a piece up to this share of the piece's length beyond the piece's ends. Where two pieces meet at a concave angle, both may then touch
+/// the corner.
 const BEYOND: f64 = 1e-9;
 
 impl Shape {

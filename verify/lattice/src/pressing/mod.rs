@@ -66,8 +66,8 @@ impl Pressed {
         self.touches.iter().map(|touch| touch.force).sum()
     }
 
-    /// The contact force should equal both the hand's force and the clamps' force: the larger of the two differences, as a share of the contact force.
-    /// `None` if there is no contact.
+    /// Force imbalance relative to the contact force. The contact force should equal both the hand's force and the force on the clamps; the larger of the two
+    /// differences counts. `None` if there is no contact.
     pub fn imbalance(&self) -> Option<f64> {
         let contact = self.contact_force();
         let off = |other: Vector| (contact - other).norm() / contact.norm();
@@ -84,7 +84,8 @@ impl Pressed {
 const WAY: f64 = 1.0 / 75.0;
 /// With friction, the hand moves by at most this share of the front plate's length. The error of the friction history is proportional to the increment.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// The hand also moves by at most this share of the sum of the object's corner radius and half the plate's thickness. No contact is then overlooked.
+/// In one increment, the hand also moves by at most this share of a sum of radii: the radius of a disc-shaped object (0 for a polygon) plus half the plate's
+/// thickness. No contact is then overlooked.
 const WAY_OF_RADII: f64 = 0.5;
 /// Length scale of displacements for tolerances, as a share of the front plate's length.
 const SIZE: f64 = 1.0 / 8.0;

@@ -53,8 +53,8 @@ pub struct EnginePressing<'l> {
     touched_n: Option<f64>,
 }
 
-/// Distance within which the engine predicts contacts, as a share of the front plate's length. No body moves by more than half of this distance per step,
-/// so no body passes through another undetected.
+/// Distance within which the engine predicts contacts, as a share of the front plate's length. Per step, no body moves by more than half of this distance, so
+/// no body passes through another undetected.
 const FORESIGHT: f64 = 1.0 / 150.0;
 /// The object counts as merely touching the finger at the start if the overlap is at most this share of the front plate's length.
 const OVERLAP: f64 = 1e-5;
@@ -63,7 +63,7 @@ const OVERLAP: f64 = 1e-5;
 const WAY: f64 = 1.0 / 75.0;
 /// The same displacement with friction. It is smaller, because the rest state then depends on every slip on the path.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// Settling fails this number of steps after the hand has stopped. The paper's finger needs 2000 with two segments per member.
+/// Settling fails this number of steps after the hand has stopped. The finger of Xu et al. (2021) needs 2000 with two segments per member.
 const MOST_STEPS: usize = 50_000;
 /// Number of position checks between two tests of whether the object still touches the finger.
 const LOOKS: usize = 8;

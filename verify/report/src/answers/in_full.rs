@@ -83,7 +83,7 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<String> {
     Some(format!("{}{}", failing_if_known(known), list(others, "")))
 }
 
-/// Whether noise or the model outweighs in the failing cells, contact and finger known.
+/// Sentence that says whether noise or the model's error dominates in the failing cells, with contact and finger known.
 fn failing_if_known(known: &Situation) -> String {
     let (failed, by_noise) = failures(known);
     if failed.is_empty() {
@@ -99,7 +99,8 @@ fn failing_if_known(known: &Situation) -> String {
     format!("All known: {cause} in {most} of the {failed} sensed forces that fail ({small} of them at {least_n} N).")
 }
 
-/// Shares of failing cells with forces off the normal and along it, and the main causes of the latter; `None` if a share has no cell with an equilibrium.
+/// Shares of failing cells, for forces off the normal and along it, and the main causes for forces along it. `None` if either share has no cell
+/// with an equilibrium.
 fn failing(study: &Study, situation: &Situation) -> Option<String> {
     let failed = |is_turned: bool| {
         let counts = situation.counts(&study.finger, |_, angle_deg| (angle_deg != 0.0) == is_turned);
@@ -130,7 +131,7 @@ fn use_what(study: &Study) -> Option<String> {
         Some(_) => [" if the search starts from the previous answer", "without a previous answer, "],
         None => [""; 2],
     };
-    // The time of a first answer, without a previous answer to start from, counts if it was measured separately.
+    // If the time without a previous answer to start from was measured, that time counts.
     let slowest = way.cold.unwrap_or(way.one);
     let within = slowest.seconds_95.map(|seconds| format!("; {cold}95 % take less than {}", time(seconds)));
     let within = within.unwrap_or_default();

@@ -7,7 +7,7 @@ use crate::prelude::*;
 use finray_figures::Paint;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
 
-/// Cells with a smaller root mean square of sensed / true - 1 than this show no cause, dimensionless.
+/// Cells whose root mean square of sensed / true - 1 is below this show no cause.
 const SMALL_ERROR: f64 = 0.02;
 
 /// Colour class of the n-th cause in a map.

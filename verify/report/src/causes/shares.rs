@@ -7,7 +7,7 @@ use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap};
 /// Length of the regions near base and tip, as a share of the plate length: two members of the paper's finger.
 const NEAR_AN_END: f64 = 1.0 / 6.0;
 
-/// A region of cells (positions and directions). For every estimator, cells along the normal were computed.
+/// A region of cells (positions and directions). Cells along the normal exist for every estimator, other cells only for some.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Region {
     /// Forces along the normal, within a sixth of the plate's length from the base.

@@ -45,7 +45,7 @@ pub fn grasp_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<
     Ok(side_by_side(&moments.chain(courses).collect::<Result<Vec<_>, FigureError>>()?, 2))
 }
 
-/// The steps that are drawn: first contact, end of closing or holding, middle of lifting, carrying and placing, and the last step.
+/// The steps that are drawn: first contact, end of closing or holding, middle of the transport (lifting, carrying, placing), and the last step.
 fn moments(steps: &[GraspStep]) -> Vec<&GraspStep> {
     let touches = |step: &&GraspStep| step.fingers.iter().any(|finger| !finger.contacts.is_empty());
     let on_way: Vec<&GraspStep> =
@@ -118,7 +118,8 @@ pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
     lines.map(|line| Series { dash, ..line }).collect()
 }
 
-/// Arrows of the true and sensed force of every contact, both along the contact's normal. Each arrow ends at its contact. A force of `largest_n`, N, has the longest arrow.
+/// Arrows of the true force and of the sensed force of every contact, along the true and the measured normal. Each arrow ends at its contact. A force
+/// of `largest_n`, N, has the longest arrow.
 pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Vec<Series> {
     let finger = scene.finger();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);

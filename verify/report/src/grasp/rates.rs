@@ -47,7 +47,7 @@ pub(crate) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("closed-loop", "Holding a force", blocks)))
 }
 
-/// How the loops run, and their error in the hold; `None` without loops.
+/// How the closed loops run, and the error of the held force; `None` without loops.
 fn about(LoopStudy { target_n, motor_deg_per_s, runs }: &LoopStudy) -> Option<String> {
     let last = runs.last()?;
     let (noise_mm, realisations) = (last.setting.noise_mm, last.figures.len());
@@ -88,7 +88,7 @@ fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureE
         let frames = 1.0 + delay(run) as f64;
         let share = |rate: f64| 0.8 * frames / (rise_s * rate);
         let points = rates.iter().map(|rate| [*rate, 100.0 * share(*rate)]).collect();
-        // Both guides look alike, so that one entry of the legend names them.
+        // All guides have the same style, so one entry of the legend names them.
         let is_first = series.iter().all(|of| of.marker.is_some());
         let label = format!("force added by the motor in {} frames", list(DELAYS.map(|delay| delay + 1), " and "));
         series.push(Series::guide(if is_first { label } else { String::new() }, points));

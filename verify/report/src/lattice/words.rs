@@ -5,7 +5,7 @@ use crate::prelude::*;
 use finray_studies::experiments::lattice::LatticeStudy;
 use finray_studies::lattice::accuracy::FinenessRow;
 
-/// The difference from beams counts as converging to zero if its order of convergence in the segment length is above this.
+/// The difference from beams counts as converging to zero if its order of convergence in the segment length is at least this.
 const COARSENESS_ORDER: f64 = 2.0;
 
 /// How the lattice is built, and what it verifies.

@@ -41,7 +41,7 @@ pub fn note(counts: TrustCounts) -> String {
     format!("{:.0} % of {carried} trusted{refused}", 100.0 * share)
 }
 
-/// An explaining map: its title, quantity and caption.
+/// A map that explains where sensing fails: its title, quantity and caption.
 struct Kind {
     title: &'static str,
     value_label: &'static str,

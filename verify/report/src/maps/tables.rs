@@ -1,4 +1,4 @@
-//! Files and tables of the maps: cells and key figures of each map, cells of the overview, and explaining quantities.
+//! Files and tables of the maps: cells and key figures of each map, cells of the overview, and quantities that explain errors.
 
 use super::{ExplainedQuantity, small};
 use crate::prelude::*;
@@ -105,7 +105,7 @@ fn overview(study: &Study) -> Dataset<'static> {
     Dataset::new(OVERVIEW_CSV, &columns, cells).csv_alone()
 }
 
-/// Summary of each explaining quantity over all cells. A value is missing if the cell has no equilibrium or its direction is not identifiable.
+/// Summary over all cells of each quantity that explains errors. A value is missing if the cell has no equilibrium or its direction is not identifiable.
 fn explained(study: &Study) -> Dataset<'_> {
     const QUANTITIES: [(&str, ExplainedQuantity); 6] = [
         ("bound", |cell| cell.bound),

@@ -6,7 +6,7 @@ use crate::prelude::*;
 use finray_studies::experiments::explain::Explanation;
 use finray_studies::statistics::median;
 
-/// A direction counts as pressing within the first angle of the normal, and as tangential beyond the second angle, degrees.
+/// A force counts as pressing up to `PRESSING_DEG` from the normal, and as tangential from `TANGENTIAL_DEG` on, degrees.
 const PRESSING_DEG: f64 = 20.0;
 const TANGENTIAL_DEG: f64 = 60.0;
 /// Share of the plate's length at either end that counts as base and tip.

@@ -7,7 +7,7 @@ use finray_studies::experiments::networks::paper::{Figure, PAPER_RECIPES, SAME_F
 use finray_studies::experiments::networks::records::RecipeRow;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
 
-/// Noise counts as a minor cause if errors on the linear finger, under the same noise, are below this share of the error.
+/// Noise counts as a minor cause if the error on the linear finger, with the same noise, is below this share of the error on the co-rotational finger.
 const MINOR: f64 = 0.5;
 
 /// Contacts, cases and forces of the table.

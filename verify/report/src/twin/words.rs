@@ -10,7 +10,7 @@ use finray_studies::experiments::twin::study::{LOADED, TwinStudy};
 /// A set of zones reproduces Table I within the accuracy of the table if the misfit of the set is below this.
 const FITS: f64 = 1.0;
 
-/// The paper's guess on which the fit rests.
+/// Text on the paper's conjecture that motivates the fit, and on the limits of the fit.
 pub(super) const ABOUT: &str = "The paper infers from its errors that the modulus \"at the tip and base should be lower\". Here zones of both plates are \
                                 softened by assumption; that soft ends cause such errors is no finding. The table does not show which plate or ribs are soft, \
                                 and no other cause was fitted. Nodes 18 to 22 have no published signs, so zero is fitted. Weights are assumed along the normal.";

@@ -20,7 +20,8 @@ enum Named {
     ForceError,
 }
 
-/// Each name of `--fit`, the default standard deviation of its prior in the unit of the parameter (`None`: no prior), and its parameters.
+/// Each name of `--fit`, its default standard deviation in the unit of the parameter (`None`: not stated), and its parameters. The standard deviation
+/// is that of the prior; for friction and the force error it is the scatter between objects.
 const NAMES: [(&str, Option<f64>, Named); 16] = [
     ("modulus", None, Named::Quantities(|_| vec![Quantity::Modulus])),
     ("front-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Front)])),
@@ -193,7 +194,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
     Ok(summary(done, files.iter().map(|(path, _)| path)))
 }
 
-/// One row per estimated parameter. Rows of standard deviations, and of the force over which friction builds up, have no standard deviation.
+/// One row per estimated parameter. Error parameters, and the force over which friction builds up, have no standard deviation.
 fn rows(found: &RigEstimate) -> Vec<Row> {
     let &RigEstimate { views: ref estimate, ref friction, compliance, force_error, .. } = found;
     let row = |parameter: &str, value, sigma| Row { parameter: parameter.to_owned(), value, sigma };

@@ -7,7 +7,7 @@ use finray_model::calibration::{self, CalibrationCase, ModulusEstimate};
 use finray_model::sensing::Warning;
 
 /// Mesh elements per member. With only four elements, the modulus factor errs by 3e-4 for weights that bend the paper's finger by 15 mm. That is a
-/// fifth of the factor's standard deviation by noise.
+/// fifth of the factor's standard deviation due to noise.
 const ELEMENTS: usize = 8;
 /// Largest number of outlying markers that warnings name.
 const MOST_NAMED: usize = 3;
@@ -58,7 +58,7 @@ pub fn run(
     Ok(summary(format!("modulus estimated from {}", count(cases.len(), "case")), [&arguments.out]))
 }
 
-/// Warns of the markers with the largest residuals, and if the stated noise is too small for the residual.
+/// Warns of outlying markers, the largest distances first, and if the residual contradicts the stated noise.
 fn warn_of_contradictions(found: &ModulusEstimate) {
     let mut outliers = found.outliers.clone();
     outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));

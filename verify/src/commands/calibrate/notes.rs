@@ -29,7 +29,7 @@ fn print_priors(estimate: &ViewEstimate) {
     }
 }
 
-/// States the assumed standard deviations of the base if the scene has none.
+/// If the scene has no standard deviations of the base: states the assumed ones, and the range of the base's rotation in the images.
 fn print_base(found: &RigEstimate) {
     if !found.is_base_unstated {
         return;
@@ -45,7 +45,7 @@ fn print_base(found: &RigEstimate) {
     ));
 }
 
-/// Reports how much friction differs between objects, and warns of a negative coefficient.
+/// Warns of a negative coefficient of friction. Reports its scatter between objects, and the predicted mean lean of the forces of each left-out object.
 fn print_friction(FrictionEstimate { lean, between_objects, left_out }: &FrictionEstimate) {
     let [coefficient, _] = lean.coefficient();
     if coefficient < 0.0 {

@@ -9,7 +9,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::time::Instant;
 
-/// Bytes that are read from a stream at once.
+/// Size of the read buffer of a stream, bytes.
 const AT_ONCE: usize = 1 << 20;
 
 /// Format of a stream: YUV4MPEG2 (`Y4m`); red, green and blue of each pixel, 8 bits each (`Rgb24`); positions of markers, one row a marker (`Csv`) or one line a
@@ -22,7 +22,7 @@ pub enum Format {
     Jsonl,
 }
 
-/// What a frame holds.
+/// Image or marker positions of a frame, or the reason why neither could be read.
 pub enum Content {
     /// An image.
     Pixels(RgbImage),
@@ -40,7 +40,7 @@ pub struct Frame {
     pub time_s: Option<f64>,
     /// Time at which the frame had arrived completely.
     pub arrived: Instant,
-    /// Number of frames since the last evaluated one that were dropped.
+    /// Number of frames that were dropped since the last evaluated frame.
     pub dropped: usize,
     /// Image or positions.
     pub content: Content,
@@ -48,22 +48,22 @@ pub struct Frame {
 
 type Stream = Box<dyn BufRead + Send>;
 
-/// Frames, in their order.
+/// The frames of a source, in order.
 enum Frames {
     /// A stream of images.
     Images(FrameReader<Stream>),
     /// A stream of positions.
     Positions(PositionReader<Stream>),
-    /// Image files, the next one last.
+    /// Image files in reverse order: the next file is the last of the list.
     Files(Vec<PathBuf>),
 }
 
-/// Source of frames.
+/// Source of frames: a stream, or a list of image files.
 pub struct Source {
     /// Path of the stream; `-` for standard input.
     path: PathBuf,
     frames: Frames,
-    /// Bytes of one frame.
+    /// Buffer for the bytes of one frame.
     bytes: Vec<u8>,
 }
 
@@ -133,10 +133,10 @@ impl Source {
         }
     }
 
-    /// The next frame. The memory of `spare`, an evaluated or dropped frame, is used again. `None` at the end.
+    /// The next frame, or `None` at the end. `number` is its number in the stream. The memory of `spare`, an evaluated or dropped frame, is reused.
     ///
     /// # Errors
-    /// [`Failure`] if the stream cannot be read on.
+    /// [`Failure`] if the stream cannot be read further.
     pub fn next(&mut self, number: usize, spare: Option<Frame>) -> Result<Option<Frame>, Failure> {
         let unreadable = |reason| Failure::from(FileError::Unreadable { path: self.path.clone(), reason });
         let wrong = |reason: String| Failure::from(FileError::content(&self.path, reason));

@@ -5,46 +5,46 @@ use crate::commands::prelude::*;
 use finray_model::sensing::ContactPosition;
 use finray_model::sensor::SensedForces;
 
-/// What a frame shows.
+/// Result of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum State {
-    /// Forces.
+    /// Contact forces are sensed.
     Contact,
-    /// The finger without a force: zero is within the intervals.
+    /// The finger carries no detectable force: noise explains the displacements, or the interval of the force contains zero. Also the state of rest frames.
     None,
-    /// Markers from which no force can be estimated.
+    /// No force can be estimated; `refused` states the reason.
     Refused,
-    /// No finger.
+    /// The finger is not found in the image.
     Lost,
 }
 
-/// A line of the result.
+/// A line of the result: one frame.
 #[derive(Serialize)]
 pub struct Line {
     /// Number of the frame in the stream, from 0.
     frame: usize,
     /// Time of the frame in its stream, s.
     time_s: Option<f64>,
-    /// What the frame shows.
+    /// Whether forces are sensed, and if not, why.
     pub state: State,
     /// The contacts, in the order of their positions if these are estimated.
     contacts: Vec<ContactLine>,
-    /// Sum of the forces along the undeformed normal of the front plate, N.
+    /// Component of the sum of all forces along the undeformed inward normal of the front plate, N.
     total_n: f64,
     /// Number of markers found.
     markers: usize,
-    /// Reason to trust the forces less.
+    /// Warnings about the forces, separated by semicolons.
     warning: Option<String>,
     /// Reason why no force is given.
     refused: Option<String>,
     /// Time from the arrival of the frame to this line, ms.
     latency_ms: f64,
-    /// Number of frames dropped since the line before.
+    /// Number of frames dropped since the previous line.
     dropped: usize,
 }
 
-/// One contact.
+/// One contact: its position (mm from the base) and direction (degrees), its force, and the standard deviation and 95 % interval of the force (N).
 #[derive(Serialize)]
 struct ContactLine {
     contact: String,
@@ -101,7 +101,7 @@ impl Line {
         Line { latency_ms: frame.arrived.elapsed().as_secs_f64() * 1e3, ..self }
     }
 
-    /// The line as JSON, without its end.
+    /// The line as JSON, without a line break.
     ///
     /// # Errors
     /// [`Failure::NotComputed`] from the JSON writer; none is expected.

@@ -1,11 +1,11 @@
-//! Hands frames from a reading thread to the evaluation: the newest one, or every one.
+//! Hands frames from a reading thread to the evaluation: only the newest frame, or every frame.
 
 use super::input::{Frame, Source};
 use crate::commands::{Failure, not_computed};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-/// Slot between a reading thread and the evaluation.
+/// Slot that passes one frame at a time from a reading thread to the evaluation.
 pub struct Newest(Arc<Slot>);
 
 #[derive(Default)]
@@ -14,13 +14,13 @@ struct Slot {
     changed: Condvar,
 }
 
-/// The frame that waits for evaluation.
+/// The frame that waits for evaluation, and whether more frames will follow.
 #[derive(Default)]
 struct Waiting {
     frame: Option<Frame>,
-    /// Evaluated or dropped frame whose memory is used again.
+    /// Evaluated or dropped frame whose memory is reused.
     spare: Option<Frame>,
-    /// Reason why reading has ended: an error, or the end of the stream.
+    /// `None` while frames are read; then the error that ended the reading, or `Some(None)` after the end of the stream.
     ended: Option<Option<Failure>>,
 }
 
@@ -31,7 +31,7 @@ impl Slot {
     }
 }
 
-/// Ends the stream however the reading thread ends, so that the evaluation does not wait for ever.
+/// Marks the stream as ended when the reading thread ends, even by a panic, so that the evaluation does not wait for ever.
 struct EndOnDrop(Arc<Slot>);
 
 impl Drop for EndOnDrop {
@@ -81,7 +81,7 @@ impl Newest {
     /// Waits for the next frame. `None` at the end of the stream.
     ///
     /// # Errors
-    /// [`Failure`] if the stream cannot be read on.
+    /// [`Failure`] if the stream cannot be read further.
     pub fn take(&self) -> Option<Result<Frame, Failure>> {
         let mut waiting = self.0.lock();
         loop {
@@ -97,7 +97,7 @@ impl Newest {
         }
     }
 
-    /// Gives an evaluated frame back, so that its memory is used again.
+    /// Returns an evaluated frame, so that its memory is reused.
     pub fn give_back(&self, frame: Frame) {
         self.0.lock().spare = Some(frame);
     }

@@ -35,7 +35,7 @@ pub fn position_error(camera: Option<&CameraStudy>, words: &Words) -> Result<Cla
     )
 }
 
-/// Claim on the rate of sensing. The paper states the rate of image processing on its own computer. Therefore the test is only whether forces are
+/// Claim on the rate of sensing. The paper states the rate of image processing on the authors' computer. Therefore the test is only whether forces are
 /// estimated within a frame time on this computer.
 ///
 /// # Errors

@@ -68,13 +68,13 @@ pub const MOST_OF: f64 = 0.5;
 /// Range of Young's modulus of TPU quoted by the paper (sec. II), MPa.
 pub const TPU_MPA: [f64; 2] = [10.0, 1000.0];
 
-/// Whether a cause alone produces most of each error. The pairs hold our error and the paper's, and must not be empty.
+/// Whether a cause alone produces most of each error. Each pair holds our error and the paper's. False without pairs.
 pub fn accounts_for(pairs: &[(f64, f64)]) -> bool {
     !pairs.is_empty() && pairs.iter().all(|(ours, paper)| *ours > MOST_OF * paper)
 }
 
-/// Verdict on recalibration with all nodes, in simulation: errors must grow in the middle and shrink at the ends. Arrays: mean errors before and
-/// after.
+/// Verdict on recalibration with all nodes, in simulation: errors must grow in the middle and shrink at the ends. Each array holds the mean errors before and
+/// after recalibration.
 pub fn recalibration(middle: [f64; 2], ends: [f64; 2]) -> ClaimVerdict {
     in_simulation(middle[1] > middle[0] && ends[1] < ends[0])
 }

@@ -21,7 +21,8 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     opensees.retain(|case| case.kinematics == Kinematics::Linear);
     let off_opensees = worst(opensees.iter().map(|case| case.displacement));
     let off_mesh = refinement::linear_difference(&study.finger)?;
-    // The depth is assumed. Shapes depend on force / depth, so half of the force on this finger is the whole force on one of twice the depth.
+    // The finger's depth is an assumption. Shapes depend on force / depth, so a finger of twice the depth under the whole force has the shape of this finger
+    // under half the force.
     let depths_mm = [1.0, 2.0].map(|times| times * study.finger.description().depth_mm);
     let curved = [
         experiments::linearisation(&study.finger, FORCE_N)?,

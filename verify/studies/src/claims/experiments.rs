@@ -33,7 +33,7 @@ pub fn sensed_n(finger: &Finger, node: NodeId, load: Load) -> Result<f64, Sensin
     Ok(estimator.estimate(&seen, Some(0.0), Prior::None).forces_n[0])
 }
 
-/// Relative error by node on the linear finger if a force is sensed along the normal but acts `off_deg` (degrees) towards the tip.
+/// Relative error by node on the linear finger if a force is sensed along the normal but acts at `off_deg` (degrees) from the normal, towards the tip.
 ///
 /// # Errors
 /// [`SensingError`] if the force at a node cannot be sensed.

@@ -45,7 +45,7 @@ fn on_the_gripper(
     Ok(each.into_iter().chain(sum.transpose()?.flatten()).collect())
 }
 
-/// Motor angles, degrees, at which the second force begins and then exceeds the first one: the sequence of Fig. 11(a).
+/// Motor angles, degrees, at which the later of two forces begins and at which it exceeds the earlier one: the sequence of Fig. 11(a).
 pub fn order(test: &ModuleTest) -> [Option<f64>; 2] {
     let at =
         |holds: &dyn Fn(&[f64]) -> bool| test.steps.iter().find(|step| holds(&step.true_n)).map(|step| step.turned_deg);

@@ -81,7 +81,7 @@ pub fn unknown_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimE
     words.claim("direction-unknown", verdict, numbers)
 }
 
-/// Claim on the loss of accuracy with a direction 12.5 degrees wrong to either side.
+/// Claim on the loss of accuracy if the assumed direction is wrong by 12.5 degrees, to either side.
 ///
 /// # Errors
 /// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.
@@ -98,7 +98,7 @@ pub fn wrong_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimErr
     words.claim("direction-wrong", verdict, context! { tip => of_side(&tip), base => of_side(&base) })
 }
 
-/// Claim on the loss of accuracy with a neglected torque.
+/// Claim on the loss of accuracy if the torque of friction on a rod is neglected.
 ///
 /// # Errors
 /// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.

@@ -1,4 +1,4 @@
-//! Claims: the paper's statements and figures compared one by one with computed figures.
+//! Claims: statements and figures of the paper (Xu et al. 2021), compared one by one with computed figures.
 //!
 //! The texts are in `words.toml`; each file here computes the numbers and verdicts for a part of the paper. A verdict follows from a computed figure
 //! by a named [criterion](criteria), or states that nothing was tested. All figures are computed on models of the finger. Such a figure can
@@ -73,7 +73,7 @@ pub struct Claim {
     pub how: String,
     /// Criterion that leads from the figure to the verdict; empty if nothing was tested.
     pub criterion: String,
-    /// The verdict.
+    /// Verdict on the paper's statement.
     pub verdict: ClaimVerdict,
 }
 

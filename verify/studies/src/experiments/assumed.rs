@@ -1,4 +1,4 @@
-//! Sensing with an assumed contact, whose position and direction are as wrong as a user's may be.
+//! Sensing with an assumed contact. Its position and direction are wrong by as much as a user's assumption may be.
 
 use super::Context;
 use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
@@ -34,12 +34,12 @@ pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> 
     Ok(accuracy_maps(finger, context.corotational, &[&assumed], &request, &|| context.progress.step()).pop())
 }
 
-/// An estimator that gets wrong contacts: they are off by [`POSITION_OFF_MM`] and [`DIRECTION_OFF_DEG`], to each side in turn. Positions off the
-/// plate are left out.
+/// An estimator that receives wrong contacts: their position is off by [`POSITION_OFF_MM`] and their direction by [`DIRECTION_OFF_DEG`], to each side in
+/// turn. Positions off the plate are left out.
 pub struct AssumedContact<'e> {
     /// The estimator that gets the wrong contacts.
     pub informed: &'e dyn Estimator,
-    /// The true finger.
+    /// The finger on which the contacts lie.
     pub finger: &'e Finger,
 }
 

@@ -47,7 +47,7 @@ pub struct Refinement {
 /// A force along the front plate's inward normal, with its solutions on every mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefinedLoad {
-    /// The loaded node.
+    /// Node on which the force acts.
     pub node: NodeId,
     /// Force along the inward normal, N.
     pub force_n: f64,

@@ -32,9 +32,9 @@ pub const TRUTH: TruthId = TruthId::Corotational;
 /// Coverage of the intervals that one estimator states on one finger.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CoverageRow {
-    /// The true finger.
+    /// Type of the true finger.
     pub truth: TruthId,
-    /// The estimator.
+    /// Estimator that states the intervals.
     pub estimator: EstimatorId,
     /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
@@ -240,8 +240,8 @@ impl CoverageRow {
         self.without_warning as f64 / self.samples.max(1) as f64
     }
 
-    /// Checks on the finger that equals the estimators' model. Nearly all samples are answered, and coverage is 93 to 97 % without a warning. With a
-    /// warning, coverage is at least 93 %, with a sigma close to the error.
+    /// Checks on the finger that equals the estimators' model. Few samples are refused. Apart from chance, coverage is 93 to 97 % without a warning, and at
+    /// least 93 % with a warning. With a warning, rms sigma is at most `LARGEST_SIGMA` times the rms error.
     pub fn checks(&self, is_paper: bool) -> Vec<Check> {
         if self.truth != TRUTH {
             return Vec::new();

@@ -1,9 +1,9 @@
 //! Forces of unknown direction at a known position: finds the positions and directions at which direction and magnitude are identifiable.
 //!
-//! The paper excludes unknown directions ("will not work", Fig. 13), because forces of other directions give nearly equal shapes. Camera noise
-//! decides whether these shapes can be distinguished. Each position of the front plate is pushed in many directions. The nonlinear estimator knows
-//! only the position, and answers or refuses each noise sample. A contact without friction pushes along the deformed normal. The assumption of this
-//! direction removes one unknown ([`without_friction`](DirectionStudy::without_friction)).
+//! The paper excludes unknown directions ("will not work", Fig. 13), because forces of other directions give nearly equal shapes. Camera noise decides
+//! whether these shapes can be distinguished. Each position of the front plate is pushed in many directions. The nonlinear estimator knows only the position,
+//! and answers or refuses each noise sample. A contact without friction pushes along the deformed normal. Assuming this direction removes one unknown
+//! ([`without_friction`](DirectionStudy::without_friction)).
 
 mod frictionless;
 
@@ -24,7 +24,8 @@ pub const IDENTIFIED_DEG: f64 = 10.0;
 pub const IDENTIFIED_FORCE: f64 = 0.10;
 /// A cell counts as identified if at least this share of its samples is answered.
 pub const IDENTIFIED_ANSWERED: f64 = 0.9;
-/// Resolution in a report: approximate number of positions, step of the directions (degrees), noise samples per cell. Refusals dominate the time.
+/// Resolution in a report: approximate number of positions, step of the directions (degrees), noise samples per cell. Refused samples take most of the
+/// computation time.
 const POSITIONS: usize = 12;
 const STEP_DEG: f64 = 20.0;
 const SAMPLES: usize = 8;
@@ -132,7 +133,7 @@ impl Answers {
 
 impl Evidence for DirectionStudy {}
 
-/// Direction study of a report; `None` in a quick report, and without noise, because every direction is then identifiable.
+/// Runs the study for a report; `None` in a quick report, and without noise, because every direction is then identifiable.
 pub(crate) fn run(context: &Context) -> Result<Option<DirectionStudy>, SensingError> {
     if context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);
@@ -180,7 +181,7 @@ impl DirectionStudy {
         })
     }
 
-    /// Number of progress calls.
+    /// Number of times that [`run`](DirectionStudy::run) calls `progress`.
     pub fn steps(request: &DirectionRequest) -> usize {
         let finger = request.model.finger();
         contacts(finger, request).len() + frictionless::nodes(finger).len()
@@ -193,8 +194,8 @@ impl DirectionStudy {
             .fold([0, 0], |[identified, all], cell| [identified + usize::from(cell.answers.is_identified()), all + 1])
     }
 
-    /// Whether, without friction and under the least force, the normal as the assumed direction gives a smaller mean error of the force than an unknown
-    /// direction.
+    /// For pushes without friction under the smallest force: whether the mean error of the force is smaller if the direction is assumed along the deformed
+    /// normal than if it is unknown.
     pub fn is_normal_better(&self) -> bool {
         let mean_error = |assumed: Assumption| {
             let is_asked = |push: &&FrictionlessPush| push.assumed == assumed && push.force_n == self.forces_n[0];

@@ -1,4 +1,4 @@
-//! Effect of the origin of the undeformed positions on noise floors: Cramer-Rao bounds, and a Monte Carlo study.
+//! Noise floors of forces for three ways to obtain the undeformed positions: Cramer-Rao bounds, and a Monte Carlo study.
 //!
 //! The report's other studies draw an independent error for each displacement coordinate, as if the undeformed positions were exact. Here the same
 //! camera measures the undeformed positions too, or they follow from the motor angle ([`DisplacementNoise`]). A generalised least-squares estimator
@@ -104,7 +104,7 @@ pub fn bound_with_base_as_unknown_n2(
             Some(one * 2.0)
         }
         DisplacementNoise::Kinematic { image_sd_mm, translation_sd_mm, rotation_sd_rad } => {
-            // Scaled to standard deviations, the base's motions have the prior information 1.
+            // In units of its standard deviation, each motion of the base has the prior information 1.
             let mut base = base_motions(positions_mm);
             for (mut motion, sd) in base.column_iter_mut().zip([translation_sd_mm, translation_sd_mm, rotation_sd_rad])
             {
@@ -168,7 +168,7 @@ impl Evidence for DisplacementNoiseStudy {
     }
 }
 
-/// Study of a report; `None` without noise.
+/// Runs the study for a report; `None` without noise.
 pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadError> {
     let cases = context.effort.choose(20, 200);
     let study =

@@ -110,7 +110,7 @@ struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// Sensitivity at the shape under a force (N); `None` without equilibrium.
+    /// Sensitivity at the shape under a force (N); `None` if the finger has no equilibrium.
     fn of(
         mesh: &Mesh,
         at_rest: &Statics<Ladder<'_>>,
@@ -141,7 +141,7 @@ impl Sensitivity {
         Ok(Some(Sensitivity { along, across, moved }))
     }
 
-    /// Coefficient j+ x with which the motion j by the force best fits another motion x of the markers (least squares).
+    /// Coefficient j+ x by which the motion j best fits another motion x of the markers (least squares); j+ is the pseudoinverse of j.
     fn projected(&self, motion: &DVector<f64>) -> f64 {
         self.along.dot(motion) / self.along.norm_squared()
     }
@@ -159,9 +159,9 @@ fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
 }
 
 impl Explanation {
-    /// Formulas, with noise s and force F: the bound is s / (F |j|). With unknown direction the bound is s / (F |j - c c+ j|), and the bound of the
-    /// direction is s / (F |c - j j+ c|). An error of one degree in the direction acts like a force F (pi / 180) c, of which least squares
-    /// attributes j+ c to the force. An error of one mm in the position acts like m.
+    /// Formulas, with noise s and force F: the bound is s / (F |j|). With unknown direction the bound is s / (F |j - c c+ j|), and the bound of the direction
+    /// is s / (F |c - j j+ c|). An error of one degree in the direction changes the markers' displacements by F (pi / 180) c, which least squares takes for a
+    /// force F (pi / 180) j+ c. An error of one mm in the position changes the displacements by m, taken for a force j+ m.
     fn of(s_mm: f64, angle_deg: f64, force_n: f64, noise_mm: f64, sensitivity: Option<&Sensitivity>) -> Explanation {
         let condition = sensitivity.map(Sensitivity::condition);
         let told_apart = sensitivity.filter(|_| condition.is_some_and(|condition| condition <= LARGEST_SPAN));

@@ -19,8 +19,8 @@ use std::ops::RangeInclusive;
 const AXIAL_FORCES_N: [f64; 3] = [0.1, 2.0, 5.0];
 /// Lattices are settled up to this fineness, because finer lattices need many seconds.
 const SETTLED_FINENESS: usize = 4;
-/// Tolerance of sensed / true between lattice and beams. Under 3 N, displacements of the maps' lattice (four segments per member) have a relative
-/// error of 1.2e-4. Linear sensing of one force at most doubles this error.
+/// Tolerance of the difference in sensed / true between lattice and beams. Under 3 N, displacements of the maps' lattice (four segments per member) have a
+/// relative error of 1.2e-4. Linear sensing of one force at most doubles this error.
 const MAP_TOLERANCE: f64 = 2.6e-4;
 /// Tolerance of the nonlinear estimator's error on the lattice. Its mesh (four elements per member) has an error of 4e-4 under 3 N; the lattice adds
 /// its own error.
@@ -136,8 +136,8 @@ impl Evidence for LatticeStudy {
     }
 }
 
-/// Studies the lattice of the paper's finger in parallel with pressed objects, because each object settles for long on a single thread. `maps`
-/// includes the map of least squares on the co-rotational finger without noise.
+/// Studies the lattice of the paper's finger in parallel with pressed objects, because settling of an object takes long on its single thread. `maps` includes
+/// the map of least squares on the co-rotational finger without noise.
 pub(crate) fn run_beside_objects(
     context: &Context,
     maps: &[AccuracyMap],
@@ -159,7 +159,7 @@ pub(crate) fn run_beside_objects(
 }
 
 impl LatticeStudy {
-    /// Number of progress calls of a study.
+    /// Number of times that a study reports progress.
     pub const STEPS: usize = 7;
 
     /// Computes the study. `theirs` is the map of least squares on the co-rotational finger without noise. `noise` holds the standard deviations of a
@@ -260,7 +260,7 @@ impl LatticeSensing {
         Ok(LatticeSensing { least_squares, nonlinear: exact, others: linear, difference })
     }
 
-    /// The two maps without noise that are compared with the co-rotational finger's maps.
+    /// The two maps without noise: by linear least squares, and by the nonlinear estimator.
     pub fn maps(&self) -> [&AccuracyMap; 2] {
         [&self.least_squares, &self.nonlinear]
     }
@@ -270,7 +270,7 @@ impl LatticeSensing {
         self.least_squares.request.forces_n.iter().copied().fold(0.0, f64::max)
     }
 
-    /// All maps.
+    /// All maps of sensing on the lattice, without and with noise.
     pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
         self.maps().into_iter().chain(&self.others)
     }

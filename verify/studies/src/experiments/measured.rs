@@ -1,6 +1,6 @@
 //! Images of a finger under measured forces: the force sensed in each image, and the benefit of each piece of prior knowledge.
 //!
-//! The scene is used unchanged. The scene does not record whether these images served for its calibration.
+//! The scene is used unchanged. It does not record whether these images were used to calibrate it.
 
 mod knowledge;
 mod lens;

@@ -42,7 +42,7 @@ pub struct Context<'c> {
     pub given: &'c SceneWithOutline,
     /// The finger of the scene.
     pub finger: &'c Finger,
-    /// Whether the finger is the paper's finger, for which alone reference values exist.
+    /// Whether the finger is the paper's, the only finger with reference values.
     pub is_paper: bool,
     /// Standard deviation of the camera noise of one coordinate, mm.
     pub noise_mm: f64,
@@ -61,7 +61,7 @@ pub struct Context<'c> {
 }
 
 impl Context<'_> {
-    /// Forces of the parts that have fixed reference figures.
+    /// Forces for experiments with fixed reference figures; see [`ReportForces::checked`].
     pub fn checked_forces(&self) -> ReportForces {
         self.forces.checked(self.is_paper)
     }
@@ -118,7 +118,7 @@ pub enum ExperimentError {
     /// The finger has no digital twin.
     #[error(transparent)]
     Twin(#[from] TwinError),
-    /// A reference problem, or the lattice, failed.
+    /// A reference problem, or a study of the lattice, failed.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// A study of a pressed object failed.

@@ -24,8 +24,8 @@ pub const CHECKED_PAIRS: [([usize; 2], f64); 4] =
     [([19, 20], 0.03), ([16, 17], 0.03), ([18, 20], 0.012), ([16, 20], 0.012)];
 /// Tolerance of the relative difference from the Cramer-Rao bound: for mean errors at nodes and of sums, and for root mean squares of every pair.
 pub const BOUND_TOLERANCE: f64 = 0.10;
-/// Tolerance of the standard error of a figure that is checked with [`BOUND_TOLERANCE`]. Chance then does not hide an error of twice that tolerance
-/// (four standard errors). Neighbours have 2 %, distant nodes a few tenths of a per cent.
+/// Tolerance of the standard error of a figure that is checked with [`BOUND_TOLERANCE`]. Chance then does not hide an error of twice that tolerance (four
+/// standard errors). The standard error is 2 % for neighbouring nodes, and a few tenths of a per cent for distant nodes.
 pub const BOUND_STANDARD_ERROR: f64 = BOUND_TOLERANCE / 4.0;
 
 /// Results of sensing random forces under camera noise.
@@ -72,7 +72,7 @@ impl Evidence for NoiseStudy {
     }
 }
 
-/// Noise study of a report; `None` without noise.
+/// Runs the study for a report; `None` without noise.
 pub(crate) fn run(context: &Context) -> Result<Option<NoiseStudy>, EstimatorError> {
     (context.noise_mm > 0.0).then(|| NoiseStudy::run(context)).transpose()
 }
@@ -111,7 +111,7 @@ impl NoiseStudy {
         let both = scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, two_n, &step)?;
         let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
             both.into_iter().partition(|row| row.estimator == EstimatorId::Nonlinear);
-        // Checked pairs too close to the tolerance to decide are computed again, with more new cases.
+        // On the paper's finger, pairs too close to the tolerance to decide are computed again, with more new cases.
         let is_open = |&i: &usize| is_paper && nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE);
         let open: Vec<usize> = (0..pairs.len()).filter(is_open).collect();
         let sets: Vec<Vec<NodeId>> = open.iter().map(|&i| pairs[i].clone()).collect();

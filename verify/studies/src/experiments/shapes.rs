@@ -29,7 +29,7 @@ pub struct BentFinger {
 /// The finger under a force at a contact node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TouchedFinger {
-    /// The true finger.
+    /// Type of the true finger.
     pub truth: TruthId,
     /// Loaded node.
     pub node: usize,
@@ -46,8 +46,8 @@ impl Evidence for TouchedFinger {}
 /// Step of the directions of [`touched`], degrees.
 const TOUCHED_STEP_DEG: f64 = 20.0;
 
-/// The co-rotational finger, then for the paper's scene the one with softer ends, under the force at which maps are drawn, at up to 13 contact nodes, in
-/// all directions with equilibrium.
+/// Shapes of the co-rotational finger under the force at which maps are drawn, at up to 13 contact nodes, in all directions with equilibrium. For the paper's
+/// scene, the same shapes of the finger with softer ends follow.
 pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, TruthError> {
     let mut touched = shapes_of(context, context.corotational);
     if context.is_paper {

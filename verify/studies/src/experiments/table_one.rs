@@ -59,7 +59,7 @@ impl TableOneRow {
 /// Table I for one direction of the weights.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TableOne {
-    /// The true finger.
+    /// Type of the true finger.
     pub truth: TruthId,
     /// Direction of the weights, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
@@ -131,7 +131,7 @@ pub(crate) fn modulus_factor(
     Ok(calibration::youngs_modulus(finger, &cases)?.factor)
 }
 
-/// Shapes under ascending weights (N) along the normal at some nodes. At each node they end before the first weight without equilibrium.
+/// Shapes under ascending weights (N) along the normal at some nodes. At each node the shapes end before the first weight without equilibrium.
 pub fn weighed(finger: &Finger, truth: &dyn Truth, nodes: &[NodeId], weights_n: &[f64]) -> Vec<CalibrationCase> {
     let under = |&node: &NodeId| {
         let contact = Contact::at_node(node);

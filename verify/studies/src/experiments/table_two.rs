@@ -56,15 +56,15 @@ pub const COMPARED_SETS: [ComparedSet; 3] = [
 /// Range of each force, N (sec. V-C).
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 
-/// Largest number of cases per set for the nonlinear estimator on the linear finger, whose shapes no co-rotational finger fits. The search then
-/// tries every starting point, often refuses, and takes a hundred times as long.
+/// Largest number of cases per set for the nonlinear estimator on the linear finger, whose shapes no co-rotational finger fits. The search then tries every
+/// starting point and takes a hundred times as long; the estimator often refuses.
 pub const CASES_WITHOUT_FIT: usize = 20;
 /// On the linear finger, the nonlinear estimator senses at most the number of cases divided by this.
 const SHARE_WITHOUT_FIT: usize = 4;
 /// Largest number of cases per set for the nonlinear estimator, which takes as long as all other computations together. A mean error over the sets
 /// of a group is then known to 4 %, because relative errors have a standard deviation of 1.1 times their mean.
 pub const MOST_FITS: usize = 500;
-/// Number of progress calls: four runs with one call for each set of contacts.
+/// Number of times that [`table_two`] calls `progress`: four runs with one call for each set of contacts.
 pub const STEPS: usize = 4 * {
     let [one, neighbours, apart] = CONTACT_GROUPS;
     one.sets.len() + neighbours.sets.len() + apart.sets.len()
@@ -79,14 +79,14 @@ pub struct TableTwo {
     pub cases: usize,
     /// Condition number of the linear compliance (largest over smallest singular value), for each of [`contact_sets`]: amplification of shape errors.
     pub condition_numbers: Vec<f64>,
-    /// Results by true finger.
+    /// Results on each true finger.
     pub fingers: Vec<TableTwoFinger>,
 }
 
 /// Results for Table II on one finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableTwoFinger {
-    /// The true finger.
+    /// Type of the true finger.
     pub truth: TruthId,
     /// Rows by contact set (in the order of [`contact_sets`]), noise level, and estimator.
     pub rows: Vec<ScatterRow>,

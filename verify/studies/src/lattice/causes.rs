@@ -6,7 +6,7 @@ use finray_lattice::energy::{BodyMotion, Energy};
 use finray_lattice::settling::{Precision, SWEEPS, Settling};
 use finray_lattice::springs::AxialSprings;
 
-/// Stiffness factor at which axial springs count as rigid. A factor 100 times as large changes the paper's finger by 1e-3, relative.
+/// Stiffness factor at which axial springs count as rigid. A factor 100 times as large changes displacements of the paper's finger by 1e-3, relative.
 pub const AS_GOOD_AS_RIGID: f64 = 1e3;
 
 /// Axial springs to compare, with their names. The springs of a beam are first.

@@ -9,7 +9,7 @@ const STEPS: usize = 200;
 /// Step of central differences, relative to the scale of each unknown. Truncation and rounding errors both stay below 1e-9.
 const DIFFERENCE_STEP: f64 = 1e-5;
 /// The search has converged if the correction, relative to the scale of each unknown, is below this value. Second differences allow no smaller
-/// value. To first order, an error of the position on the path does not change the limit load.
+/// value. To first order, an error of the position on the equilibrium path does not change the limit load.
 const CORRECTION_TOLERANCE: f64 = 1e-7;
 /// Largest number of corrections. A search that needs more started too far from the limit load.
 const MAX_CORRECTIONS: usize = 40;
@@ -30,16 +30,16 @@ pub struct Section {
     pub at: [f64; 2],
     /// Direction of the axis, rad, from x towards y.
     pub direction: f64,
-    /// Force (x, y) that the rest of the beam exerts on this section, in units of force.
+    /// Force (x, y) that the part of the beam beyond this section exerts on it, in units of force.
     pub force: [f64; 2],
-    /// Moment that the rest of the beam exerts on this section, in units of force times length.
+    /// Moment that the part of the beam beyond this section exerts on it, in units of force times length.
     pub moment: f64,
 }
 
 impl Section {
     /// The section at the end of a straight segment of the given undeformed length, by the classical Runge-Kutta method.
     ///
-    /// Elongation N / EA and curvature M / EI are per undeformed length s, along the axis t with constant force F:
+    /// Derivatives with respect to the undeformed length, with position r, unit tangent t, constant force F and N = F . t:
     /// r' = (1 + N / EA) t, direction' = M / EI, M' = -r' x F.
     ///
     /// Source: Antman, Nonlinear Problems of Elasticity, ch. 4 (planar elastica without shear).
@@ -64,7 +64,7 @@ impl Section {
     }
 }
 
-/// The limit load nearest to `start`. The vector holds the unknowns and, last, the load. At the limit load the N conditions `miss` are zero and their
+/// The limit load nearest to `start`. The vector holds the unknowns and, last, the load. At the limit load the N residuals `miss` are zero and their
 /// derivative with respect to the unknowns is singular. `scale` holds the magnitude of each entry. Fails if the search does not converge.
 pub(crate) fn limit_load<const N: usize, const M: usize>(
     miss: impl Fn(&[f64; M]) -> [f64; N],

@@ -1,6 +1,6 @@
 //! Inextensible cantilever (elastica) under a dead tip load, perpendicular or oblique.
 //!
-//! Source: `fixtures/elastica.csv`, accurate to 1e-7; equal to Mattiasson, Int. J. Numer. Methods Eng. 17 (1981). L = EI = 1.
+//! Source: `fixtures/elastica.csv`, accurate to 1e-7; agrees with Mattiasson, Int. J. Numer. Methods Eng. 17 (1981). L = EI = 1.
 
 use super::ProblemError;
 use crate::prelude::*;
@@ -8,13 +8,13 @@ use finray_model::frame::{NodeIndex, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
 
 const ELEMENTS: usize = 400;
-/// EA L^2 / EI, large because the reference beam is inextensible; 1e6 would cause an error of 8e-6.
+/// EA L^2 / EI, large because the reference beam is inextensible; a value of 1e6 would cause an error of 8e-6.
 const AXIAL_RIGIDITY: f64 = 1e9;
 /// Tolerance of a deflection (relative to the length) or rotation (rad): the accuracy of the reference. Errors of discretisation and stretching are
 /// smaller.
 pub const TOLERANCE: f64 = 1e-7;
 
-/// One row of the reference: load and tip displacements, dimensionless; angles in degrees and rad.
+/// One row of the reference: load and tip displacements, dimensionless; angle of the load from the axis, degrees; rotation of the tip, rad.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 struct Row {
     load_pl2_ei: f64,
@@ -35,7 +35,7 @@ pub(super) fn cantilever(elements: usize, axial_rigidity_n: f64) -> (PlaneFrame,
     (frame, nodes)
 }
 
-/// Returns deflection w across and shortening u along the beam (both relative to its length), and rotation of its end (rad). `load` is P L^2 / EI.
+/// Tip displacements across (w) and against (u) the undeformed axis, relative to the length, and tip rotation (rad). `load` is P L^2 / EI.
 pub(super) fn solve(
     load: f64,
     angle_deg: f64,

@@ -4,8 +4,8 @@
 //!
 //! Expected orders: an element bends by an angle phi proportional to its length h. The relative error of its chord is of order phi^2 with chord
 //! strain and phi^4 with shallow-arch strain, which gives orders 2 and 4. The shallow-arch strain also ignores that an elongated beam has more
-//! length to bend, an error of phi^2 times the strain. On very fine meshes of elongated beams the order therefore falls to 2. That error is
-//! smaller by the factor of the strain (here 1e-4 to 1e-3).
+//! length to bend, an error of phi^2 times the strain. On very fine meshes of elongated beams the order therefore falls to 2. Here the strain,
+//! a factor of that error, is 1e-4 to 1e-3.
 
 use super::{ProblemError, elastica};
 use crate::prelude::*;
@@ -14,10 +14,10 @@ use crate::prelude::*;
 const SAFETY: f64 = 1.25;
 /// The grid convergence index uses at most this order, which both strain measures reach on any mesh.
 const FORMAL_ORDER: f64 = 2.0;
-/// Tolerance of the observed order (dimensionless) for an inextensible cantilever: the next term of the error on 4 to 16 elements.
+/// Tolerance of the observed order (dimensionless) for an inextensible cantilever: the effect of the next error term on meshes of 4 to 16 elements.
 pub const CANTILEVER_TOLERANCE: f64 = 0.1;
-/// Tolerance of the observed order (dimensionless) for the finger at 3 N. Its elements differ in length, and the term of second order begins to
-/// matter.
+/// Tolerance of the observed order (dimensionless) for the finger at 3 N. The finger's elements differ in length, and the error term of second order
+/// begins to matter.
 pub const FINGER_TOLERANCE: f64 = 0.25;
 /// Load of the cantilever, P L^2 / EI, perpendicular to its axis.
 const CANTILEVER_LOAD: f64 = 2.0;
@@ -45,13 +45,14 @@ pub struct GridConvergence {
     pub order: f64,
     /// Mesh-independent value by Richardson extrapolation, in the unit of the values.
     pub extrapolated: f64,
-    /// Grid convergence index: error of the finest mesh with a factor of safety of 1.25, relative to the value on that mesh. The index uses the
-    /// observed order, but at most 2, an order that errors reach on any mesh.
+    /// Grid convergence index: estimated error of the finest mesh times a factor of safety of 1.25, relative to the value on that mesh. The index uses
+    /// the observed order, but at most 2, an order that errors reach on any mesh.
     pub index: f64,
 }
 
 impl GridConvergence {
-    /// Procedure of Celik et al., eqs (3) to (7). `sizes` are representative element lengths in any common unit. The order p solves p ln(r21) = |ln|e32 / e21| + q(p)| by fixed-point iteration, with
+    /// Procedure of Celik et al., eqs (3) to (7). `sizes` are representative element lengths in any common unit. With r the ratios of the sizes and e the
+    /// differences of the values, the order p solves p ln(r21) = |ln|e32 / e21| + q(p)| by fixed-point iteration, with
     /// q(p) = ln((r21^p - s) / (r32^p - s)) and s = sign(e32 / e21).
     pub fn of(nodes: [usize; 3], sizes: [f64; 3], values: [f64; 3]) -> GridConvergence {
         let [r32, r21] = [sizes[0] / sizes[1], sizes[1] / sizes[2]];

@@ -1,5 +1,5 @@
-//! The camera on the gripper: positions of the undeformed fingers in its images as the gripper closes. Displacements are relative to these
-//! positions.
+//! The camera on the gripper: positions of the undeformed fingers in the camera's images while the gripper closes. Measured displacements are
+//! relative to these positions.
 //!
 //! Source: Xu et al. (IEEE T-RO 2021), eq. (10), and the joint of rocker and link by Newton's method. Lens, pose and lengths are assumed.
 
@@ -10,8 +10,8 @@ use finray_model::camera::{Camera, Distortion, Lens, Pixel, Pose};
 use finray_model::gripper::{Gripper, LinkagePose};
 use nalgebra::{Matrix2, Matrix3, Matrix3x4, Matrix4, Point2, Vector3, Vector4};
 
-/// w_cam, h_cam and l_cam of eq. (10), mm: distances of the camera across, along the screw, and from the plane of the nodes. The first two are
-/// relative to the left rocker's fixed joint.
+/// w_cam, h_cam and l_cam of eq. (10), mm: position of the camera across the screw and along the screw, both from the left rocker's fixed joint, and
+/// distance from the plane of the nodes.
 const CAMERA_MM: [f64; 3] = [30.0, 95.0, 200.0];
 /// Orientation of a camera that views the gripper obliquely: Rodrigues vector of R, rad.
 const ASKEW_RAD: [f64; 3] = [2.9, 0.2, -0.1];
@@ -60,7 +60,8 @@ pub fn checks(finger: &Finger, gripper: &Gripper) -> Result<Vec<Check>, ProblemE
     Ok(rows.map(check).into())
 }
 
-/// Largest distance of a marker, in the camera's frame, from its position by eq. (10) or by the mirror image of eq. (10), mm. Axes as in the paper.
+/// Largest distance, mm, of a marker in the camera's frame from its position by eq. (10) for the left finger, or by the mirror image of eq. (10) for
+/// the right finger.
 fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
     let ([l1, _], l4) = (gripper.description().link_mm, gripper.description().fixed_joint_mm);
     let [w, h, l] = CAMERA_MM;
@@ -87,8 +88,8 @@ fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
     worst(key_nodes(finger).map(of_node))
 }
 
-/// Largest apparent displacement of an undeformed node, mm. The link runs from `joint` to the nut; nodes are projected by the pinhole matrix and
-/// mapped back to the finger frame of eq. (10).
+/// Largest apparent displacement of an undeformed node, mm. The link runs from `joint` to the nut. Nodes are projected by the pinhole matrix, and the
+/// pixels are mapped back to the frame of the finger.
 fn images_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose, joint: &Vector, camera: &Camera) -> f64 {
     let [_, link_mm] = gripper.description().link_mm;
     let nut = Vector::new(gripper.description().fixed_joint_mm, pose.slider_mm);
@@ -120,8 +121,8 @@ fn key_nodes(finger: &Finger) -> impl Iterator<Item = Vector> + '_ {
     (1..=finger.key_node_count()).map(|node| finger.position(finray_model::NodeId(node)))
 }
 
-/// Position of the joint of rocker and link in the mechanism frame, mm, for each motor angle (degrees). The search starts at the angle nearest to 0
-/// with the rocker outwards, and continues to both ends.
+/// Position of the joint of rocker and link in the mechanism frame, mm, for each motor angle (degrees). The search starts at the smallest angle that
+/// is not negative, with the rocker pointing outwards, and continues to both ends.
 fn joints(gripper: &Gripper, angles: &[f64]) -> Vec<Vector> {
     let begin = angles.iter().position(|motor_deg| *motor_deg >= 0.0).unwrap_or(angles.len() - 1);
     let outwards = Vector::new(-gripper.description().link_mm[0], 0.0);
@@ -135,7 +136,8 @@ fn joints(gripper: &Gripper, angles: &[f64]) -> Vec<Vector> {
     joints
 }
 
-/// Position of the joint, mm, at the rocker's length from the fixed joint and the link's length from the nut. Newton's method starts at `near`.
+/// Position of the joint of rocker and link, mm: at the rocker's length from the fixed joint, and at the link's length from the nut. Newton's method
+/// starts at `near`.
 fn joint(gripper: &Gripper, motor_deg: f64, near: Vector) -> Vector {
     let description = gripper.description();
     let [rocker_mm, link_mm] = description.link_mm;

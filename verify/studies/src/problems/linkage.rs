@@ -9,12 +9,12 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Number of intervals between motor angles over the reach.
 const ANGLES: usize = 200;
-/// Share of the reach omitted at both ends, where the derivative is infinite.
+/// Share of the reach omitted at each end, because the derivative of the opening is infinite there.
 const END: f64 = 0.01;
 /// Tolerance of lengths, relative to the sum of both links: rounding error.
 pub const TOLERANCE: f64 = 1e-12;
-/// Tolerance of the opening computed through the inverse, relative to the sum of both links. The inverse loses half of its digits at the ends of the
-/// reach, because of its cosine.
+/// Tolerance of the opening at the motor angle that the inverse gives, relative to the sum of both links. At the ends of the reach the inverse loses
+/// half of its digits, because of its cosine.
 pub const INVERSE_TOLERANCE: f64 = 1e-9;
 /// Step of the finite differences, degrees of the motor angle.
 const STEP_DEG: f64 = 0.1;
@@ -93,7 +93,8 @@ fn residual_mm(gripper: &Gripper, motor_deg: f64) -> f64 {
     of_7.hypot(of_8)
 }
 
-/// Largest distance of a key node of either finger from its position by eq. (9) or by its mirror image, mm; the paper's axes are swapped.
+/// Largest distance, mm, of a key node from its position by eq. (9) for the left finger, or by the mirror image of eq. (9) for the right finger. In the
+/// paper's finger frame, x and y are exchanged.
 fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
     let ([l1, _], l4) = (gripper.description().link_mm, gripper.description().fixed_joint_mm);
     let (sin, cos) = pose.phi2_rad.sin_cos();

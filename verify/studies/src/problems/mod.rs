@@ -1,4 +1,4 @@
-//! Reference problems: one short file for each, with its source, reference values and tolerance.
+//! Reference problems: one short file for each, with source, reference values and tolerance.
 //!
 //! Every problem returns [`Check`]s or [`Comparison`]s, which report and tests use. A new problem needs a file and a line in [`ALL`].
 
@@ -107,7 +107,7 @@ pub enum ProblemError {
     /// The finger's lattice has no equilibrium, or does not settle.
     #[error(transparent)]
     Lattice(#[from] finray_lattice::LatticeError),
-    /// The lattice, or the beams that it is compared with, has no equilibrium.
+    /// Lattice and beams cannot be compared: one of them has no equilibrium, or the lattice cannot be built or does not settle.
     #[error(transparent)]
     Accuracy(#[from] AccuracyError),
     /// A table exported from MuJoCo is invalid.

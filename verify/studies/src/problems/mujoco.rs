@@ -1,7 +1,7 @@
 //! Fingers solved by MuJoCo 4.0.0 (discrete elastic rods between rigid rods), and a cylinder pushed into the paper's finger.
 //!
-//! MuJoCo shares neither discretisation (its rods bend only at vertices) nor code with the beams. It uses the same EA and EI, so both converge
-//! to the same limit. It verifies solver and kinematics, not the beam theory behind EA and EI.
+//! MuJoCo shares neither discretisation (its rods bend only at vertices) nor code with the beams. MuJoCo's rods get the same EA and EI, so both
+//! converge to the same limit. The comparison verifies solver and kinematics, not the beam theory behind EA and EI.
 
 use super::{ProblemError, ProblemResults};
 use crate::lattice::accuracy::difference;
@@ -16,25 +16,25 @@ const DISPLACEMENT: &str = "largest displacement difference / largest displaceme
 const ROTATION: &str = "largest rotation difference (rad)";
 
 /// Tolerance of displacements under single forces, relative to the case's largest displacement. The case nearest to a limit load (tip, 5 N at -60
-/// deg) has 1.6e-4; MuJoCo states an uncertainty of 2e-3 for it.
+/// deg) differs by 1.6e-4; the export states an uncertainty of 2e-3 for this case.
 pub const STATIC_TOLERANCE: f64 = 2e-4;
-/// Tolerance of displacements in cases for which MuJoCo states an uncertainty below `CERTAIN`. MuJoCo's extrapolated meshes and the beams' differ by
-/// 1e-5 on a uniform finger. They differ by 3.1e-5 where a zone ends inside elements, because such elements average over the zone's end.
+/// Tolerance of displacements in cases for which the export states an uncertainty up to `CERTAIN`. MuJoCo's extrapolated shapes and the beams' differ
+/// by 1e-5 on a uniform finger. They differ by 3.1e-5 if a zone ends inside elements, because such elements have an average stiffness.
 pub const CERTAIN_TOLERANCE: f64 = 4e-5;
 /// A case counts as certain up to this stated uncertainty, relative to the largest displacement. Above it the export used a finer mesh.
 const CERTAIN: f64 = 2e-4;
 /// Tolerance of rotations, rad: [`CERTAIN_TOLERANCE`] times displacements of about 20 mm, divided by 12 mm between two ribs.
 pub const ROTATION_TOLERANCE_RAD: f64 = CERTAIN_TOLERANCE * 20.0 / 12.0;
-/// Tolerance as a multiple of the sum of both solvers' stated uncertainties, which are no bounds. At 0.01 N the multiple is 1.7 because of rounding.
+/// Tolerance as a multiple of the sum of both solvers' uncertainties, which are estimates and no bounds. At 0.01 N rounding causes a multiple of 1.7.
 pub const UNCERTAINTIES: f64 = 2.0;
 /// Largest force, N, under which the finger counts as linear, within [`LINEAR_TOLERANCE`].
 const LINEAR_FORCE_N: f64 = 0.01;
 /// Tolerance of linear theory at 0.01 N, relative. Its error is 1.22e-3 against co-rotational beams and MuJoCo, and above 1e-3 for 7 of 60 loads.
 pub const LINEAR_TOLERANCE: f64 = 1.3e-3;
-/// Tolerance of displacements under the exported contact forces, relative to the step's largest displacement. The meshes (16 and 32 extrapolated,
-/// and 32 of the beams) differ by 5e-6; the tolerance is twice that.
+/// Tolerance of displacements under the exported contact forces, relative to the step's largest displacement. MuJoCo's shapes (extrapolated from 16 and
+/// 32 segments) and the beams' (32 elements per member) differ by 5e-6; the tolerance is twice this value.
 pub const CONTACT_TOLERANCE: f64 = 1e-5;
-/// Elements per member of the two meshes of beams that are extrapolated. The meshes' error falls with the square of the element length.
+/// Elements per member of the two meshes of beams from which shapes are extrapolated. The error falls with the square of the element length.
 const ELEMENTS: [usize; 2] = [16, 32];
 
 /// A case, and the deviation of the beams from it.
@@ -46,7 +46,7 @@ pub struct CaseDeviation {
     pub displacement: f64,
     /// Largest difference of a key node's rotation, rad.
     pub rotation_rad: f64,
-    /// Largest difference of a displacement or rotation, divided by the sum of both solvers' stated uncertainties; dimensionless.
+    /// Largest difference of a displacement or rotation, divided by the sum of both solvers' uncertainties; dimensionless.
     pub uncertainties: f64,
 }
 
@@ -150,7 +150,8 @@ fn linear_check(exported: &ExportedFinger) -> Result<Check, ProblemError> {
     Ok(Check::new(Kind::External, problem, SOURCE, DISPLACEMENT, 0.0, worst(differences), LINEAR_TOLERANCE))
 }
 
-/// Largest difference of a displacement between a step of a push and beams on `mesh` under the exported contact forces, relative to the largest.
+/// Largest difference of a key node's displacement between MuJoCo's shape at one step of a push and beams on `mesh` under the exported contact
+/// forces, relative to the largest displacement.
 pub(crate) fn contact_deviation(mesh: &Mesh, step: &ContactStep) -> Result<f64, ProblemError> {
     let load = |rod: &TouchedRod| Load::Node { node: rod.node, force: rod.force, moment_nmm: rod.moment_nmm };
     let loads: Vec<Load> = step.touched.iter().map(load).collect();

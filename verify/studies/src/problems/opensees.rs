@@ -1,7 +1,7 @@
 //! Fingers solved by OpenSees 3.7.1 (elasticBeamColumn; Linear and Corotational transformations).
 //!
 //! OpenSees shares the theory with the model (Euler-Bernoulli beams of the same EA and EI, co-rotation, strain of the chord), but no code. Both
-//! must agree to the printed digits. It verifies the solver, not the theory.
+//! must agree to the printed digits. The comparison verifies the solver, not the theory.
 
 use super::ProblemError;
 use crate::prelude::*;
@@ -9,7 +9,7 @@ use crate::prelude::*;
 /// Tolerance of linear displacements, relative to the case's largest displacement: OpenSees prints nine digits.
 pub const LINEAR_TOLERANCE: f64 = 1e-8;
 /// Tolerance of co-rotational displacements, relative to the case's largest displacement. OpenSees prints nine digits, and both Newton iterations
-/// stop below 1e-9 of the solution.
+/// stop within 1e-9 of the solution.
 pub const COROTATIONAL_TOLERANCE: f64 = 1e-8;
 
 /// One row of a reference file: a key node in a load case.

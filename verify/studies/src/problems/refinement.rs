@@ -1,4 +1,4 @@
-//! The paper's two meshes compared: 25 and 684 nodes.
+//! Comparison of the paper's two meshes, with 25 and 684 nodes.
 //!
 //! Linear frame theory is exact at nodes, so refinement changes only rounding. The paper reports a difference of 0.26 % (sec. III).
 
@@ -40,7 +40,7 @@ pub(crate) fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     Ok(worst(differences.collect::<Result<Vec<_>, _>>()?))
 }
 
-/// Checks that the linear finger does not depend on the mesh. Fingers with zones (their ends cut elements) or tapered plates have no check.
+/// Checks that the linear finger does not depend on the mesh. No checks for fingers with zones (a zone may end inside an element) or tapered plates.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let tapers = [Plate::Front, Plate::Back].into_iter().any(|plate| finger.tapers(plate));
     if tapers || !finger.description().zones.is_empty() {

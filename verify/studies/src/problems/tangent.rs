@@ -11,8 +11,8 @@ use finray_model::statics::Assembly;
 const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
 /// End displacements (mm) and rotations (rad) of a strongly bent and elongated beam: x, y and rotation of each end.
 const BENT: [f64; 6] = [0.3, -0.2, 0.4, -0.5, 0.9, -0.3];
-/// Step of the differences, mm and rad. Truncation error (grows as its fourth power) and rounding error (grows as its inverse) are below the
-/// tolerance.
+/// Step of the differences, mm and rad. Truncation error (proportional to the fourth power of the step) and rounding error (to its inverse) are below
+/// the tolerance.
 const STEP: f64 = 2e-3;
 /// Tolerance of a difference, relative to the largest derivative.
 pub const TOLERANCE: f64 = 1e-9;
@@ -38,7 +38,7 @@ fn of_element(scalar: impl Fn(&[EndMotion; 2]) -> Response) -> [f64; 2] {
     let gradient = DVector::from_fn(6, |i, _| slope(|by| DVector::from_element(1, response(i, by).energy))[0]);
     let tangent = (0..6).map(|i| {
         let column = slope(|by| DVector::from_column_slice(response(i, by).gradient.as_slice()));
-        // A load on the linear beam has no tangent; its forces then give the scale.
+        // The tangent of a load on the linear beam is zero; the load's nodal forces then give the scale.
         let size = at.tangent.amax().max(at.gradient.amax());
         (column - DVector::from_column_slice(at.tangent.column(i).as_slice())).amax() / size
     });

@@ -1,6 +1,6 @@
 //! The accuracy map: error of a single sensed force by position on the front plate and direction.
 //!
-//! The estimator knows position and direction, and seeks only the magnitude. The error is |sensed / true - 1|, averaged over the forces and
+//! The estimator is given position and direction, and estimates only the magnitude. The error is |sensed / true - 1|, averaged over the forces and
 //! noise samples of a cell.
 
 use crate::prelude::*;
@@ -9,7 +9,7 @@ use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 use crate::truths::{Truth, TruthId};
 use std::io::Read;
 
-/// Request of maps: the grid of the [`Sweep`] whose cells the maps summarise. Each noise level gives one map.
+/// Request for maps: the grid of the [`Sweep`] whose cells the maps summarise. Each pair of estimator and noise level gives one map.
 pub type MapRequest = Grid;
 
 /// An accuracy map: errors of an estimator on a true finger, with cells by position, direction and force.
@@ -27,8 +27,8 @@ pub struct AccuracyMap {
     pub cells: Vec<MapCell>,
 }
 
-/// Computes a map for each estimator and noise level, in this order, in parallel by position. The result does not depend on the number of
-/// threads. `progress` is called after each position and direction.
+/// Computes a map for each estimator and noise level, in this order. Pairs of position and direction are computed in parallel; the result does not
+/// depend on the number of threads. `progress` is called after each pair.
 pub fn accuracy_maps(
     finger: &Finger,
     truth: &dyn Truth,
@@ -69,12 +69,12 @@ impl AccuracyMap {
         })
     }
 
-    /// Mean relative error by direction, then position: of one force (N), or over all forces. `None` if a force has no answer or no equilibrium.
+    /// Mean relative error of one force (N), or over all forces, by direction, then position. `None` if a force is refused or has no equilibrium.
     pub fn errors(&self, force_n: Option<f64>) -> Vec<Vec<Option<f64>>> {
         self.values(force_n, |cell| cell.mean_error)
     }
 
-    /// A quantity of the cells by direction, then position: of one force (N), or its mean over all forces. `None` if a force lacks the quantity.
+    /// A quantity of the cells for one force (N), or its mean over all forces, by direction, then position. `None` if a force lacks the quantity.
     pub fn values(&self, force_n: Option<f64>, of: impl Fn(&MapCell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let means: Vec<Option<f64>> =
             self.groups(force_n).map(|group| group.map(&of).collect::<Option<Vec<f64>>>().and_then(mean)).collect();
@@ -94,13 +94,14 @@ impl AccuracyMap {
         AccuracyMap { request, cells: self.cells.iter().filter(on_grid).copied().collect(), ..self.clone() }
     }
 
-    /// Cells of one force (N), or of all, grouped by position and direction.
+    /// Cells of one force (N), or of all forces, grouped by position and direction.
     fn groups(&self, force_n: Option<f64>) -> impl Iterator<Item = impl Iterator<Item = &MapCell> + Clone> {
         let wanted = move |cell: &&MapCell| force_n.is_none_or(|f| f == cell.force_n);
         self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
     }
 
-    /// Summary of one force (N), or of the mean over all. A cell counts as without equilibrium, or as refused, if one of its forces does.
+    /// Summary for one force (N), or for the mean over all forces. A cell with several forces counts with its worst outcome: a force without equilibrium,
+    /// else a refused force.
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
         let known: Vec<f64> = errors.iter().flatten().flatten().copied().collect();

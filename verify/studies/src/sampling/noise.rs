@@ -5,10 +5,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Words of the random stream reserved for each sample; no sample needs all of them.
+/// Number of 32-bit words of the random stream reserved for each sample, more than any sample needs.
 const WORDS: u128 = 1 << 24;
 
-/// `exact` plus `noise_mm` (standard deviation, mm) times `sample`: standard normal numbers, two for each marker. Missing numbers count as zero.
+/// `exact` plus noise: `noise_mm` (standard deviation, mm) times `sample`, which holds two standard normal numbers for each marker. Missing
+/// numbers count as zero.
 pub fn with_sample(exact: &Measurement, sample: &[f64], noise_mm: f64) -> Measurement {
     let (mut noisy, mut coordinates) = (exact.clone(), sample.iter());
     noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));

@@ -1,8 +1,8 @@
 //! Sensing under camera noise: errors of each estimator against the Cramer-Rao bound, and coverage of its stated standard deviation.
 //!
 //! Random forces deform a true finger, and noise is added to its marker displacements. Each estimator knows the contact nodes and the directions
-//! (undeformed normals), and uses no earlier case. All estimators get the same forces and noise. Errors are divided by the bound at the true forces
-//! of each case; their root mean square is 1 at best.
+//! (undeformed normals), and uses no result of earlier cases. All estimators get the same forces and noise. Errors are divided by the bound at the
+//! true forces of each case. For an unbiased estimator, the root mean square of these ratios is at least 1.
 
 mod cases;
 mod scout;
@@ -12,7 +12,7 @@ use cases::{Case, Sample};
 
 /// Mean of |x| for x of a normal distribution with standard deviation 1: sqrt(2 / pi).
 const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
-/// Largest number of contact nodes that are sampled. A finger with more nodes is sampled at every second node, or fewer.
+/// Largest number of contact nodes that are sampled. A finger with more nodes is sampled at every second node, or at fewer nodes.
 const MOST_NODES: usize = 12;
 
 /// Parameters of a study of errors under camera noise.
@@ -24,7 +24,7 @@ pub struct ScatterRequest<'m> {
     pub kinematics: Kinematics,
     /// Mesh of the same finger, on which the Cramer-Rao bound is computed.
     pub model: &'m Mesh,
-    /// Standard deviations of a coordinate's noise, mm; 0 for none. All levels share the forces and the scaled noise samples.
+    /// Standard deviations of a coordinate's noise, mm; 0 for none. All levels share the forces and, up to the scale, the noise.
     pub noise_levels_mm: &'m [f64],
     /// Number of random cases for each set of contacts.
     pub cases: usize,
@@ -39,10 +39,10 @@ pub struct Scatter {
     pub mean_error: f64,
     /// Mean of |sensed - true|, N.
     pub mean_error_n: f64,
-    /// Errors against the Cramer-Rao bound; `None` without noise, because the bound is then 0.
+    /// Errors against the Cramer-Rao bound; `None` without noise, because the bound is then 0, or if no case has a bound.
     #[serde(flatten)]
     pub bound: Option<AgainstBound>,
-    /// Coverage of the stated standard deviations; `None` without noise, and for an estimator that states none.
+    /// Coverage of the stated standard deviations; `None` without noise, or if the estimator states no standard deviations.
     #[serde(flatten)]
     pub coverage: Option<Coverage>,
 }
@@ -56,15 +56,15 @@ pub struct AgainstBound {
     pub over_bound: f64,
     /// Mean of error / bound, dimensionless.
     pub bias_over_bound: f64,
-    /// Root mean square of error / bound with control variates, if requested.
+    /// Root mean square of error / bound with a control variate, if requested.
     #[serde(flatten)]
     pub controlled: Option<Controlled>,
 }
 
-/// Root mean square of error / bound, with the first-order response to the same noise as control variate.
+/// Root mean square of z = error / bound, with the first-order response to the same noise as control variate.
 ///
-/// To first order the error is a linear function of the noise, with the bound as its standard deviation. The mean square of z1 = response / bound
-/// is therefore 1 up to sampling error. Error and response share this sampling error. So 1 + mean(z^2 - z1^2) has a much smaller standard error
+/// To first order the error is a linear function of the noise, and the bound is its standard deviation. The mean square of z1 = response / bound
+/// is therefore 1 up to sampling error. z and z1 share most of this sampling error. So 1 + mean(z^2 - z1^2) has a much smaller standard error
 /// than mean(z^2) over the same cases.
 ///
 /// Reference: control variates; e.g. Owen, Monte Carlo theory, methods and examples, ch. 8.9.
@@ -72,7 +72,7 @@ pub struct AgainstBound {
 pub struct Controlled {
     /// sqrt(1 + mean(z^2 - z1^2)), dimensionless.
     pub over_bound_controlled: f64,
-    /// Standard error of `over_bound_controlled`, dimensionless, from the scatter of z^2 - z1^2 over the cases.
+    /// Standard error of `over_bound_controlled`, dimensionless, from the variance of z^2 - z1^2 over the cases.
     pub standard_error: f64,
 }
 
@@ -98,8 +98,8 @@ pub struct ScatterRow {
     pub cases: usize,
     /// Number of draws that were repeated because the finger has no equilibrium under the drawn forces.
     pub not_carried: usize,
-    /// Number of cases that the estimator refused. No mean includes them, so reports show this number beside a mean, and a check fails if it is not
-    /// 0.
+    /// Number of cases that the estimator refused. No mean includes these cases, so reports show their number beside a mean, and a check fails if
+    /// the number is not 0.
     pub refused: usize,
     /// Errors of each force, in the order of the nodes; empty if no case was answered.
     pub forces: Vec<Scatter>,
@@ -137,8 +137,8 @@ impl ScatterRow {
         self.cases + self.refused
     }
 
-    /// Whether a root mean square over the bound exceeds `tolerance`, or is within two standard errors of `tolerance`, so that more cases are
-    /// needed.
+    /// Whether more cases are needed: a root mean square of error / bound differs from 1 by more than `tolerance`, or by less but with a margin below
+    /// two standard errors.
     pub fn is_near_tolerance(&self, tolerance: f64) -> bool {
         let mut figures = self.forces.iter().chain(&self.sum).filter_map(|scatter| scatter.bound?.controlled);
         figures.any(|found| (found.over_bound_controlled - 1.0).abs() + 2.0 * found.standard_error > tolerance)
@@ -183,7 +183,7 @@ pub fn scatter(
     rows(request, estimators, sets, (range_n, false), progress)
 }
 
-/// Like [`scatter`], but also returns each row's [`Controlled`] figure, at the cost of one more estimate per case.
+/// Like [`scatter`], but also returns each row's [`Controlled`] figures, at the cost of one more estimate per case and noise level.
 ///
 /// # Errors
 /// [`EstimatorError`] for the reasons that [`scatter`] lists.
@@ -293,7 +293,7 @@ struct Sums {
     bound: f64,
     standardised: f64,
     squared: f64,
-    /// Sums of z^2 - z1^2 and of its square, over the cases with a first-order response: see [`Controlled`].
+    /// Number of cases with a first-order response; `beyond` and `beyond_squared` sum z^2 - z1^2 and its square over them: see [`Controlled`].
     controlled: usize,
     beyond: f64,
     beyond_squared: f64,

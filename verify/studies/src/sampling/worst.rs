@@ -1,4 +1,4 @@
-//! The worst force of each cell (position and direction): the only criterion by which a cell counts as trusted.
+//! The worst result among the forces of each cell (position and direction). This result alone decides whether a cell counts as trusted.
 
 use super::map::AccuracyMap;
 use super::sweep::{CellState, MapCell};
@@ -33,12 +33,12 @@ pub struct TrustCounts {
 }
 
 impl AccuracyMap {
-    /// Cells with the worst of the map's forces, by position, then direction.
+    /// Each cell with its worst result among the map's forces, by position, then direction.
     pub fn worst(&self) -> Vec<WorstCell> {
         self.worst_of(None)
     }
 
-    /// Cells with one force (N), or with the worst of all forces, by position, then direction.
+    /// Each cell with the result for one force (N), or the worst result among all forces, by position, then direction.
     pub fn worst_of(&self, force_n: Option<f64>) -> Vec<WorstCell> {
         let of_group = |group: &[MapCell]| {
             let cells: Vec<MapCell> =
@@ -69,7 +69,7 @@ impl TrustCounts {
         self.cells - self.without_equilibrium
     }
 
-    /// Share of trusted cells among those with equilibrium; `None` without such cells.
+    /// Share of trusted cells among the cells with equilibrium under every force; `None` without such cells.
     pub fn share(&self) -> Option<f64> {
         let carried = self.carried();
         (carried > 0).then(|| self.trusted as f64 / carried as f64)

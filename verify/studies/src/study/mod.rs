@@ -39,7 +39,7 @@ fn within<E: std::error::Error + Send + Sync + 'static>(part: &'static str) -> i
 pub struct PartTime {
     /// Name of the part.
     pub part: &'static str,
-    /// Elapsed time on all cores, s.
+    /// Wall-clock time, s. A part may use all cores.
     pub seconds: f64,
 }
 
@@ -63,7 +63,7 @@ macro_rules! study {
             pub finger: Finger,
             /// Largest admissible strains of the finger's materials.
             pub strain_limits: StrainLimits,
-            /// Whether the finger is the paper's finger, for which alone reference values exist.
+            /// Whether the finger is the paper's finger. Only this finger has reference values from the paper.
             pub is_paper: bool,
             /// Standard deviation of the camera noise of one coordinate, mm.
             pub noise_mm: f64,
@@ -73,7 +73,7 @@ macro_rules! study {
             pub checks: Vec<Check>,
             /// Figures that are expected to differ from their references.
             pub comparisons: Vec<Comparison>,
-            /// Sentences on times that were measured outside this study.
+            /// Sentences for the report on times that were measured outside this study.
             pub timing_notes: Vec<String>,
             /// Computation time of each part.
             pub parts: Vec<PartTime>,
@@ -129,13 +129,13 @@ study! { |context|
         /// Map of the nonlinear estimator if position and direction of the contact are assumed instead of known.
         assumed: Option<AccuracyMap> = assumed::run(context);
     "limits of sensing":
-        /// Limits of sensing the force at which maps are drawn, on the co-rotational finger, by cell (position, direction).
+        /// Limits of sensing on the co-rotational finger by cell (position, direction), for the force at which maps are drawn.
         explanations: explain::ExplanationMap = explain::run(context);
     "Table I":
-        /// Table I for each assumed direction; only for the paper's finger.
+        /// Results for the paper's Table I, for each assumed direction of the weights; only for the paper's finger.
         tables_one: Vec<table_one::TableOne> = table_one::run(context);
     "digital twin":
-        /// The digital twin of Table I: the paper's finger with softer ends; only for the paper's finger with noise.
+        /// Study of the digital twin: the paper's finger with softer ends, fitted to Table I. Only for the paper's finger with noise.
         twin: Option<twin_study::TwinStudy> = twin_study::run(context, tables_one.first());
     "coverage":
         /// Share of stated 95 % intervals that contain the true force, by finger and estimator.
@@ -150,10 +150,10 @@ study! { |context|
         /// Errors of the nonlinear estimator under camera noise.
         noise: Option<noise::NoiseStudy> = noise::run(context);
     "noise of displacements":
-        /// Noise floors of forces under camera noise, by the origin of the undeformed positions.
+        /// Smallest standard deviations of forces under camera noise, by the method that gives the undeformed positions.
         displacement_noise: Option<displacement_noise::DisplacementNoiseStudy> = displacement_noise::run(context);
     "camera":
-        /// Results of sensing from images; only for scenes with a camera and for the paper's finger.
+        /// Results of sensing from images; only for scenes with a camera and coloured markers, or for the paper's finger.
         camera: Option<camera::CameraStudy> = camera::run(context);
     "unknown directions":
         /// Errors of sensed forces of unknown direction under camera noise; only in a full study.
@@ -168,7 +168,7 @@ study! { |context|
         /// Recorded trainings of networks; only for the paper's finger.
         records: records::Records = records::run(context);
     "hard cases":
-        /// Results on hard cases, variants of the paper's finger.
+        /// Results on hard cases, which are variants of the paper's finger; empty for any other finger.
         hard_cases: Vec<hard_cases::HardCase> = hard_cases::run(context);
     "lattice, objects":
         /// Results on the paper's finger as a lattice of rigid bodies and springs.
@@ -203,7 +203,8 @@ impl Study {
     /// for the paper's finger.
     ///
     /// # Errors
-    /// [`StudyError`] if a part fails, for example a reference problem or the finger at rest. Loads without equilibrium leave gaps.
+    /// [`StudyError`] if a part fails, for example a reference problem or the finger at rest. Loads without equilibrium are no error: their results
+    /// are missing.
     pub fn run(
         given: &SceneWithOutline,
         forces: ReportForces,
@@ -234,7 +235,7 @@ impl Study {
         self.forces.checked(self.is_paper)
     }
 
-    /// Every map. The lattice's maps are last.
+    /// Every accuracy map. The lattice's maps are last.
     pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
         let lattice = self.lattice.iter().flat_map(|lattice| lattice.sensing.all_maps());
         self.maps.iter().chain(lattice)

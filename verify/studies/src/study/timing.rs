@@ -1,4 +1,4 @@
-//! Times of models and estimators that were measured outside the report.
+//! Computation times of models and estimators that were measured outside the report: by the library criterion, or of other programs.
 
 use super::Study;
 use crate::experiments::speed_error::criterion::{self, CriterionTimes};
@@ -7,7 +7,8 @@ use crate::experiments::speed_error::{self, Asked, SpeedErrorPoint, Task};
 use std::path::Path;
 
 impl Study {
-    /// Replaces the report's times by criterion's, for points that criterion has measured too. Criterion's times hold for the paper's finger only.
+    /// Replaces the report's times by those of the benchmark library criterion, for all points that criterion has measured. Criterion's times hold for
+    /// the paper's finger only.
     pub fn take_criterion(&mut self, folder: &Path, times: &CriterionTimes) {
         let folder = folder.display();
         if !self.is_paper {
@@ -30,7 +31,7 @@ impl Study {
         }
     }
 
-    /// Adds the points of other programs, whose times hold for the paper's finger only.
+    /// Adds points (time and error) of other programs. Their times hold for the paper's finger only.
     pub fn take_peers(&mut self, peers: Peers) {
         if !self.is_paper {
             self.timing_notes
@@ -41,7 +42,7 @@ impl Study {
             "" => "; the file does not say on which machine".to_owned(),
             machine => format!(", on this machine: {machine}"),
         };
-        // Compares equal tasks only, because other nodes or forces take another time.
+        // Only points for the same nodes and forces are comparable, because the time depends on them.
         let asked = Task::ALL.map(|task| speed_error::asked(&self.finger, self.checked_forces(), task));
         let (same, others): (Vec<Peer>, Vec<Peer>) =
             peers.peers.into_iter().partition(|peer| asked[peer.task as usize] == peer.asked);

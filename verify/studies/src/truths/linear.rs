@@ -1,4 +1,4 @@
-//! True finger: the scene's finger with linear statics. A mesh of its key nodes gives the exact solution.
+//! True finger: the scene's finger with linear statics. The mesh of key nodes gives the exact solution if every member has uniform stiffness.
 
 use super::{MeshTruth, TruthId, TruthRow};
 use finray_model::{Kinematics, Mesh};

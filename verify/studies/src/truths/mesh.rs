@@ -25,10 +25,10 @@ pub fn fine_mesh(finger: &Finger) -> Result<Mesh, MeshSizeError> {
 pub struct MeshTruth<'m> {
     id: TruthId,
     mesh: &'m Mesh,
-    /// Equations that are prepared once and copied for each contact.
+    /// Solver that is prepared once and copied for each contact.
     prepared: Statics<Ladder<'m>>,
-    /// Compliance of the linear finger at its key nodes, from which its shapes follow. `None` for co-rotational statics, or a mesh with further
-    /// nodes.
+    /// Compliance of the linear finger at its key nodes, which gives the shapes without the solver. `None` for co-rotational statics, or a mesh
+    /// with further nodes.
     solved: Option<NodalCompliance>,
 }
 

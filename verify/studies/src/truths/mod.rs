@@ -1,4 +1,4 @@
-//! True fingers: simulated fingers whose forces are to be sensed. Each type has one file and one row of [`TruthId`].
+//! True fingers: simulated fingers on which estimators are tested. Each type has one file and one row of [`TruthId`].
 
 mod corotational;
 mod lattice;
@@ -16,7 +16,7 @@ use crate::prelude::*;
 use finray_model::registry;
 
 registry! {
-    /// Type of a true finger: a simulated finger whose forces are to be sensed.
+    /// Type of a true finger: a simulated finger on which estimators are tested.
     TruthId: TruthRow {
         /// The scene's finger on a fine mesh, with co-rotational statics.
         Corotational => corotational::ROW,
@@ -55,16 +55,16 @@ impl TruthId {
         (self.row().mesh)(finger)
     }
 
-    /// The true finger on its [mesh](TruthId::mesh).
+    /// Builds the true finger on its [mesh](TruthId::mesh).
     ///
     /// # Errors
-    /// [`TruthError`] if the finger at rest cannot be solved, or the mesh has no such true finger.
+    /// [`TruthError`] if the finger at rest cannot be solved, or this type does not support the mesh's finger.
     pub fn on(self, mesh: &Mesh) -> Result<Box<dyn Truth + '_>, TruthError> {
         (self.row().on)(mesh)
     }
 }
 
-/// Why a true finger could not be built.
+/// Why a true finger could not be built, or has no shapes under a force.
 #[derive(Debug, thiserror::Error)]
 pub enum TruthError {
     /// The finger cannot be meshed.
@@ -76,7 +76,7 @@ pub enum TruthError {
     /// The lattice of the finger cannot be built.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
-    /// MuJoCo's export has no shapes of the finger.
+    /// MuJoCo's export has no shapes of the finger, or none under a force.
     #[error("--truth {name}: {0}", name = TruthId::Mujoco)]
     NotExported(#[from] NotExported),
     /// The finger has no digital twin.
@@ -87,7 +87,7 @@ pub enum TruthError {
 /// Positions along the front plate (mm from the base), and directions (degrees from the inward normal).
 pub type Positions = (Vec<f64>, Vec<f64>);
 
-/// A true finger, which responds to a force with a shape.
+/// A true finger. It gives the shape of the simulated finger under a force.
 pub trait Truth: Sync {
     /// Type of this true finger.
     fn id(&self) -> TruthId;
@@ -105,7 +105,7 @@ pub trait Truth: Sync {
         Ok(None)
     }
 
-    /// Shapes of the key nodes under ascending forces (N) at one contact. Each equilibrium starts from the previous one.
+    /// Shapes (motions of the key nodes) under ascending forces (N) at one contact. An iterative solver starts from the previous equilibrium.
     ///
     /// The list ends before the first force that the finger cannot carry.
     fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape>;

@@ -91,7 +91,7 @@ impl Truth for MujocoTruth {
         TruthId::Mujoco
     }
 
-    /// Exported positions and directions, both ascending. Refuses forces that were not exported.
+    /// Exported positions and directions, both ascending. A force that was not exported is an error.
     fn positions(&self, forces_n: &[f64]) -> Result<Option<Positions>, TruthError> {
         for &force_n in forces_n {
             self.require_force(force_n)?;
@@ -100,7 +100,7 @@ impl Truth for MujocoTruth {
         Ok(Some((growing(positions), growing(self.cases.iter().map(|case| case.angle_deg)))))
     }
 
-    /// Ends before the first force that was not exported, for example because the finger cannot carry it.
+    /// The list ends before the first force that was not exported, for example because the finger cannot carry it.
     fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape> {
         forces_n.iter().map_while(|&force_n| Some(self.case(contact, force_n)?.shape.clone())).collect()
     }

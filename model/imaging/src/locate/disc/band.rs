@@ -10,26 +10,26 @@ use nalgebra::{SMatrix, SVector};
 /// Number of channels: one for brightness, two for colour.
 const CHANNELS: [f64; PARTS] = [1.0, 2.0];
 
-/// The pixels about an edge, one list per quantity, with the light of background and disc at each pixel.
+/// The pixels about an edge, one list per quantity, with the modelled light of background and disc at each pixel.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Band {
     /// Signed distance of each pixel from the edge at which the pixels were gathered, px; positive outside the disc.
     outside: Vec<f32>,
-    /// Decrease of `outside` when the edge's centre moves along each axis of the map; `px` is its decrease when the edge's radius grows. Unit: px per map
-    /// unit.
+    /// Decrease of `outside` per displacement of the edge's centre along each axis of the map. `px` is the decrease of `outside` per increase of the edge's
+    /// radius. Both are in px per map unit.
     nearer: [Vec<f32>; 2],
     px: Vec<f32>,
     sector: Vec<u32>,
     /// For brightness and for colour, three values per pixel: squared contrast, contrast times light above background, and squared light above background.
     light: [[Vec<f32>; 3]; PARTS],
-    /// For brightness and for colour at the last edge, three values per pixel: share of the disc, its change per px inwards, and that change times the
-    /// distance in units of the blur.
+    /// For brightness and for colour at the last edge, three values per pixel. The first is the disc's share of the pixel's light. The second is the increase
+    /// of this share per px by which the edge moves outwards. The third is the second times the pixel's distance outside the edge in units of the blur.
     share: [[Vec<f32>; 3]; PARTS],
     edge: Edge,
 }
 
 impl Band {
-    /// Gathers the pixels about an edge, with the light of background and disc at each.
+    /// Gathers the pixels about an edge, with the modelled light of background and disc at each pixel.
     pub fn gather(&mut self, pixels: &Pixels, map: &PlaneMap, edge: &Edge, shades: &Shades) {
         let Band { outside, nearer, px, sector, light, share, .. } = self;
         let lists = nearer.iter_mut().chain(light.iter_mut().flatten()).chain([&mut *outside, &mut *px]);
@@ -63,8 +63,8 @@ impl Band {
         self.edge = *edge;
     }
 
-    /// Computes the sums at the current edge, which is close to the edge at which the pixels were gathered. `trust` is the weight of each sector's pixels.
-    /// With a known outline, sums for radius and blur are omitted.
+    /// Computes the sums at the current edge, which is close to the edge at which the pixels were gathered. `trust` is the weight of each sector's pixels. If
+    /// the outline is known (`IS_OUTLINE_OPEN` is false), the normal matrix omits radius and blur.
     pub fn sum<const IS_OUTLINE_OPEN: bool>(
         &mut self,
         edge: &Edge,

@@ -1,10 +1,12 @@
-//! Measurement of the centre of a disc from the light of the pixels about its edge.
+//! Measurement of the centre of a disc from the light of the pixels about its edge. The light of a pixel is its brightness and two components of colour, grey
+//! levels.
 //!
-//! A pixel at the distance d (px) outside the disc's edge is modelled as background + (disc - background) Phi(-d / b). This is an edge blurred by a Gaussian
-//! of standard deviation b, with Phi the normal distribution function. Brightness and colour have separate b, because compressed images store colour with
-//! fewer pixels. The disc's light varies linearly over its inside. The background is constant within each sector around the disc, because plates and ribs
-//! cross it. Centre, radius and both b follow from least squares over the pixels of the edge. Pixels are weighted by the squared contrast, because the noise
-//! is the same everywhere. Sectors that do not look like an edge (an occluder, another marker) are omitted.
+//! A pixel at the distance d (px) outside the disc's edge is modelled as background + (disc - background) Phi(-d / b). This is an edge blurred by a Gaussian of
+//! standard deviation b, with Phi the normal distribution function. Brightness and colour have separate blurs b, because compressed images store colour with
+//! fewer pixels. The disc's light varies linearly over its inside. The background may differ from sector to sector around the disc, because plates and ribs
+//! cross it; between the middles of two sectors, it is interpolated. Centre, radius and both blurs follow from least squares over the pixels of the edge.
+//! Pixels are weighted by the squared contrast, because the noise is the same everywhere. Sectors that do not look like an edge (an occluder, another marker)
+//! are omitted.
 //!
 //! Distances are measured in the finger's plane, where the disc is a circle, so that perspective and lens distortion are taken into account.
 
@@ -43,8 +45,8 @@ pub(super) const LARGEST_BLUR: f64 = 0.33;
 const RADIUS_TOLERANCE: f64 = 0.25;
 /// A coloured disc is rejected if its residual standard deviation exceeds this share of the contrast.
 const LARGEST_RESIDUAL: f64 = 0.2;
-/// Largest residual standard deviation of a grey disc, as a share of the contrast. The limit is below [`LARGEST_RESIDUAL`], because rays can measure rejected
-/// grey discs (`rim`). Photographed screws with shiny heads, and rims sharpened by the camera, exceed the limit.
+/// Largest residual standard deviation of a grey disc, as a share of the contrast. The limit is below [`LARGEST_RESIDUAL`], because a grey disc that is
+/// rejected here can still be measured by rays (`rim`). Photographed screws with shiny heads, and rims sharpened by the camera, exceed the limit.
 const LARGEST_GREY_RESIDUAL: f64 = 0.07;
 /// Largest expected distance of the centre from the starting point of the search, px.
 const ROOM_PX: f64 = 1.0;
@@ -54,7 +56,7 @@ const ROUNDS: usize = 9;
 const STEPS: usize = 5;
 /// A round ends when the step of the centre is below this, px.
 const STILL_PX: f64 = 0.002;
-/// If the edge moves by less than this in a round, px, it counts as near, and unlikely sectors are omitted.
+/// If the edge moves by less than this in a round, px, the edge counts as close to the disc, and unlikely sectors are omitted in the next round.
 const NEAR_PX: f64 = 1.0;
 /// If the edge moves by less than this in a round, px, the edge counts as found.
 const THERE_PX: f64 = 0.25;
@@ -62,11 +64,11 @@ const THERE_PX: f64 = 0.25;
 const SETTLED_PX: f64 = 0.05;
 /// Lower bound of the standard deviation of a centre, px. It covers shading, rounding to grey levels, and errors of the edge model.
 const LEAST_SD_PX: f64 = 0.005;
-/// Standard deviation of the centre of a small or blurred disc, px: this value times (blur / radius)^2. The edges of such discs leave little of the
-/// surroundings visible. This value and the lower bound come from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
+/// Standard deviation of the centre of a small or blurred disc, px: this value times (blur / radius)^2. The edges of such discs are wide, so that fewer pixels
+/// show the surroundings alone. This value and [`LEAST_SD_PX`] come from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
 const SMALL_SD_PX: f64 = 0.45;
-/// Standard deviation for rings, px, to be multiplied by the share of neighbouring light in the middle of the ring. In narrow rings, no pixel shows
-/// the ring's light alone.
+/// Additional standard deviation of the centre of a ring, px: this value times the share of neighbouring light in the middle of the ring's width. In narrow
+/// rings, no pixel shows the ring's light alone.
 const RING_SD_PX: f64 = 0.4;
 
 /// A measured disc.
@@ -80,8 +82,8 @@ pub(super) struct Disc {
     pub sd_mm: f64,
     /// Radius and blurs of the disc, measured or given.
     pub outline: Outline,
-    /// Two estimates of the centre's variance, divided by the variance for independent pixel errors; dimensionless. They come from the power of the
-    /// residuals that have two and three periods around the edge. They exceed 1 if errors of neighbouring pixels are correlated, as after compression.
+    /// Two estimates of the centre's variance, divided by the variance for independent pixel errors; dimensionless. They come from the power of the residuals'
+    /// components with two and with three periods around the edge. They exceed 1 if errors of neighbouring pixels are correlated, as after compression.
     pub excess_variances: [f64; 2],
     /// Mean squared residual of brightness and of colour about the edge, in squared grey levels.
     pub noise: [f64; PARTS],
@@ -126,15 +128,15 @@ impl Edge {
     }
 }
 
-/// An image with its camera and the weights of its light.
+/// An image with its camera, and settings for the measurement of discs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View<'a> {
     pub image: &'a RgbImage,
     pub camera: &'a Camera,
     /// Height of the discs above the finger's plane, mm.
     pub height_mm: f64,
-    /// Inner radius of a grey ring, mm, inside which any appearance is allowed; 0 for a whole grey disc; `None` for coloured discs. The surroundings of
-    /// grey marks may have as much contrast, so the edge is measured only where the background is even.
+    /// Inner radius of a grey ring, mm, inside which any appearance is allowed; 0 for a whole grey disc; `None` for coloured discs. The surroundings of a grey
+    /// mark may have as much contrast as the mark, so the edge is measured only where the background is even.
     pub grey_inner_mm: Option<f64>,
     /// Weights of squared differences of brightness and of colour, dimensionless: inverse to their noise, and 1 for the less noisy of the two. Weight 0 omits
     /// colour.
@@ -267,7 +269,7 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// Makes one Gauss-Newton step. Returns `None` if the edge is lost.
+    /// Makes one Gauss-Newton step. Returns `None` if the equations are singular, or if centre or radius is too far from the starting point.
     fn step(&mut self) -> Option<Step> {
         let sums = &self.buffers.sums;
         let edge = &mut self.edge;
@@ -315,7 +317,7 @@ impl<'a> Search<'a> {
         Some(ColourShift { normal: normal / variance, gradient: sums.gradient.fixed_rows::<2>(0) / variance })
     }
 
-    /// Standard deviation by [`RING_SD_PX`], px; zero for discs without hole.
+    /// Standard deviation by [`RING_SD_PX`], px; zero for discs without a hole.
     fn ring_sd_px(&self) -> f64 {
         let Some(inner) = self.grey_inner.filter(|inner| *inner > 0.0) else { return 0.0 };
         let half_width = 0.5 * (self.edge.radius - inner);

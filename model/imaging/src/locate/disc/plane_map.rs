@@ -35,7 +35,7 @@ pub(super) struct PlaneMap {
     about: Pixel,
     /// The position of the middle pixel in the finger's plane, mm, finger frame.
     pub origin: Vector,
-    /// First derivatives of a position by the pixel's coordinates, map units/px, from differences over about one marker radius to both sides.
+    /// First derivatives of a position by the pixel's coordinates, map units/px, from central differences over about one marker radius to each side.
     slope: Matrix2<f64>,
     /// Second derivatives of a position by the pixel's coordinates u and v, map units/px^2: uu, uv and vv.
     curvature: [Vector; 3],
@@ -122,7 +122,7 @@ impl PlaneMap {
         }
     }
 
-    /// Geometry of points relative to an edge.
+    /// An edge with the slope of this map, for the geometry of points relative to the edge.
     pub fn about_edge(&self, edge: &Edge) -> AboutEdge {
         AboutEdge {
             centre: [edge.centre.x as f32, edge.centre.y as f32],
@@ -132,7 +132,7 @@ impl PlaneMap {
     }
 }
 
-/// An edge with the slope of the map at its position.
+/// An edge with the first derivatives of the map.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AboutEdge {
     /// Centre of the edge in the map's units.
@@ -150,7 +150,7 @@ pub(super) struct Polar {
     pub step: [f32; 2],
     /// Length of the vector from the centre.
     pub far: f32,
-    /// Length of the vector from the centre, times the length of one px along it.
+    /// `far` times the largest increase of `far` per px in the image.
     pub along: f32,
 }
 
@@ -162,7 +162,7 @@ impl AboutEdge {
         const LEAST: f32 = 1e-3;
         let step = [x - self.centre[0], y - self.centre[1]];
         let far = (step[0] * step[0] + step[1] * step[1]).sqrt().max(LEAST);
-        // Along the image, the distance in the plane grows by |slope^T direction| per px.
+        // In the image, the distance from the centre grows by at most |slope^T direction| per px.
         let by_u = self.slope[0] * step[0] + self.slope[1] * step[1];
         let by_v = self.slope[2] * step[0] + self.slope[3] * step[1];
         Polar { step, far, along: (by_u * by_u + by_v * by_v).sqrt().max(LEAST) }

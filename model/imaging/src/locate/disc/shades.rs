@@ -13,7 +13,7 @@ const SECTOR_PX: f64 = 1.3;
 const SECTORS: [usize; 2] = [12, 96];
 /// Share of the sectors that are assumed to have an even background. The scatter of the light in these sectors measures the noise.
 const EVEN_SECTORS: f64 = 0.3;
-/// An even background may scatter by this in addition to the noise, grey levels.
+/// Standard deviation of the light that an even background may have in addition to the noise, grey levels.
 const SHADING: f32 = 2.0;
 /// A pixel inside the disc belongs to an occluder if a component of its light differs from the median by more than this, grey levels.
 const ALIKE: f32 = 40.0;
@@ -33,11 +33,10 @@ const SLOPE_PIXELS: usize = 12;
 /// A sector is omitted if its contrast over all components of light is below this, grey levels.
 const LEAST_CONTRAST: f32 = 12.0;
 /// A sector is not an edge of the disc if its mean squared residual exceeds that of even sectors by more standard deviations than this.
-/// deviation.
 const UNLIKELY: f32 = 4.0;
 /// Lower bound of the assumed variance of a grey level, in squared grey levels. Rounding alone causes 1/12.
 const LEAST_VARIANCE: f32 = 0.5;
-/// Share of the sectors that are kept in any case, and share of the sectors that must show an edge.
+/// This share of the sectors, the least disturbed ones, is kept in any case if these sectors have contrast. A disc is rejected if a smaller share is kept.
 pub(super) const KEPT_SECTORS: f64 = 0.4;
 
 /// Light of the disc and of its background.
@@ -47,8 +46,8 @@ pub(super) struct Shades {
     inside: [Vector3<f32>; 3],
     /// Light of the background in each sector: brightness and two components of colour, grey levels.
     outside: Vec<Vector3<f32>>,
-    /// Weight of each sector's pixels, 0..1. It is below 1 if the edge of a plate or rib crosses the sector's background, which then varies within the
-    /// sector.
+    /// Weight of each sector's pixels, 0..1. It is below 1 if the background varies within the sector, for instance because the edge of a plate or rib crosses
+    /// the background.
     pub trust: Vec<f32>,
     /// Sums of the background's light in each sector.
     sectors: Vec<Background>,
@@ -80,8 +79,8 @@ impl Background {
 }
 
 impl Shades {
-    /// Samples the pixels inside and outside an edge. Returns `None` if the edge surrounds no disc. `grey_inner` is the inner radius of a grey disc or ring,
-    /// in the map's units; see [`super::View`].
+    /// Samples the pixels inside and outside an edge. Returns `None` if too few pixels lie inside the edge, or no pixel lies in the background. `grey_inner` is
+    /// the inner radius of a grey disc or ring, in the map's units; see [`super::View`].
     pub fn gather(&mut self, pixels: &Pixels, map: &PlaneMap, edge: &Edge, grey_inner: Option<f64>) -> Option<()> {
         let band = edge.band();
         let sectors = ((std::f64::consts::TAU * edge.radius / SECTOR_PX) as usize).clamp(SECTORS[0], SECTORS[1]);
@@ -139,7 +138,7 @@ impl Shades {
         Some(())
     }
 
-    /// Noise variance, in squared grey levels: the variance of the background in even sectors.
+    /// Noise variance, in squared grey levels: the largest variance among the share [`EVEN_SECTORS`] of the sectors whose backgrounds vary least.
     fn noise(&mut self) -> f32 {
         self.sorted.clear();
         self.sorted.extend(self.sectors.iter().map(Background::variance));
@@ -147,8 +146,7 @@ impl Shades {
         *self.sorted.select_nth_unstable_by(at, f32::total_cmp).1
     }
 
-    /// Computes the weights of the sectors, which fall with the variance of their backgrounds. If a plate's edge crosses the background of one sector, it may
-    /// reach the disc in a neighbouring sector.
+    /// Computes the weights of the sectors. The larger the variance of a sector's background, the smaller is the sector's weight.
     fn find_trust(&mut self) {
         let noise = self.noise() + SHADING * SHADING;
         let even = |sector: &Background| noise / (noise + (sector.variance() - 2.0 * noise).max(0.0));
@@ -156,8 +154,9 @@ impl Shades {
         self.trust.extend(self.sectors.iter().map(|sector| even(sector).powi(2)));
     }
 
-    /// Computes the weights for grey discs: 1 only where the background is even, both within sectors and between neighbouring sectors. A strip that crosses
-    /// the edge at a slant, or ends outside the edge, has other light at the edge than farther out. Its blurred edge also affects the next sectors.
+    /// Computes the weights for grey discs: 1 only where the background is even, both within sectors and between neighbouring sectors. If a strip crosses the
+    /// edge at a slant, or ends outside the edge, the background at the edge differs from the background farther out. The blurred edge of the strip also
+    /// affects the neighbouring sectors.
     fn trust_even(&mut self) {
         let (count, noise) = (self.sectors.len(), self.noise());
         self.sorted.clear();
@@ -212,7 +211,7 @@ impl Shades {
             }
             count += 1;
         }
-        // Few pixels determine a mean, but not a slope.
+        // Few pixels determine a median, but not a slope.
         if count < SLOPE_PIXELS {
             self.inside = [Vector3::from(median), Vector3::zeros(), Vector3::zeros()];
             return Some(());
@@ -220,7 +219,7 @@ impl Shades {
         let [n, x, y, xx, xy, yy] = moments;
         let normal = nalgebra::Matrix3::new(n, x, y, x, xx, xy, y, xy, yy).cholesky()?;
         let plane = normal.solve(&Vector3::from(brightness));
-        // Illumination scales all channels equally, and compression degrades colour more. Colour therefore gets the slope of brightness.
+        // Illumination scales all channels equally, and compression degrades colour more. Colour therefore gets the relative slope of brightness.
         let relative = [plane[1], plane[2]].map(|slope| slope / plane[0].max(1.0));
         let mean = [x / n, y / n];
         let falls_to = 1.0 + relative[0] * mean[0] + relative[1] * mean[1];

@@ -40,6 +40,6 @@ pub(super) struct SectorSums {
     pub squares: f32,
     /// Sum of the weighted squared contrasts, in squared grey levels.
     pub contrast2: f32,
-    /// Part of the gradient that belongs to the centre.
+    /// Contribution of the sector to the gradient by the centre's coordinates.
     pub pull: Vector2<f32>,
 }

@@ -1,4 +1,5 @@
-//! Naming of the markers of one plate, as the chain of least cost from the plate's clamped node to the tip.
+//! Naming of the markers of one plate, as the chain of least cost from the plate's clamped node to the tip. A step is the vector from one marker of a chain to
+//! the next.
 
 use super::{Candidate, Marked, Names};
 use finray_model::finger::Plate;
@@ -16,7 +17,7 @@ const SHORTER: f64 = 0.06;
 /// A bend between two steps by this angle, degrees, has cost 1 if the steps are a whole plate length apart. For closer steps, the angle is proportionally
 /// smaller.
 const TURN_DEG: f64 = 168.0;
-/// A chain is excluded if a bend between two of its steps exceeds this multiple of the bend of cost 1.
+/// A chain is excluded if a bend between two of its steps exceeds this multiple of the angle that has cost 1.
 const LARGEST_TURN: f64 = 4.3;
 /// A chain is excluded if a bend between two of its steps exceeds this angle, degrees.
 const LARGEST_TURN_DEG: f64 = 120.0;
@@ -33,7 +34,7 @@ const CLAMPED: f64 = 0.01;
 /// Standard deviation of a bracket's stated length, mm.
 const BRACKET_MM: f64 = 0.5;
 
-/// The assignment of candidates to the nodes of one plate.
+/// The problem of assigning candidates to the nodes of one plate.
 pub(super) struct Chain<'a> {
     pub(super) marked: Marked<'a>,
     plate: Plate,
@@ -42,11 +43,11 @@ pub(super) struct Chain<'a> {
     pub(super) nodes: Vec<NodeId>,
     /// Positions of the nodes along the plate, mm from the base.
     pub(super) lengths_mm: Vec<f64>,
-    /// For each node: position of the other end of its rib, mm, finger frame; `None` if that end has no marker or there is no rib.
+    /// For each node: position of the other end of its rib, mm, finger frame; `None` if no marker is assigned to that end or there is no rib.
     ribs: Vec<Option<Vector>>,
     /// For each node: undeformed length of its rib, mm.
     ribs_mm: Vec<f64>,
-    /// Indices of the candidates that may be each node.
+    /// For each node: indices of the candidates that may be its marker.
     pub(super) choices: Vec<Vec<usize>>,
 }
 
@@ -64,13 +65,13 @@ pub(super) struct Named {
 struct Link {
     /// Index of the last node, in the order along the plate.
     position: usize,
-    /// Index of the candidate that is the last node.
+    /// Index of the candidate at the last node.
     candidate: usize,
     /// Index of the previous link of the chain; `None` for the first link from the clamped node.
     before: Option<usize>,
-    /// Vector from the previous to the last node of the link, mm.
+    /// Vector from the chain's previous candidate to its last candidate, mm; from the base for the first link.
     step: Vector,
-    /// Index of the node before the last one, in the order along the plate.
+    /// Index of the chain's previous node, in the order along the plate; 0 for the clamped node.
     from: usize,
     /// Cost of the partial chain, dimensionless.
     cost: f64,
@@ -89,7 +90,7 @@ impl<'a> Chain<'a> {
             ribs_mm[rib + 1] = (marked.position(front) - marked.position(back)).norm();
             ribs[rib + 1] = at(other);
         }
-        // The tip is also the end of the back plate, whose last segment constrains it like a rib.
+        // The back plate also ends at the tip, and its last segment constrains the position of the tip like a rib.
         if plate == Plate::Front {
             let before = NodeId(finger.tip().0 - 1);
             ribs_mm[nodes.len() - 1] = (marked.position(before) - finger.position(finger.tip())).norm();
@@ -201,7 +202,7 @@ impl<'a> Chain<'a> {
             }
         }
         let last = self.nodes.len() - 1;
-        // A node that has no marker costs nothing if it is hidden.
+        // A node without a marker cannot be hidden, so it adds no cost.
         let hidden = |from: usize| (from + 1..=last).filter(|k| finger.has_marker(self.nodes[*k])).count();
         let whole = |link: &Link| link.cost + HIDDEN * hidden(link.position) as f64;
         let best = (0..links.len()).min_by(|&a, &b| whole(&links[a]).total_cmp(&whole(&links[b])))?;
@@ -238,7 +239,8 @@ impl<'a> Chain<'a> {
         Some(((ratio - 1.0) / unit).powi(2) + HIDDEN * (segments - 1.0))
     }
 
-    /// Cost of the bend from the clamped direction to the first step. The clamped direction is as uncertain as the base. `None` if the bend is impossible.
+    /// Cost of the bend between the plate's clamped direction `along` and the first step; `None` if the bend is impossible. An uncertain position of the base
+    /// makes the direction of the first step uncertain.
     pub(super) fn first_turn_cost(&self, along: &Vector, step: &Vector, apart_mm: f64) -> Option<f64> {
         let base_deg = (self.marked.base_sd_mm / step.norm()).atan().to_degrees();
         turn_cost(along, step, (apart_mm / self.lengths_mm[self.nodes.len() - 1], base_deg))

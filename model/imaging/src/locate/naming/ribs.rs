@@ -1,14 +1,15 @@
-//! Naming of both plates at once, as the chain of ribs with the least cost. A rib is a pair of candidates whose distance is the rib's length.
+//! Naming of both plates at once, as the chain of ribs with the least cost. A rib is a pair of candidates whose distance is close to the rib's length.
 //!
-//! If no colour distinguishes the plates, naming one plate alone may take markers of the other plate. Pairs of candidates are few, and no marker belongs to
-//! two of them.
+//! If no colour distinguishes the plates, naming one plate alone may take markers of the other plate. Few pairs of candidates have the length of a rib, and
+//! successive pairs of a chain share no candidate.
 
 use super::chain::{Chain, HIDDEN, MOST_SKIPPED, turn_cost};
 use super::{Candidate, Marked, Names};
 use finray_model::Vector;
 use finray_model::finger::Plate;
 
-/// Two candidates with a higher cost are not a pair. The value is the cost of three times the length deviation of cost 1.
+/// Two candidates are a pair only if the cost of their distance is at most this. The value is the cost of a length error three times as large as that of cost
+/// 1.
 const MOST_OF_RIB: f64 = 9.0;
 /// At most this number of pairs is considered for a rib, those with the best lengths first.
 const MOST_PAIRS: usize = 64;
@@ -16,15 +17,15 @@ const MOST_PAIRS: usize = 64;
 /// A partial chain of ribs, represented by its last rib.
 #[derive(Debug, Clone, Copy)]
 struct Link {
-    /// Number of the last rib in the order from the base.
+    /// Number of the last rib, counted from 1 at the base.
     rib: usize,
     /// Indices of the candidates that are the front and the back end of the last rib.
     pair: [usize; 2],
     /// Index of the previous link of the chain; `None` for the first link.
     before: Option<usize>,
-    /// Steps of the front and the back plate from the chain's previous rib to the last rib, mm.
+    /// Vectors from the chain's previous rib to its last rib, along the front and the back plate, mm.
     steps: [Vector; 2],
-    /// Number of the previous rib in the order from the base.
+    /// Number of the previous rib, counted from 1 at the base; 0 for the base itself.
     from: usize,
     /// Cost of the partial chain, dimensionless.
     cost: f64,

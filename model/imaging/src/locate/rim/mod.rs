@@ -1,4 +1,4 @@
-//! Measurement of bright or dark discs and rings in grey images by their outer rim and, if it is a circle, the inner edge of a ring.
+//! Measurement of bright or dark discs and rings in grey images. A mark is measured by its outer rim; a ring also by its inner edge, if that edge is a circle.
 //!
 //! The inside of a ring (a screw's head, a hole) and its surroundings may have any appearance. The rim is where the light changes most along a ray from the
 //! centre. Rays are cast in the plane of the markers, where the rim is a circle, independent of perspective and lens distortion.
@@ -42,7 +42,7 @@ const LARGEST_SPREAD: f64 = 0.1;
 const APART: f64 = 1.8;
 /// Number of times that rays are cast, each time from the current centre; also the number of rounds of each circle fit.
 const ROUNDS: usize = 4;
-/// In this number of first rounds, each circle fit uses only the smallest required share of the rays.
+/// A circle is first fitted to all rays. Each of this number of further fits uses only the required share of the rays: those closest to the last circle.
 const TRIMMED_ROUNDS: usize = 2;
 /// Lower bound of the standard deviation of a centre found by rays, px. For a centre by the edge model, the bound is half of this value.
 const LEAST_SD_PX: f64 = 0.01;
@@ -68,7 +68,7 @@ pub(super) struct Rim {
 }
 
 impl Rim {
-    /// Standard deviation of one coordinate of the centre, mm. For a centre found by the edge model, it is multiplied by `wider`.
+    /// Standard deviation of one coordinate of the centre, mm. For a centre found by the edge model, the value is multiplied by `wider`.
     pub fn widened_sd_mm(&self, wider: f64) -> f64 {
         if self.excess_variances.is_some() { self.sd_mm * wider } else { self.sd_mm }
     }
@@ -134,8 +134,8 @@ fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buff
     Some(with_inner_edge(view, shape, rim).unwrap_or(rim))
 }
 
-/// Circle through the edges that rays from near a centre find, relative to the origin of the plane's frame; and the length of one px there, mm. `None` if
-/// there is no rim.
+/// Circle through the edges that rays from about `centre` find, in mm, finger frame at the scene's camera pose; and the length of one px at the circle, mm.
+/// `None` if there is no rim.
 fn circle(view: &GreyView, shape: &RimShape, mut centre: Vector) -> Option<(Circle, f64)> {
     let camera = view.camera;
     let mut last = None;
@@ -159,8 +159,9 @@ fn circle(view: &GreyView, shape: &RimShape, mut centre: Vector) -> Option<(Circ
     last.filter(is_rim)
 }
 
-/// The rim of a ring, with the centre of its inner edge if that edge is a circle. Strips behind a ring shift its outer edge but not its inner edge. If both
-/// centres contradict each other, the variance of the outer one is therefore raised until they agree.
+/// The rim of a ring, with the weighted mean of the centres of its outer and inner edge. `None` for a disc, or if the inner edge is not a circle. Strips behind
+/// a ring shift its outer edge but not its inner edge. If the two centres contradict each other, the variance of the outer centre is therefore raised until
+/// they agree.
 fn with_inner_edge(view: &GreyView, shape: &RimShape, rim: Rim) -> Option<Rim> {
     let shade = match shape.shade {
         Shade::Bright => Shade::Dark,
@@ -201,7 +202,7 @@ fn by_edge(view: &GreyView, shape: &RimShape, by_rays: &Rim, buffers: &mut Buffe
 fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, mm_a_px: f64) -> Edges {
     let [nearest, farthest] = REACH.map(|share| share * shape.radius_mm);
     let side_mm = SIDE_PX * mm_a_px;
-    // Samples start beyond the inside of a ring.
+    // Samples start outside the inner radius of a ring, because its inside may have any appearance.
     let from = (nearest - side_mm).max(shape.inner_radius_mm);
     let step = STEP_PX * mm_a_px;
     let count = ((farthest + side_mm - from) / step).ceil() as usize + 1;
@@ -257,9 +258,9 @@ struct Circle {
 impl Circle {
     /// Fits a circle by least squares without outliers, to first order about the origin of the rays.
     ///
-    /// A plate beside a rim affects a quarter of the rays. These rays shift the circle, so that half of the other rays become outliers. The first rounds
-    /// therefore fit only the required share of the rays, those closest to the circle (least trimmed squares: Rousseeuw, Van Driessen, Data Mining and
-    /// Knowledge Discovery 12, 2006). Later rounds omit outliers.
+    /// A plate beside a rim affects a quarter of the rays. These rays shift the circle, so that half of the other rays become outliers. After a fit to all
+    /// rays, the next fits therefore use only the required share of the rays, those closest to the circle (least trimmed squares: Rousseeuw, Van Driessen, Data
+    /// Mining and Knowledge Discovery 12, 2006). Later fits omit outliers.
     fn through(edges: &Edges, least_spread_mm: f64) -> Option<Circle> {
         let mut counts: [bool; RAYS] = std::array::from_fn(|ray| edges[ray].is_some());
         let mut circle = None;

@@ -1,4 +1,4 @@
-//! Candidates for round rims of one size: every edge pixel votes for the centre of the circle to which it belongs.
+//! Candidates for round rims of one size: every edge pixel votes for the centre of the circle to which it may belong.
 //!
 //! Across the rim of a bright disc, the light decreases outwards. The centre therefore lies one radius from each edge pixel along the gradient of the light
 //! (for a dark disc, against it). Only circles of that radius collect votes along the whole rim, independent of their inside and surroundings.
@@ -13,11 +13,12 @@ use image::{GrayImage, ImageBuffer, Luma};
 const LEAST_SLOPE: f32 = 5.0;
 /// Ratio of the result of Sobel's filter to the slope of the light.
 const SOBEL: f32 = 8.0;
-/// Range of radii for which edge pixels vote, relative to the expected radius. It allows for distance, slant, and rims whose sharpest edge lies beside them.
+/// Range of radii for which edge pixels vote, relative to the expected radius. The range allows for other distances and slants of the finger, and for rims
+/// whose sharpest edge lies beside the rim.
 const RADII: [f64; 2] = [0.85, 1.18];
 /// A rim needs at least this number of votes, as a share of its circumference in pixels.
 const LEAST_SHARE: f32 = 0.5;
-/// Smallest distance between two centres, in radii. Closer centres are merged.
+/// Smallest distance between two centres, in radii. Of two closer centres, only the one with more votes is kept.
 const APART: f64 = 0.5;
 /// At most this number of centres is considered, those with the most votes first.
 const MOST: usize = 200;
@@ -121,7 +122,7 @@ fn cast(slopes: &Slopes, radius_px: f64, shade: Shade) -> Votes {
     votes
 }
 
-/// Sums of the votes for each pixel and its neighbours. Zero at the image border, where no rim has its centre.
+/// Sums of the votes for each pixel and its eight neighbours. Zero at the image border, where no rim has its centre.
 fn summed(votes: &Votes) -> Votes {
     let [width, height] = [votes.width().max(1) as usize, votes.height() as usize];
     let mut sums = Votes::new(votes.width(), votes.height());

@@ -10,11 +10,11 @@ use serde::Serialize;
 
 /// Work and energy since the start of a grasp, N mm.
 ///
-/// Each work is the integral of its forces (contacts, bases or resistance), by the trapezoidal rule over the increments of the bases. The elastic energy
-/// is that of the springs. No value is computed from the others, so an imbalance shows an error of the integration or of the forces.
+/// Each work is an integral of forces over displacements, by the trapezoidal rule over the increments of the bases. The elastic energy is that of the
+/// springs. No value is computed from the others, so an imbalance shows an error of the integration or of the forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Account {
-    /// Work done by the bases, and by the numerical medium that moves an object along with the gripper, N mm.
+    /// Work done by the bases, and by the numerical resistance, which carries an object along with the gripper, N mm.
     pub driven_nmm: f64,
     /// Elastic energy of the fingers, N mm.
     pub elastic_nmm: f64,
@@ -24,7 +24,7 @@ pub struct Account {
     pub friction_nmm: f64,
     /// Work against the numerical resistance during snaps and while the object comes to rest, N mm.
     pub resistance_nmm: f64,
-    /// Largest decrease of driven work minus stored energy since the start, N mm: energy that errors have created.
+    /// Largest decrease of [`lost_nmm`](Self::lost_nmm) below its maximum so far, N mm: energy that errors have created.
     pub created_nmm: f64,
     /// Sum of the absolute imbalances of all increments, N mm: an estimate of the error of all work integrals.
     pub error_nmm: f64,

@@ -40,7 +40,7 @@ impl World<'_> {
         })
     }
 
-    /// Smallest height of a finger above a plane, mm; 0 or less if the finger touches the plane. The plane is a point (mm) and its upward unit normal.
+    /// Smallest height of a finger above a plane, mm; 0 or less if the finger touches the plane. A point (mm) and the upward unit normal define the plane.
     pub fn height_mm(&self, finger: usize, (point, upward): (Vector, Vector)) -> f64 {
         let above = |at: Vector| (at - point).dot(&upward);
         let front = self.front(finger);

@@ -31,7 +31,7 @@ pub struct Drive {
     pub placements: Vec<Placement>,
     /// Weight of the object, world frame, N.
     pub weight: Vector,
-    /// Position of the gripper, world frame, mm; an object held by the fingers is assumed to move along.
+    /// Position of the gripper, world frame, mm; an object held by the fingers is assumed to move with the gripper.
     pub gripper: Vector,
 }
 
@@ -65,7 +65,7 @@ pub struct World<'l> {
 }
 
 impl<'l> World<'l> {
-    /// Places an object at `[x, y, angle]`, mm and rad, between undeformed fingers. The support is a point (mm) and its upward unit normal.
+    /// Places an object at `[x, y, angle]`, mm and rad, between undeformed fingers. A point (mm) and the upward unit normal define the support.
     ///
     /// # Errors
     /// [`WorldError::Overlap`] if the object overlaps a finger or the support; [`WorldError::Lattice`] if a front plate tapers, or if a finger has no

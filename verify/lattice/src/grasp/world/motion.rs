@@ -6,7 +6,7 @@ use finray_model::gripper::Placement;
 
 /// A snap (a jump to another equilibrium) is assumed if no increment of at least this share of a step is solved.
 const LEAST_PART: f64 = 1.0 / 16.0;
-/// The same limit for increments that are solved but violate the energy balance.
+/// Limit as [`LEAST_PART`], but for increments that are solved and violate the energy balance.
 const LEAST_LEAP: f64 = 1.0 / 256.0;
 /// An increment is rejected above this energy imbalance, relative to the energy that bends a finger by the object's size.
 const MISSING: f64 = 1e-4;
@@ -15,7 +15,7 @@ const MISSING: f64 = 1e-4;
 const DRAG: f64 = 1e-6;
 /// Numerical resistance to the object's motion while the bases move, relative to the fingers' stiffness. Only a snap raises this resistance.
 const MOVING_DRAG: f64 = 1e-3;
-/// Numerical resistance with which the object begins to come to rest, relative to the fingers' stiffness.
+/// Numerical resistance with which coming to rest begins, relative to the fingers' stiffness.
 pub(super) const FIRST_DRAG: f64 = 1e-4;
 /// Coming to rest fails if an increment needs more numerical resistance than this, relative to the fingers' stiffness.
 const MOST_DRAG: f64 = 1e3;
@@ -27,8 +27,8 @@ const LESS: f64 = 3.0;
 pub(super) const BOLDER: usize = 2;
 /// An increment fails if the object or a body moves farther than this share of the object's size plus the displacement of the fingers' bases.
 const FARTHEST: f64 = 0.1;
-/// Everything counts as at rest if the numerical resistance is at most this share of the contact forces. Unless the resistance is at its minimum, the
-/// last displacement must also be at most this share of the object's size.
+/// Everything counts as at rest if the force of the numerical resistance is at most this share of the largest contact force or of the weight. Unless the
+/// resistance is at its minimum, the last displacement must also be at most this share of the object's size.
 pub(super) const AT_REST: f64 = 1e-5;
 /// Coming to rest fails after this number of increments.
 const MOST_STEPS: usize = 400;
@@ -139,7 +139,7 @@ impl World<'_> {
             let moved_mm = self.scene.way_mm(&held, &self.state);
             let resistance_n = drag * self.scene.stiffness * moved_mm;
             let forces = self.near_pairs().into_iter().filter_map(|pair| self.state.forces.get(&pair.key).copied());
-            // Below this force nothing counts as a contact: a finger may snap off an object held by a hand, and then rests without contact force.
+            // Below this force nothing counts as a contact. A finger may snap off an object held by a hand, and then rests without contact force.
             let least_n = drive.weight.norm().max(self.scene.nothing_n());
             let largest_n = forces.map(|[normal, _]| normal).fold(least_n, f64::max);
             if resistance_n <= AT_REST * largest_n && (drag <= DRAG || moved_mm <= AT_REST * self.scene.size_mm) {

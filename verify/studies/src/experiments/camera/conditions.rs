@@ -1,4 +1,4 @@
-//! Conditions under which the camera is tested, with one change each.
+//! Conditions under which the camera is tested. Each condition changes one property of the scene's camera.
 
 use finray_imaging::render::Disturbances;
 use finray_model::camera::{Camera, Distortion, Lens, Pose};
@@ -26,7 +26,7 @@ pub(super) enum Change {
 
 /// Difference of an image from the image of the scene's camera.
 pub(super) struct ImageChange {
-    /// Standard deviation of the noise, grey levels of 255, and of the blur, px.
+    /// Standard deviation of the noise, in grey levels of 255, and standard deviation of the blur, px.
     grey_noise: f64,
     blur_px: f64,
     /// Factors of the number of pixels along each side, and of the markers' radius.

@@ -17,7 +17,7 @@ use tried::{Tried, tried};
 
 /// Relative error of a force that a user accepts, dimensionless.
 pub const ASKED_ERROR: f64 = 0.01;
-/// Tolerance of the root mean square position error of a node in an image of the scene's camera, mm: a fiftieth of the paper's largest error.
+/// Tolerance of the root mean square error of a displacement's coordinate in images of the scene's camera, mm: a fiftieth of the paper's largest error.
 pub const GOOD_POSITION_MM: f64 = 0.004;
 
 /// Name of the condition with the scene's camera unchanged.
@@ -46,7 +46,7 @@ pub struct CameraRow {
     pub stated_mm: Option<f64>,
     /// Number of forces to sense.
     pub forces: usize,
-    /// Number of refused forces.
+    /// Number of forces that the estimator refused.
     pub refused: usize,
     /// Root mean square of sensed / true - 1 over the answered nodes.
     pub force_rms_error: Option<f64>,
@@ -59,7 +59,7 @@ pub struct CameraRow {
 /// Noise of a coordinate at which the Cramer-Rao bound of a force at a node equals [`ASKED_ERROR`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NeededNoise {
-    /// The node.
+    /// Node at which the force acts.
     pub node: NodeId,
     /// Standard deviation of a coordinate, mm.
     pub noise_mm: f64,
@@ -118,7 +118,7 @@ struct Bent {
 }
 
 impl CameraStudy {
-    /// Study of a finger under `force_n` (N) at its nodes, seen by a camera with these markers.
+    /// Studies a finger with these markers, seen by a camera, under a force of `force_n` (N) at one node at a time.
     ///
     /// # Errors
     /// [`ExperimentError`] if a force cannot be sensed at all.
@@ -182,7 +182,7 @@ impl CameraStudy {
     }
 }
 
-/// Deformed finger under `force_n` (N) at a node; `None` without equilibrium.
+/// Deformed finger under `force_n` (N) at a node; `None` if the finger has no equilibrium.
 fn bent(
     responding: &mut RespondingFinger,
     mesh: &Mesh,
@@ -233,7 +233,7 @@ fn condition_row(
     })
 }
 
-/// Processing times of two alternating images that differ in their noise; the first run of each kind is excluded.
+/// Processing times of two alternating images that differ in their noise. The first run of searching and the first run of tracking are excluded.
 fn frame_times(finger: &Finger, shape: &FingerShape, camera: &Camera, markers: &Markers) -> Option<FrameTimes> {
     const TIMED: usize = 9;
     let image = |seed: u64| {

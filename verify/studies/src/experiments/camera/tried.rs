@@ -25,7 +25,7 @@ pub(super) struct Tried {
     pub first_order: Option<f64>,
 }
 
-/// Observes and senses one deformed finger; `None` if the camera does not see the finger.
+/// Observes and senses one deformed finger; `None` if the camera does not see the finger, or if the finer finger has no equilibrium.
 pub(super) fn tried(
     mesh: &Mesh,
     (number, bent): (usize, &Bent),

@@ -60,7 +60,8 @@ pub(super) fn cells(
     sensors.iter().map(of_sensor).collect()
 }
 
-/// Contacts whose position (mm) or direction (degrees) is wrong to both sides, as requested. Positions off the plate are left out.
+/// Contacts around a position (mm) and direction (degrees). The two flags state whether position and direction are wrong, to both sides. Positions off the
+/// plate are left out.
 pub(super) fn beside(finger: &Finger, s_mm: f64, angle_deg: f64, [position, direction]: [bool; 2]) -> Vec<Contact> {
     let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
     let length_mm = finger.plate_length_mm(Plate::Front);
@@ -116,7 +117,7 @@ impl Squared {
 }
 
 impl Sensor<'_> {
-    /// Squared errors without the causes in `off`, averaged over all assumed contacts, by force. `None` without shape or answer.
+    /// Squared errors without the causes in `off`, averaged over all assumed contacts, by force. `None` if the finger has no equilibrium or sensing refuses.
     fn errors(
         &self,
         seen: &[Measurement],

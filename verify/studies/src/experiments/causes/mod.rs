@@ -1,9 +1,9 @@
 //! Causes of sensing errors: the error removed by eliminating one cause, and the remaining error after several.
 //!
-//! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing follows a user's practice. It treats softer parts of
-//! the finger as uniform, and calibrates the modulus by shapes under weights. It assumes a direction and a position with errors, and has a noisy
-//! camera. Each [`Cause`] can be eliminated separately. The share of a cause is the part of the mean square error that disappears without it.
-//! Shares need not add up to one: errors of equal sign reinforce each other when squared, and a cause that compensates another has a negative share.
+//! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing follows a user's practice. This practice treats softer parts
+//! of the finger as uniform, and calibrates the modulus by shapes under weights. It assumes a direction and a position with errors, and uses a noisy camera.
+//! Each [`Cause`] can be eliminated separately. The share of a cause is the part of the mean square error that disappears without it. Shares need not add up
+//! to one: errors of equal sign reinforce each other when squared, and a cause that compensates another has a negative share.
 
 mod cell;
 mod models;
@@ -29,7 +29,8 @@ pub const POSITION_OFF_MM: f64 = 1.5;
 pub enum Cause {
     /// Noise of the camera. Eliminated: no noise.
     Noise,
-    /// Assumption of small rotations. Eliminated: the nonlinear estimator. (The linear finger is exact at its key nodes on any mesh.)
+    /// Assumption of small rotations. Eliminated: the nonlinear estimator. (The mesh is no cause, because the linear finger is exact at its key nodes
+    /// on any mesh.)
     Linearisation,
     /// Young's modulus calibrated by the model from shapes under weights (paper, eq. (11)). Eliminated: the true modulus.
     Modulus,
@@ -104,8 +105,8 @@ impl Practice {
     }
 }
 
-/// Causes that are absent with this knowledge of the contact.
 impl ContactKnowledge {
+    /// Causes that are absent with this knowledge of the contact.
     fn leaves_out(self) -> &'static [Cause] {
         match self {
             ContactKnowledge::Assumed => &[],
@@ -177,11 +178,11 @@ pub const REMEDIES: [(&str, &[Cause]); 3] = [
 /// Causes of sensing errors for one true finger and practice, on a grid of positions, directions and forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseMap {
-    /// The request.
+    /// Parameters of the study.
     pub request: CauseRequest,
-    /// The true finger.
+    /// Type of the true finger.
     pub truth: TruthId,
-    /// The sensing practice.
+    /// Estimator of the user.
     pub practice: Practice,
     /// Knowledge of the contact.
     pub contact: ContactKnowledge,

@@ -13,7 +13,8 @@ pub(super) enum End {
     Tip,
 }
 
-/// Kinematics of the models. Every model has [`ELEMENTS`] elements per member, as the nonlinear estimator has; the linear one is exact at the key nodes.
+/// Kinematics of the models. Every model has [`ELEMENTS`] elements per member, as the nonlinear estimator has. The linear model is exact at the key nodes
+/// with any number of elements.
 const KINEMATICS: [Kinematics; 2] = [Kinematics::Linear, Kinematics::Corotational];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,10 +75,10 @@ impl Known {
     }
 }
 
-/// The end nearer to the middle of a zone.
+/// The end of the finger that is nearer to the middle of a zone.
 fn end_of(finger: &Finger, zone: &Zone) -> End {
     let plate = if zone.part == Part::Back { Plate::Back } else { Plate::Front };
-    // Both sides are doubled: twice the middle against the full length.
+    // Both sides of the comparison are doubled: twice the middle against the full length.
     if zone.from_mm + zone.to_mm < finger.plate_length_mm(plate) { End::Base } else { End::Tip }
 }
 
@@ -85,7 +86,7 @@ pub(super) fn has_zones(finger: &Finger, end: End) -> bool {
     finger.description().zones.iter().any(|zone| end_of(finger, zone) == end)
 }
 
-/// The finger with only its known zones; unknown ones are uniform.
+/// The finger with only its known zones. Where a zone is unknown, the part is uniform.
 pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finger, ExperimentError> {
     let mut description = finger.description().clone();
     description.zones.retain(|zone| match end_of(finger, zone) {
@@ -103,7 +104,8 @@ pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> 
     table_one::weighed(finger, truth, &loaded, weights_n)
 }
 
-/// The finger with the modulus that best fits the shapes whose loads its model carries; unchanged without such shapes.
+/// The finger with the modulus that best fits the shapes. Shapes under loads without equilibrium on this finger are left out; if no shape remains, the finger
+/// is unchanged.
 pub(super) fn calibrated(
     finger: &Finger,
     cases: &[CalibrationCase],

@@ -1,7 +1,8 @@
 //! Errors that a network adds to the errors of the model with which it was trained.
 //!
-//! A network senses only at its contact nodes and along the normal. The other studies of causes assume a wrong contact and model. Here the true
-//! contact deviates by the same amounts instead, and the true finger is made uniform. The measurements are noisy.
+//! A network senses only at its contact nodes and along the normal. In the other studies of causes, sensing assumes a wrong contact and a wrong model. Here
+//! the true contact deviates by the same amounts instead, and a cause in the zones is eliminated by removing them from the true finger. The measurements are
+//! noisy.
 
 use super::cell::{Squared, beside};
 use super::models::{calibrated, weighed, with_zones};
@@ -12,7 +13,7 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 
-/// Number of noise samples of every shape. The error by noise is then known to 17 %.
+/// Number of noise samples of every shape. The error caused by noise is then known to 17 %.
 const SAMPLES: usize = 40;
 const SEED: u64 = 1;
 
@@ -99,7 +100,7 @@ impl World {
         Ok(World { off, mesh, truth, model, modulus_factor })
     }
 
-    /// Mean square of sensed / true - 1 at a node, by force (N); `None` without equilibrium or answer.
+    /// Mean square of sensed / true - 1 at a node, by force (N); `None` if the finger has no equilibrium or sensing refuses.
     fn errors(&self, node: NodeId, network: &dyn Estimator, forces_n: &[f64], noise_mm: f64) -> Vec<Option<f64>> {
         let off = |cause| self.off == Some(cause);
         let mut sums = vec![Some(0.0); forces_n.len()];

@@ -1,9 +1,12 @@
 //! Camera model of a contact: its position and direction from outline points, with noise.
 //!
-//! The camera sees the outlines of object and finger as points. Each coordinate of a point has an independent error with standard deviation s, also
-//! independent of the markers, which are other pixels. The direction of a contact comes from two such points at a distance b ([`baseline_mm`]), so
-//! its standard deviation is sqrt(2) s / b. Where the object touches the plate between two rods, the contact's position is the distance of two points along the plate, so its standard deviation is sqrt(2) s. The touching parts are assumed known; a contact at a single rod is at its node. If several parts touch as one
-//! contact, its force may act anywhere between them, so the standard deviation of a uniform distribution is added.
+//! The camera sees the outlines of object and finger as points. The coordinates of these points have independent errors with standard deviation s. These
+//! errors are also independent of those of the markers, which are at other pixels.
+//!
+//! The direction of a contact comes from two such points at a distance b ([`baseline_mm`]), so its standard deviation is sqrt(2) s / b. For a contact with
+//! the plate between two rods, the position is the distance of two points along the plate, so its standard deviation is sqrt(2) s. Sensing is assumed to know
+//! which parts touch; a contact at a single rod is at its node. If several parts touch as one contact, its force may act anywhere between them, so the
+//! standard deviation of a uniform distribution is added.
 
 use super::contacts::{HalfSpan, member_mm};
 use super::{SeenContact, TurnedOutline};
@@ -11,7 +14,7 @@ use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 use finray_model::sensing::MeasuredContact;
 
-/// No position is admitted in this share of the base segment's length, because forces there deform nothing.
+/// Positions read by the camera are at least this share of the first segment's length from the base, because forces nearer to the base deform nothing.
 const NEAREST_TO_BASE: f64 = 0.01;
 
 /// Standard deviation of a uniform distribution relative to half its interval, 1 / sqrt(3).
@@ -48,14 +51,14 @@ pub fn read_contact(
     }
 }
 
-/// A contact belongs to a face if the cosine of the angle between the face and the contact's direction is at most this.
+/// A touch belongs to a face of the object if the cosine of the angle between the face and the touch's normal is at most this.
 const ALONG_FACE: f64 = 1e-3;
 /// A touch belongs to a face up to this distance, mm; overlaps are smaller.
 const ON_FACE_MM: f64 = 1e-2;
 
-/// Distance of the two outline points that show the direction of the surfaces at a touch, mm. On a flat face of the object the points are its ends.
-/// On a rod they are the rod's centre, and the touching corner or the centre of the touching disc. Elsewhere on the plate they are the ends of the
-/// plate segment.
+/// Distance of the two outline points that show the direction of the surfaces at a touch, mm. If a flat face of the object touches, the points are the ends
+/// of that face. Otherwise, on a rod, they are the rod's centre, and the touching corner or the centre of the touching disc. Elsewhere on the plate, they are
+/// the ends of the plate segment.
 pub fn baseline_mm(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, object: Vector, touch: &Touch) -> f64 {
     let on_plate_mm = |s_mm| member_mm(finger, s_mm);
     match (outline, touch.part) {

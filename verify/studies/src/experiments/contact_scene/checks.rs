@@ -13,22 +13,23 @@ const DISPLACEMENT: &str = "largest displacement difference / largest displaceme
 pub const BALANCE_TOLERANCE: f64 = 1e-6;
 /// Tolerance of a shape against the lattice's equilibrium under the contact forces, relative to the largest displacement.
 const EQUILIBRIUM_TOLERANCE: f64 = 1e-6;
-/// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement. It covers the error of rapier's sweeps and of its rest.
+/// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement. It covers the errors of rapier's sweeps and of its criterion of
+/// rest.
 const ENGINE_TOLERANCE: f64 = 5e-4;
 /// Tolerance of the sum of contact forces against rapier's, relative to the sum.
 const ENGINE_FORCE_TOLERANCE: f64 = 2e-3;
-/// Tolerance of a shape against converged beams under the contact forces, relative to the largest displacement. It also bounds errors of sensed
-/// totals, because forces follow shapes. Two segments between rods cause 1.0e-3 and 1.1e-3 for box and disc under 5 N. A single force in its worst
-/// direction causes four times as much. More segments reduce the error by their square (2.0e-4 for the disc on four).
+/// Tolerance of a shape against converged beams under the contact forces, relative to the largest displacement. It also bounds errors of sensed totals,
+/// because forces follow shapes. With two segments between rods, the difference is 1.0e-3 for the box and 1.1e-3 for the disc, under 5 N. A single force in
+/// its worst direction causes four times as much. The difference decreases with the square of the number of segments (2.0e-4 for the disc with four).
 const BEAMS_TOLERANCE: f64 = 1.3e-3;
 const SEGMENTS: f64 = 2.0;
 /// With friction, a stated standard deviation may be at most this share of the force. A larger one would cover the error but carry no information.
 const LARGEST_SIGMA: f64 = 0.5;
-/// Tolerance of the overlap of object and finger, mm. A larger overlap would mean that the engine's contacts yield.
+/// Tolerance of the overlap of object and finger, mm. A larger overlap would mean that contacts yield.
 const OVERLAP_TOLERANCE_MM: f64 = 1e-3;
 /// Tolerance of a touch beyond its friction cone, N: rounding.
 const CONE_TOLERANCE_N: f64 = 1e-6;
-/// Nominal coverage, and its shift by the lattice's difference from beams, which is less than half a standard deviation.
+/// Nominal coverage, and the change of coverage caused by the difference between lattice and beams, which is less than half a standard deviation.
 const MEANT: f64 = 0.95;
 const SHIFT: f64 = 0.01;
 /// Allowance for chance, in standard errors of a binomial share. The share of all samples of a scene exceeds the first allowance once in 370. The second is
@@ -125,7 +126,7 @@ impl SceneStudy {
         self.on(Kind::Internal, what, TRUE_FORCES)
     }
 
-    /// Checks of a shipped scene: the checks of any scene with closer tolerances, completion, shapes of beams without friction, and coverage of
+    /// Checks of a shipped scene: the checks of any scene, completion, shapes against beams (without friction), sensing without noise, and coverage of
     /// intervals.
     pub fn shipped_checks(&self) -> Vec<Check> {
         let mut checks = self.checks();

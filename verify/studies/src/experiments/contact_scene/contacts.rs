@@ -24,7 +24,8 @@ pub struct SeenContact {
     pub force: Vector,
     /// Component of the force along the direction of the contact, N.
     pub normal_n: f64,
-    /// Component of the force across the direction of the contact, positive towards the tip, N: friction, and normal forces of other directions.
+    /// Component of the force across the direction of the contact, positive towards the tip, N. It consists of friction, and of normal forces of touches in
+    /// other directions.
     pub friction_n: f64,
 }
 

@@ -183,7 +183,7 @@ impl ContactScene {
     }
 
     /// Senses the forces of a step from the key nodes and the contacts. Both have noise of `noise_mm` (standard deviation of a coordinate, mm), with numbers
-    /// from `standard_normal`. Forces lie within the cone of the assumed friction. `None` without contact.
+    /// from `standard_normal`. Forces lie within the cone of the assumed friction. `None` if no contact deforms the finger.
     ///
     /// # Errors
     /// [`Refusal`] if the forces are not identifiable.

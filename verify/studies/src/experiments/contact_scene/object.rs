@@ -37,7 +37,7 @@ pub enum OutlineError {
 const FARTHEST_MM: f64 = 1e4;
 /// Number of corners of a drawn disc.
 const DRAWN_CORNERS: usize = 90;
-/// Tolerance between the areas of an outline and of its triangles, relative. Only an outline that crosses itself exceeds it.
+/// Tolerance of the difference between the areas of an outline and of its triangles, relative. Only an outline that crosses itself exceeds it.
 const AREA_TOLERANCE: f64 = 1e-9;
 
 /// Outline of a pressed object about its reference point, rotated as the scene states.
@@ -227,7 +227,7 @@ fn step_on_path(points: &[Vector], from: f64, to: f64) -> HandStep {
     for (i, pair) in segments.iter().enumerate() {
         let way = pair[1] - pair[0];
         let ends = begins + way.norm();
-        // The last segment includes the rounding error.
+        // The last segment also takes an end that rounding puts beyond the path.
         if to * total <= ends || i + 1 == segments.len() {
             let share = ((to * total - begins) / way.norm()).min(1.0);
             return HandStep { corners, end: Push::To(pair[0] + way * share), along: way.normalize() };

@@ -46,7 +46,7 @@ impl Objects {
         Ok(Objects { scenes, samples })
     }
 
-    /// Number of progress calls.
+    /// Number of times that `press` reports progress.
     pub fn steps(&self) -> usize {
         self.scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum()
     }

@@ -6,7 +6,7 @@ use finray_lattice::pressing::{Pressing, Push};
 
 /// A lattice is fine enough if no total differs by more than this, relative, from the total on a lattice half as fine.
 pub const TOTAL_TOLERANCE: f64 = 1e-3;
-/// The change of a total below this share of the scene's largest total is divided by that share of the largest total.
+/// For a total below this share of the scene's largest total, the change is relative to that share of the largest total.
 const SMALL: f64 = 0.1;
 /// Number of segments of the front plate in the first lattice.
 const FIRST_SEGMENTS: usize = 36;
@@ -32,7 +32,7 @@ pub struct TotalChange {
 }
 
 impl TotalChange {
-    /// Largest change from a lattice to a finer one. A step that only one of the two reaches counts as a change of 100 %.
+    /// Largest change from a lattice to a finer one. A step that only one of the two lattices reaches counts as a change of 100 %.
     pub fn largest(coarse: &[SceneStep], fine: &[SceneStep]) -> Option<TotalChange> {
         let largest_n = fine.iter().map(|step| step.total_n().abs()).fold(0.0, f64::max);
         let share = |(coarse, fine): (&SceneStep, &SceneStep)| {

@@ -12,7 +12,7 @@ use finray_model::statics;
 
 /// Number of noise samples per step in a full study. All steps of a scene together then have some hundreds to a thousand samples.
 pub const SAMPLES: usize = 50;
-/// Spacing of sample seeds. The seeds of a step begin at the step's number (from 1) times this.
+/// Spacing of sample seeds. The first seed of a step is this number times the step's number (from 1).
 const SEEDS_A_STEP: u64 = 1_000_000;
 
 /// One step with its sensed forces.
@@ -20,11 +20,11 @@ const SEEDS_A_STEP: u64 = 1_000_000;
 pub struct StudiedStep {
     /// Equilibrium of finger and object, with true forces.
     pub step: SceneStep,
-    /// Forces sensed without noise; `None` without contact.
+    /// Forces sensed without noise; `None` if no contact deforms the finger.
     pub clean: Result<Option<SensedStep>, Refusal>,
-    /// Forces sensed from one noise sample; `None` without contact.
+    /// Forces sensed from one noise sample; `None` if no contact deforms the finger.
     pub noisy: Result<Option<SensedStep>, Refusal>,
-    /// Forces sensed from many noise samples; `None` without contact.
+    /// Forces sensed from many noise samples; `None` without samples, or if no contact deforms the finger.
     pub samples: Option<NoiseSamples>,
 }
 
@@ -99,7 +99,7 @@ pub fn run_all(
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<SceneStudy>, SceneStudyError> {
     let run = |(SceneWithOutline { scene, corners, .. }, fineness): &(SceneWithOutline, Option<usize>)| {
-        // Free objects belong to grippers.
+        // Scenes with a free object are skipped, because only a gripper can hold such an object.
         let is_pressed = |object: &&ObjectDescription| !matches!(object.motion, ObjectMotion::Free { .. });
         let Some(object) = scene.object.as_ref().filter(is_pressed) else { return Ok(None) };
         let prepared = ContactScene { fineness: *fineness, ..ContactScene::new(scene, object, corners)? };
@@ -113,7 +113,7 @@ pub fn run_all(
 /// A scene with its text and the corners of its object's outline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneWithOutline {
-    /// The scene.
+    /// Scene as read from its text.
     pub scene: Scene,
     /// Text of the scene's file.
     pub text: String,

@@ -6,7 +6,7 @@ use crate::prelude::*;
 use finray_lattice::pressing::Push;
 use finray_lattice::pressing::settled::EnginePressing;
 
-/// Verification of a step of a contact scene. A part is `None` if its computation does not come to rest.
+/// Verification of a step of a contact scene. A field is `None` if rapier does not come to rest, or if the lattice has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VerifiedStep {
     /// Difference of shape and contact forces between the step and the state of rest that rapier reaches from the step.

@@ -46,7 +46,7 @@ impl Assumption {
 /// A push along the deformed normal, sensed under one assumption about its direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionlessPush {
-    /// The contact node.
+    /// Node at which the force acts.
     pub node: usize,
     /// Position of the node on the front plate, mm from the base.
     pub s_mm: f64,

@@ -66,10 +66,10 @@ pub enum GraspEnd {
         /// Sliding distance, mm.
         slid_mm: f64,
     },
-    /// A finger touches something else than the object.
+    /// A finger touches something other than the object.
     #[error("{0}")]
     Obstructed(#[from] Obstacle),
-    /// Newton's method failed.
+    /// No equilibrium of fingers and object was found, or a finger folds.
     #[error("{0}")]
     Halted(#[from] GraspFailure),
 }
@@ -80,7 +80,7 @@ const HOLD_STEPS: usize = 5;
 const HOLD_FRAMES: usize = 30;
 /// An object has slipped if its displacement relative to the gripper exceeds this share of the object's size.
 const SLIPPED: f64 = 0.5;
-/// Controller gain. In each frame the motor closes by this share of the missing force, divided by the delay in frames plus one.
+/// Controller gain. In each frame the motor corrects this share of the missing force, divided by (delay in frames + 1).
 const GAIN: f64 = 0.5;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,7 +103,7 @@ pub(super) struct Course<'s, 'l> {
     motor_deg: f64,
     gripper_mm: Vector,
     weight_share: f64,
-    /// Sensed forces (mean total of both fingers, N) with their motor angles (degrees), the newest last; at least as many as the delay in frames.
+    /// Sensed forces so far (mean total of both fingers, N) with their motor angles (degrees), the newest last.
     sensed: VecDeque<(f64, f64)>,
     /// Position of the object in the gripper's frame at the beginning of the path, mm.
     held_at: Option<Vector>,
@@ -230,7 +230,7 @@ impl<'s, 'l> Course<'s, 'l> {
         if let [Some(left_n), Some(right_n)] = fingers.each_ref().map(FingerStep::sensed_total_n) {
             self.sensed.push_back((0.5 * (left_n + right_n), self.motor_deg));
         } else if let Some(&last) = self.sensed.back() {
-            // A refused frame gives no new force, so the last one counts again.
+            // A refused frame gives no new force, so the last force counts again.
             self.sensed.push_back(last);
         }
         let weight = self.scene.weight() * self.weight_share;

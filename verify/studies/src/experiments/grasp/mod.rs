@@ -34,8 +34,8 @@ use rapier2d::parry::query::intersection_test;
 use rapier2d::parry::shape::Triangle;
 use rapier2d::prelude::{Pose, Vector as EngineVector};
 
-/// Number of plate segments between two rods. Sensing uses converged beams. With three segments, a wedge pressing 5 N between two rods causes an
-/// error of 0.5 %, twice the error by 0.067 mm noise. Six segments cause a quarter of the error of three.
+/// Number of plate segments between two rods. Sensing uses converged beams. With three segments, a wedge that presses with 5 N between two rods causes an
+/// error of 0.5 %, twice the error caused by noise of 0.067 mm. Six segments cause a quarter of the error of three.
 pub const FINENESS: usize = 6;
 /// One newton in g m/s^2.
 const GRAMS_M_S2_A_NEWTON: f64 = 1000.0;
@@ -76,12 +76,12 @@ pub enum GraspError {
     /// A finger touches the other finger or the table at the start.
     #[error("grasp.motor_deg: {obstacle} where the gripper starts, at a motor angle of {motor_deg:?} degrees")]
     Obstructed {
-        /// The obstacle.
+        /// Body that the finger touches.
         obstacle: Obstacle,
         /// Motor angle, degrees.
         motor_deg: f64,
     },
-    /// The object overlaps the finger at the start.
+    /// The object overlaps a finger or the support at the start, or a finger cannot be used for contact.
     #[error(transparent)]
     World(#[from] WorldError),
     /// The lattice cannot be built.

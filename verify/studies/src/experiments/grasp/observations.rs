@@ -24,7 +24,7 @@ pub struct Observations {
     pub noise_mm: f64,
     /// Name of each object grasped by the paper's fingers, with the comparison of its totals.
     pub objects: Vec<(String, Totals)>,
-    /// Forces sensed at once at those of nodes 16 to 20 whose nearest contact is at least one node spacing away, by estimator.
+    /// By estimator: forces at nodes 16 to 20, sensed at once. Only nodes at least one node spacing away from every contact count.
     pub untouched: Vec<(EstimatorId, Untouched)>,
     /// Forces sensed at a sensor module's node without contact, while the other node has contact.
     pub beside_sensor: Untouched,
@@ -163,9 +163,9 @@ fn free_nodes(finger: &Finger, step: &FingerStep) -> Option<Vec<usize>> {
     Some(NODES.filter(is_free).collect())
 }
 
-/// A contact at a node along the normal of the deformed plate, which the camera sees.
+/// A contact at a node along the normal of the deformed plate; the camera sees this normal.
 fn along_normal(step: &FingerStep, node: NodeId) -> Contact {
-    // The inward normal rotates with the plate, from x to y: towards the tip.
+    // A positive rotation of the plate (from x to y) turns the inward normal towards the tip.
     let angle_deg = step.shape.motion(node).rotation.to_degrees();
     Contact { position: ContactPosition::Node(node), angle_deg }
 }

@@ -19,9 +19,8 @@ use std::borrow::Cow;
 pub enum Eyes {
     /// Marker positions with noise of this standard deviation (mm) on each coordinate.
     Noise(f64),
-    /// Images, one for each finger. The camera is in front of each finger as the scene states, in the finger's frame at its motor angle.
-    /// Alternatively the camera is on the gripper, in the gripper's frame
-    /// ([`GraspDescription::camera_on_gripper`](finray_model::scene::GraspDescription)).
+    /// Images, one for each finger. The pose of the camera is relative to the frame of each finger at its motor angle. If the camera is on the gripper
+    /// ([`GraspDescription::camera_on_gripper`](finray_model::scene::GraspDescription)), the pose is relative to the gripper's frame.
     Images {
         /// The camera; its pose is relative to the finger or the gripper.
         camera: Box<Camera>,
@@ -109,7 +108,7 @@ pub struct FingerStep {
     pub on_object: Vector,
     /// Total force across the gripper, N, without contacts at the clamp, whose forces cannot be sensed.
     pub total_n: f64,
-    /// Sensed forces, and their sum across the gripper; `None` without contact.
+    /// Sensed forces, and their sum across the gripper; `None` if no contact deforms the finger.
     pub sensed: Result<Option<SensedStep>, NotSensed>,
 }
 

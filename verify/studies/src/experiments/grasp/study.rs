@@ -4,8 +4,8 @@ use super::{Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary};
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 
-/// Tolerance of the imbalance of forces and moments, relative to the largest force: rounding of Newton's method, and the resistance against a moved
-/// object.
+/// Tolerance of the imbalance of forces and moments, relative to the largest force: rounding of Newton's method, and numerical resistance to the object's
+/// motion.
 const BALANCE_TOLERANCE: f64 = 1e-4;
 /// Relative tolerance of the difference of both fingers' totals while only the fingers hold the object: the forces balance across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;
@@ -14,10 +14,10 @@ const EQUAL_TOLERANCE: f64 = 1e-4;
 const TOTAL_TOLERANCE: f64 = 0.01;
 /// Tolerance of the difference between the work of the bases and the work of friction over the whole grasp, relative, by the trapezoidal rule.
 const WORK_TOLERANCE: f64 = 0.02;
-/// Tolerance of unaccounted energy, relative to the largest elastic energy: the error of the trapezoidal rule over parts of steps. Each part lacks
-/// less than 1e-4 of the energy that deforms a finger by the object's size.
+/// Tolerance of unaccounted energy, relative to the largest elastic energy: the error of the trapezoidal rule over increments. While the bases move without a
+/// snap, the imbalance of an increment is at most 1e-4 of the energy that deforms a finger by the object's size.
 const ENERGY_TOLERANCE: f64 = 0.01;
-/// Nominal share of totals within their intervals, and its tolerance: four standard errors of a share of 78.
+/// Nominal share of totals within their intervals, and its tolerance: four standard errors for 78 totals.
 const COVERED: f64 = 0.95;
 const COVERED_TOLERANCE: f64 = 0.1;
 
@@ -26,7 +26,7 @@ const COVERED_TOLERANCE: f64 = 0.1;
 pub struct GraspStudy {
     /// Name of the scene.
     pub name: String,
-    /// The scene.
+    /// The scene, prepared for grasping.
     pub scene: GraspScene,
     /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,

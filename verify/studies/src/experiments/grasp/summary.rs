@@ -1,11 +1,11 @@
-//! Summary of a grasp.
+//! Figures that summarise a grasp: outcome, totals, energy and sensing errors.
 
 use super::outlook::{LoopFigures, loop_figures};
 use super::{GraspEnd, GraspScene, GraspStep, Phase};
 use crate::prelude::*;
 use finray_lattice::grasp::Account;
 
-/// Summary of a grasp.
+/// Figures of one grasp: outcome, totals, energy and sensing errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// Name of the scene.

@@ -68,7 +68,7 @@ const MODULI_MPA: [f64; 4] = [1e-3, 1.0, 1e3, 1e6];
 /// Tolerance of scaling laws, relative; Newton's method stops at 1e-11 of the energy norm.
 const SCALING: f64 = 1e-9;
 const ZONE_FACTORS: [f64; 2] = [1e6, 1e-6];
-/// Tolerance of the displacements caused by the deformation of a zone with 1e6 times the stiffness, relative, including the zone's lever arm.
+/// Tolerance of the displacements caused by the strain of a zone that is 1e6 times stiffer, relative. It allows for the zone's lever arm.
 const RIGID: f64 = 1e-5;
 const LARGE_MESH_NODES: usize = 100_000;
 /// Tolerance of an accepted solution, relative: four correct digits.

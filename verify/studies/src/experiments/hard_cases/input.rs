@@ -172,7 +172,7 @@ fn displacements(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<
             // Tiny displacements equal those of the linear finger; displacements of 1e20 mm are impossible.
             Ok(found) if exponent < 0 => off.push((found.forces.forces_n[0] / factor - 1.0).abs()),
             Ok(found) => {
-                // A returned force counts as wrong only if its residual claims a fit.
+                // A returned force counts as wrong only if its residual is so small that the force seems to fit.
                 wrong += usize::from(found.forces.residual_rms_mm < 0.01 * factor);
             }
             Err(error) => refusals.push((exponent, error)),

@@ -27,8 +27,8 @@ pub(super) const QUESTIONS: &[Question] = &[
 ];
 
 const TINY_N: [f64; 5] = [1e-9, 1e-7, 1e-5, 1e-3, 1e-1];
-/// Tolerance of the relative nonlinear change of the displacement per newton, with a margin of 10 %. It holds at the middle of the finger for a
-/// vanishing load. The change is proportional to the load, so a stopping rule that ends early gives more.
+/// Tolerance of the relative change of the displacement by geometric nonlinearity, per newton: the value for a vanishing load at the middle of the finger,
+/// with a margin of 10 %. The change is proportional to the load. A stopping rule that ends early gives a larger change.
 const NONLINEARITY_PER_N: f64 = 1.1 * 0.08;
 /// Load steps, relative to the requested load, are not divided below this. A limit load is known to this accuracy.
 const LAST_STEP: f64 = 1e-6;

@@ -26,7 +26,7 @@ pub struct HardCase {
     pub difficulty: &'static str,
     /// Expected outcome.
     pub expectation: &'static str,
-    /// Results in words, which figures cannot express.
+    /// Results that figures cannot express, in words.
     pub notes: Vec<String>,
     /// Results as checks with tolerances.
     pub checks: Vec<Check>,

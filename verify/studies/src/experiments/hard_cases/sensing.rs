@@ -48,7 +48,7 @@ pub(super) const QUESTIONS: &[Question] = &[
 const EXACT: f64 = 1e-7;
 /// Tolerance of an error over some hundred draws, in standard deviations. One draw exceeds it with a probability of 6e-7.
 const SIGMAS: f64 = 5.0;
-/// Tolerance of scatter over sigma around 1: over four standard errors of the draws, and geometric nonlinearity at 1 mm noise.
+/// Tolerance of scatter / sigma against 1. It covers more than four standard errors of the draws, and geometric nonlinearity at 1 mm noise.
 const SCATTER: f64 = 0.25;
 /// Noise of a good camera, mm, for twelve forces at once; the paper's camera is too noisy for them.
 const GOOD_NOISE_MM: f64 = 0.0067;

@@ -1,10 +1,10 @@
-//! Properties of every equilibrium of every finger, checked independently of the solver.
+//! Laws that every equilibrium of every finger must obey, checked independently of the solver.
 
 use super::{Findings, Unexpected};
 use crate::prelude::*;
 use finray_model::statics::{elastic_energy, reaction};
 
-/// Tolerance between the ladder solver and the general sparse solver, relative to the largest displacement.
+/// Tolerance of the difference between the ladder solver and the general sparse solver, relative to the largest displacement.
 pub const AGREEMENT: f64 = 1e-8;
 /// Tolerance of the imbalance of force and moment between reactions and load, relative to the load. Strains of stiff elements have fewer correct
 /// digits.
@@ -29,7 +29,7 @@ const GAUSS: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
-/// Largest violations of each mechanical law over some equilibria.
+/// Violations of each mechanical law, one figure for each equilibrium.
 #[derive(Debug, Default)]
 pub struct Soundness {
     against_sparse: Vec<f64>,
@@ -50,8 +50,8 @@ impl Soundness {
         Ok([self.linear(mesh, load)?, self.corotational(mesh, load)?])
     }
 
-    /// Like [`add`](Soundness::add), for a force (N) that may have no equilibrium. Then slightly less than the reported carried share must have one, and
-    /// half of that share must pass all checks. Returns the carried share, 1 for the full force.
+    /// Like [`add`](Soundness::add), for a force (N) that may have no equilibrium. If it has none, slightly less than the reported carried share must have an
+    /// equilibrium, and half of that share must pass all checks. Returns the carried share, 1 for the full force.
     pub fn add_or_refused(&mut self, mesh: &Mesh, node: NodeId, force: Vector) -> Result<f64, Unexpected> {
         let solve = |share: f64| {
             let load = mesh.frame_load(&Load::at_node(node, force * share))?;

@@ -12,7 +12,7 @@ const BOARD: [usize; 2] = [16, 10];
 /// Projective map from pixels to the plane z = 0, fitted to a board that fills the image.
 ///
 /// # Reference
-/// Direct linear transformation (Hartley and Zisserman, Multiple View Geometry in Computer Vision, sec. 4.1), with pixels scaled to the image.
+/// Direct linear transformation (Hartley and Zisserman, Multiple View Geometry in Computer Vision, sec. 4.1). Pixels are divided by the size of the image.
 struct Projective {
     size_px: Vector,
     entries: DVector<f64>,
@@ -71,7 +71,7 @@ pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<Lo
     };
     let mut observation = seen.observation.clone();
     let seen_base = observation.base.map_or_else(Isometry2::identity, |base| base.pose);
-    // Marks on the base get the same location errors.
+    // Marks on the base get the same location errors as the markers.
     let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
     let marks = references.iter().map(|reference| {
         let placed = (seen_base * Point2::from(reference.at)).coords;

@@ -14,8 +14,8 @@ pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 const CHANCE: f64 = 3.3;
 /// Tolerance of the mean relative error of the sum of two forces.
 const SUM_ERROR: f64 = 0.01;
-/// Tolerance of a mean error, as a multiple of the error at the Cramer-Rao bound. The error of a force was at most 7 % above the bound, known to 2 %.
-/// The error of a sum was up to 59 % above it: the noise of neighbours cancels in a sum, but the networks' own errors need not.
+/// Tolerance of a mean error, as a multiple of the error at the Cramer-Rao bound. The error of a force was at most 7 % above its bound, known to 2 %. The
+/// error of a sum was up to 59 % above its bound: the noise of neighbours cancels in a sum, but the networks' own errors need not.
 const OVER_BOUND: f64 = 1.10;
 const SUM_OVER_BOUND: f64 = 1.70;
 const SEED: u64 = 2;
@@ -23,7 +23,7 @@ const SEED: u64 = 2;
 /// Contact nodes, with the tolerance of each force's mean error at the camera's noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckedSet {
-    /// The contact nodes.
+    /// Nodes at which the forces act.
     pub nodes: &'static [usize],
     /// Tolerance of the mean relative error of each force.
     pub force: f64,

@@ -36,9 +36,9 @@ pub struct OverSeeds {
 /// One of the paper's five figures, with the recorded figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// The group of tests.
+    /// Group of tests: a row of the paper's table.
     pub group: ContactGroup,
-    /// `each force` or `sum`.
+    /// Quantity whose error is stated: `each force` or `sum`.
     pub quantity: &'static str,
     /// The paper's mean relative error.
     pub paper: f64,

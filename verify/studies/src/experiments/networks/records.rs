@@ -15,7 +15,7 @@ pub struct RecipeRow {
     pub recipe: String,
     /// Seed of the training.
     pub seed: u64,
-    /// The true finger, linear or co-rotational.
+    /// Type of the true finger: linear or co-rotational.
     pub truth: TruthId,
     /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,

@@ -26,7 +26,7 @@ pub struct Peer {
 /// Times and errors of other programs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Peers {
-    /// The rows.
+    /// One entry for each program, task and setting.
     pub peers: Vec<Peer>,
     /// Description of the machine; empty if the file does not state it.
     pub machine: String,

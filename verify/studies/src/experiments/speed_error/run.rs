@@ -22,7 +22,7 @@ pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
         Effort::Quick => [1, 4],
         Effort::Full => [2, 2 * ASKED_NODES],
     };
-    // Without equilibrium under the loads, the chart is omitted; the maps show the missing equilibria.
+    // Without equilibrium under the loads, the points for solving are omitted; the maps show the missing equilibria.
     let mut points = match solving(finger, ASKED_NODES, forces) {
         Err(ExperimentError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
         points => points?,

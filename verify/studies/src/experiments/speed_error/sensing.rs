@@ -1,10 +1,10 @@
 //! Sensing of a moving force, frame by frame: time, error, and the error of the mesh.
 //!
-//! A force at a node oscillates over [`TWO_FORCES_N`] once per second, at the paper's 25 frames per second. The force changes by up to 0.34 N
-//! between frames. Frames show the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a cold start (least
-//! squares, as for an unrelated measurement) and from a warm start (the previous frame). Other estimators do not iterate from a starting point.
-//! Preparation for a contact is timed separately. Stated standard deviations cover only noise, so that errors of linearisation and mesh show against
-//! them. `finray sense` also computes these errors to widen its intervals, which is not timed here.
+//! A force at a node oscillates over [`TWO_FORCES_N`] once per second, at the paper's 25 frames per second. The force changes by up to 0.34 N between frames.
+//! Frames show the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a cold start (least squares, as for an
+//! unrelated measurement) and from a warm start (the previous frame). Other estimators do not iterate from a starting point. Preparation for a contact is
+//! timed separately. Stated standard deviations cover only noise, so that errors of linearisation and mesh are visible in comparison. `finray sense` also
+//! computes these errors to widen its intervals; that computation is not timed here.
 
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::prelude::*;
@@ -34,7 +34,7 @@ pub struct Frame {
 
 /// Frames of oscillating forces at one set of contacts.
 pub struct Stream {
-    /// The contacts.
+    /// Contacts at which the forces act.
     pub contacts: Vec<Contact>,
     /// The frames in time order.
     pub frames: Vec<Frame>,
@@ -93,7 +93,7 @@ fn force_n([low, high]: [f64; 2], frame: usize, contact: usize) -> f64 {
 
 /// An estimator to be timed.
 pub struct TimedEstimator<'e> {
-    /// The estimator.
+    /// Estimator whose answers are timed.
     pub estimator: Box<dyn Estimator + 'e>,
     /// Mesh or other setting, in words.
     pub setting: String,
@@ -173,8 +173,8 @@ pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
     loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect()
 }
 
-/// Times sensing of one oscillating force at [`ASKED_NODES`] nodes, and of two forces at neighbouring nodes, over `periods` periods of each on
-/// `truth`. The noise is `noise_mm` (mm). `further` estimators are added to those on beams.
+/// Times sensing of one oscillating force at [`ASKED_NODES`] nodes, and of two forces at neighbouring nodes, on the finger of `truth`. `periods` are the
+/// numbers of oscillations for the two tasks. The noise is `noise_mm` (mm). `further` estimators are added to those on beams.
 pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,

@@ -1,4 +1,4 @@
-//! Time and error of computing the shape under a load: every theory on every mesh, and lattices.
+//! Time and error of computing the shape under a load: every beam theory on its meshes, and lattices.
 
 use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
@@ -103,7 +103,7 @@ pub struct Beams {
     pub setting: String,
     /// Kinematics of the model.
     pub kinematics: Kinematics,
-    /// The mesh.
+    /// Mesh on which the model is solved.
     pub mesh: Mesh,
 }
 

@@ -10,9 +10,9 @@ use finray_numerics::optimise::{Convergence, LeastSquaresProblem, LevenbergMarqu
 
 /// Direction assumed for the weights, degrees from the inward normal.
 pub const ANGLE_DEG: f64 = 0.0;
-/// Targets at nodes 14 to 24: mean of sensed / true - 1, and its tolerance. The paper sensed too large forces at 14, 16 and 24. There the errors over
-/// six weights scatter by about 5 percentage points, so the mean is uncertain by 2. At 18 to 22 the signs are not published, and the errors stay
-/// below 5 %. The target there is 0, with a tolerance of 3 percentage points.
+/// Targets at nodes 14 to 24: mean of sensed / true - 1, and its tolerance. The paper sensed too large forces at nodes 14, 16 and 24. There the errors over
+/// six weights scatter by about 5 percentage points, so the mean is uncertain by 2 percentage points. At nodes 18 to 22 the signs are not published, and the
+/// errors stay below 5 %. The target there is 0, with a tolerance of 3 percentage points.
 pub const TARGETS: [(f64, f64); 6] =
     [(0.563, 0.02), (0.121, 0.02), (0.0, 0.03), (0.0, 0.03), (0.0, 0.03), (0.200, 0.02)];
 /// Tolerance of the calibrated modulus relative to the published one; small, because equality is required.
@@ -21,7 +21,7 @@ const MODULUS_TOLERANCE: f64 = 1e-3;
 const DIFFERENCE: f64 = 1e-4;
 /// The fit has converged if no factor changes by more than this, relative. Finite differences allow no smaller value.
 const SMALLEST_STEP: f64 = 1e-7;
-/// The fit is given up after this number of iterations; every set of zones needs fewer.
+/// The fit is abandoned after this number of iterations; every set of zones needs fewer.
 const MAX_STEPS: usize = 40;
 /// One iteration changes ln(factor) by at most this.
 const LARGEST_STEP: f64 = 0.5;
@@ -29,7 +29,7 @@ const LARGEST_STEP: f64 = 0.5;
 /// Factors of a [`ZoneSet`] that fit Table I best.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwinFit {
-    /// The zones.
+    /// Zones whose factors are fitted.
     pub set: ZoneSet,
     /// The fitted finger. Its modulus is chosen so that the paper's calibration gives the published modulus.
     pub finger: Finger,

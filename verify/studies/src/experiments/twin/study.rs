@@ -69,7 +69,7 @@ impl Evidence for TwinStudy {
     }
 }
 
-/// Study of the twin; `None` unless the finger is the paper's, with noise. `before` is Table I of the uniform finger.
+/// Study of the twin; `None` for another finger than the paper's, and without noise. `before` is Table I of the uniform finger.
 pub(crate) fn run(context: &Context, before: Option<&TableOne>) -> Result<Option<TwinStudy>, ExperimentError> {
     let Some(before) = before.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
     context.progress.part("digital twin", TwinStudy::STEPS);
@@ -79,7 +79,7 @@ pub(crate) fn run(context: &Context, before: Option<&TableOne>) -> Result<Option
 }
 
 impl TwinStudy {
-    /// Number of progress calls.
+    /// Number of times that the study reports progress.
     pub const STEPS: usize = 3;
 
     /// Runs the study: `repeats` calibrations, `cases` forces at each node, and fits of the first `sets` sets of zones, beginning with the twin's.

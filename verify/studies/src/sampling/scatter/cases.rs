@@ -6,12 +6,13 @@ use crate::prelude::*;
 use crate::sampling::noise::{Noise, with_sample};
 use finray_model::statics::equilibria;
 
-/// After this number of successive draws without equilibrium, the finger counts as unable to carry any force of the range.
+/// A case is dropped after this number of draws without equilibrium. If the first case is dropped, the finger counts as unable to carry any force
+/// of the range.
 const MOST_DRAWS: usize = 100;
 /// Number of cases per block. Cases of a block share prepared estimators, and one thread computes a block.
 const BLOCK: u64 = 100;
-/// Share of the noise at which the first-order response is computed. Forces then change by some per cent of sigma, far above the convergence
-/// tolerance of the search. The effect of curvature is a tenth of its size at full noise.
+/// Share of the noise at which the first-order response is computed. The estimated forces then change by about a tenth of their standard deviation,
+/// far more than the convergence tolerance of the search. The effect of curvature is a tenth of its size at full noise.
 const LITTLE: f64 = 0.1;
 
 pub(super) struct Case {
@@ -24,9 +25,9 @@ pub(super) struct Case {
 }
 
 pub(super) struct Sample {
-    /// Cramer-Rao bound: standard deviations stated by an estimator of the true finger. `None` without noise, or if a force is not identifiable.
+    /// Cramer-Rao bound: standard deviations stated by an estimator with the true finger's kinematics. `None` without noise, or if it gives no estimate.
     pub bound: Option<Sensed>,
-    /// First-order errors caused by the noise, N, of an estimator of the true finger; `None` without noise, or if not requested.
+    /// First-order errors caused by the noise, N, of the estimator that gives the bound; `None` without noise, or if not requested or not computed.
     pub first_order: Option<Vec<f64>>,
     /// Estimates by estimator; `None` if the estimator refused.
     pub sensed: Vec<Option<Sensed>>,
@@ -99,13 +100,14 @@ impl<'a> CaseRunner<'a> {
         })
     }
 
-    /// Deforms the finger by all draws together, and measures it without noise. A draw without equilibrium is repeated; `None` if all its repetitions have none.
+    /// Solves for the finger's shape under each draw, in batches, and measures it without noise. A draw without equilibrium is repeated; `None` if all
+    /// its repetitions have no equilibrium either.
     fn carried(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<(Draw, Measurement)>> {
         let mut carried: Vec<Option<(Draw, Measurement)>> = draws.iter().map(|_| None).collect();
         let size_n = |number: &usize| draws[*number].forces_n.iter().sum::<f64>();
         let mut open: Vec<usize> = (0..draws.len()).collect();
         open.sort_by(|a, b| size_n(b).total_cmp(&size_n(a)));
-        // The largest draw alone shows whether the other draws need a scout.
+        // The largest draw is solved first. If it has no equilibrium, the other draws are classified by a scout before they are solved.
         let others = open.split_off(open.len().min(1));
         let mut open = self.attempt(&mut draws, open, &mut carried, range_n);
         open.extend(others);
@@ -115,7 +117,7 @@ impl<'a> CaseRunner<'a> {
         carried
     }
 
-    /// Deforms the finger by the draws with these numbers. Returns the numbers of draws without equilibrium, which are drawn again.
+    /// Solves for the finger's shape under the draws with these indices. Draws without equilibrium get new forces; their indices are returned.
     fn attempt(
         &mut self,
         draws: &mut [Draw],

@@ -1,4 +1,4 @@
-//! Fast detection of forces that clearly exceed the finger's limit load, on the estimator's mesh.
+//! Fast detection of forces that clearly exceed the finger's limit load. It uses the estimator's mesh, which is coarser than the true finger's.
 
 use crate::prelude::*;
 use finray_model::statics::Ladder;
@@ -7,16 +7,16 @@ use std::sync::OnceLock;
 /// Forces are clearly too large if the estimator's mesh carries less than this fraction of them. Over 432 random pairs of forces on two fingers, the
 /// true finger's mesh has 0.990 to 1.001 times the limit load of the estimator's mesh.
 const CLEARLY_TOO_LARGE: f64 = 0.98;
-/// A known limit load replaces a solve if the two ratios of forces differ by at most this angle, rad.
+/// Known limit loads replace a solve if there is one within this angle, rad, on either side of the ratio of the forces.
 const NEIGHBOURS: f64 = 0.1;
 /// Factor for a margin around the largest forces that the two neighbouring ratios carry. Forces count as carried below this factor times the smaller of
 /// the two, and as too large above the larger divided by this factor.
 const BETWEEN_NEIGHBOURS: f64 = 0.9;
 
-/// Largest angle, rad, between the ratios of forces whose limit loads are computed once for all blocks of cases.
+/// Largest angle, rad, between neighbouring ratios of forces whose limit loads are computed once for all blocks of cases.
 const SPREAD: f64 = 0.05;
 
-/// Limit loads of the drawn ratios of forces on the estimator's mesh, computed at the first request.
+/// Limit loads on the estimator's mesh, for ratios over the whole range of drawn forces. They are computed at the first request.
 pub(super) struct RatioLimits<'m> {
     mesh: &'m Mesh,
     kinematics: Kinematics,
@@ -50,7 +50,7 @@ impl<'m> RatioLimits<'m> {
         scout
     }
 
-    /// Largest drawn forces (N) of each ratio; empty if one angle does not describe the ratio.
+    /// Largest forces (N) of the range for each ratio; empty if the range includes forces of zero or less, or for more than two contacts.
     fn largest_forces(&self) -> Vec<Vec<f64>> {
         let [least, most] = self.range_n;
         if least <= 0.0 || self.contacts.len() > 2 {
@@ -78,7 +78,7 @@ pub(super) struct Scout<'m> {
     limits: Vec<Limit>,
 }
 
-/// Whether the scout's finger carries some forces.
+/// Result of the scout for given forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LoadClass {
     /// The scout's finger carries the forces.
@@ -89,7 +89,7 @@ pub(super) enum LoadClass {
     TooLarge,
 }
 
-/// Largest forces of one ratio that the finger carries.
+/// Largest forces of one ratio that the finger carries; `size_n` is their Euclidean norm, N.
 #[derive(Clone, Copy)]
 struct Limit {
     ray: Ray,
@@ -101,7 +101,7 @@ struct Limit {
 struct Ray(f64);
 
 impl Ray {
-    /// Ratio of some forces; `None` for more than two.
+    /// Ratio of the forces; `None` for more than two.
     fn of(forces_n: &[f64]) -> Option<Ray> {
         match *forces_n {
             [force] => Some(Ray(if force < 0.0 { std::f64::consts::PI } else { 0.0 })),
@@ -112,7 +112,7 @@ impl Ray {
 }
 
 impl Scout<'_> {
-    /// Load class of some forces (N), by the limit loads of neighbouring ratios or by a solve. A solve without equilibrium stores its limit load.
+    /// Load class of forces (N), from the limit loads of neighbouring ratios or from a solve. A solve without equilibrium stores its limit load.
     pub(super) fn sees(&mut self, forces_n: &[f64]) -> LoadClass {
         let size_n = forces_n.iter().map(|force| force * force).sum::<f64>().sqrt();
         let ray = Ray::of(forces_n);
@@ -135,7 +135,7 @@ impl Scout<'_> {
         }
     }
 
-    /// Limit loads (N) of the nearest known ratios on both sides, the lower limit first; `None` if one of these ratios is too far.
+    /// Limit loads (N) of the nearest known ratios on both sides, the smaller limit first; `None` if one side has no known ratio nearby.
     fn known_limits_n(&self, Ray(angle): Ray) -> Option<[f64; 2]> {
         let nearest = |side: f64| {
             let away = |limit: &Limit| side * (limit.ray.0 - angle);

@@ -11,10 +11,10 @@ use std::time::Duration;
 
 /// Number of pieces of work per thread between two writes. With many pieces, waiting for the slowest piece costs little.
 const PIECES_A_THREAD: usize = 16;
-/// If a round of pieces takes less time than this, waiting for threads and files dominates, and pieces grow. A stopped run loses at most twice this
-/// time.
+/// If a round of pieces takes less time than this, waiting for threads and files dominates, so the next pieces have up to twice as many blocks. A
+/// stopped run loses at most the current round.
 const LEAST_TIME: Duration = Duration::from_millis(10);
-/// Largest number of rows in memory, unless a single block has more.
+/// Largest number of rows in memory, unless pieces of a single block already have more.
 const MOST_ROWS: usize = 1 << 16;
 
 /// A sweep of true fingers and estimators over a grid.
@@ -22,7 +22,7 @@ pub struct Sweep<'s> {
     finger: &'s Finger,
     truths: Vec<&'s dyn Truth>,
     estimators: Vec<&'s dyn Estimator>,
-    /// Estimators prepared once for many contacts, if that saves time: for the true finger's kinematics, and for a linear true finger.
+    /// For each estimator: versions prepared once for many contacts, for a nonlinear and for a linear true finger; `None` if this saves no time.
     for_many: Vec<[Option<Box<dyn Estimator + 's>>; 2]>,
     grid: &'s Grid,
     noise: NoiseSamples,
@@ -116,14 +116,14 @@ impl<'s> Sweep<'s> {
             .collect()
     }
 
-    /// Every noise level (mm) with every force (N) and the force's number.
+    /// Every pair of noise level (mm) and force (N), with the index of the force.
     fn levels(&self) -> impl Iterator<Item = (f64, f64, usize)> {
         let of_level =
             |&noise_mm| self.grid.forces_n.iter().enumerate().map(move |(n, &force_n)| (noise_mm, force_n, n));
         self.grid.noise_levels_mm.iter().flat_map(of_level)
     }
 
-    /// Computes blocks in parallel and passes to `write`, in order, a number of blocks and their rows. Memory holds few blocks per thread.
+    /// Computes blocks in parallel. `write` gets them in order, several at a time: their number and their rows. Memory holds few blocks per thread.
     ///
     /// # Errors
     /// The first error of `write` or of the CSV writer.
@@ -163,7 +163,7 @@ impl<'s> Sweep<'s> {
     }
 }
 
-/// Adds the answers of an estimator to noise samples of a measurement to `tally`.
+/// Estimates the force for each noise sample of a measurement, and adds the answers and refusals to `tally`.
 fn sense<'p>(
     estimator: &mut dyn PreparedEstimator,
     seen: &Measurement,

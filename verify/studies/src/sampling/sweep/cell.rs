@@ -6,8 +6,8 @@ use crate::truths::TruthId;
 /// One force at one position, direction and noise level, on one true finger, sensed by one estimator. The fields are the columns of
 /// [`Table::Sweep`](super::Table::Sweep).
 ///
-/// Errors are those of the answered samples. They are `None` if fewer than half of the samples were answered, because few answers are biased. The
-/// numbers of intervals are `None` if the estimator states no intervals, or answered no sample.
+/// Errors refer to the answered samples. They are `None` if fewer than half of the samples were answered, because such a selection is biased. The
+/// counts `warned`, `covered` and `covered_warned` are `None` if the estimator states no standard deviations, or answered no sample.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
     /// The true finger.
@@ -30,11 +30,11 @@ pub struct Cell {
     pub mean_error: Option<f64>,
     /// Mean of sensed / true - 1, dimensionless: the systematic error.
     pub bias: Option<f64>,
-    /// Standard deviation of sensed / true over the noise samples, dimensionless; `None`, too, if fewer than two noisy samples were answered.
+    /// Standard deviation of sensed / true over the noise samples, dimensionless; also `None` if fewer than two noisy samples were answered.
     pub spread: Option<f64>,
-    /// Root mean square of the standard deviations stated by the estimator, N; `None`, too, if it states none.
+    /// Root mean square of the standard deviations stated by the estimator, N; also `None` if it states none.
     pub sigma_n: Option<f64>,
-    /// Reason why the finger has no equilibrium, or why the first refused sample was refused, on one line; `None` if all were answered.
+    /// Reason for missing answers, on one line: the finger has no equilibrium, or the reason of the first refusal. `None` if all samples were answered.
     pub refusal: Option<String>,
     /// Number of answers with a warning.
     pub warned: Option<usize>,

@@ -2,7 +2,7 @@
 
 use crate::prelude::*;
 
-/// Directions of a grid reach up to this angle from the normal, degrees. At larger angles a force slides rather than presses.
+/// Directions of a grid reach up to this angle from the normal, degrees. At larger angles a contact would slip.
 const LARGEST_ANGLE_DEG: f64 = 80.0;
 
 /// The grid of one request, shared by all true fingers and estimators.
@@ -17,7 +17,7 @@ pub struct Grid {
     pub forces_n: Vec<f64>,
     /// Standard deviations of a measured coordinate's noise, mm; 0 for none.
     pub noise_levels_mm: Vec<f64>,
-    /// Number of noise samples, shared by all cells.
+    /// Number of noise samples per cell. All cells share the samples.
     #[serde(rename = "noise_pictures")]
     pub noise_samples: usize,
     /// Seed of the noise.
@@ -25,9 +25,9 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Positions (mm from the base) and directions (degrees) of a grid. About `positions` positions reach up to the tip, evenly spaced in every
-    /// member of the front plate. A plate with more nodes than `positions` is sampled at a subset of its nodes. Directions are from -80 to 80
-    /// degrees in steps of `step_deg`.
+    /// Positions (mm from the base) and directions (degrees) of a grid. There are about `positions` positions, evenly spaced in every member of the
+    /// front plate, up to and including the tip. A plate with at least 2 * `positions` members is sampled at a subset of its nodes. Directions are
+    /// multiples of `step_deg` from -80 to 80 degrees.
     pub fn grid(finger: &Finger, positions: usize, step_deg: f64) -> (Vec<f64>, Vec<f64>) {
         let mut nodes = finger.plate_positions_mm(Plate::Front);
         nodes.dedup();
@@ -49,7 +49,7 @@ impl Grid {
         self.positions_mm.len() * self.angles_deg.len()
     }
 
-    /// Contact of a number below [`contact_count`](Grid::contact_count). Contacts are numbered by position, then direction.
+    /// Contact with index `number`, below [`contact_count`](Grid::contact_count). Contacts are ordered by position, then direction.
     pub fn contact(&self, number: usize) -> Contact {
         let (position, angle) = (number / self.angles_deg.len(), number % self.angles_deg.len());
         Contact { position: ContactPosition::At(self.positions_mm[position]), angle_deg: self.angles_deg[angle] }

@@ -35,7 +35,7 @@ pub struct MapCell {
 pub enum CellState {
     /// At least half of the samples were answered.
     Answered,
-    /// The finger has equilibrium, but the estimator refuses more than half of the samples. Its few answers are biased.
+    /// The finger has an equilibrium, but the estimator refuses more than half of the samples. The other answers are a biased selection.
     Refused,
     /// The finger has no equilibrium under the force, so no force can be sensed.
     WithoutEquilibrium,
@@ -62,7 +62,7 @@ impl MapCell {
         }
     }
 
-    /// Whether the mean error is above a limit. A refused cell counts as above; a cell without equilibrium gives `None`.
+    /// Whether the mean error is above a limit. A refused cell counts as above the limit; `None` for a cell without equilibrium.
     pub fn is_above(&self, limit: f64) -> Option<bool> {
         (self.state() != CellState::WithoutEquilibrium).then(|| self.mean_error.is_none_or(|error| error > limit))
     }

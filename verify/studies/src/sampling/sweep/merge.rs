@@ -89,7 +89,7 @@ impl Shards {
     }
 }
 
-/// Request and number of a shard, and the byte offset of its rows.
+/// Checks that a file is a complete shard. Returns its request, its number, and the byte offset of its rows.
 fn whole_shard(path: &Path) -> Result<(Request, Shard, u64), FileError> {
     let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
     let no_shard = || FileError::content(path, "is not a shard: expected a file written with --shard I/N");

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The file `OUT.partial`: a [`Head`], the table's header and the rows of finished blocks.
 ///
-/// A stopped run leaves this file behind. The next run with the same request drops an incomplete last block and continues. A run locks the file.
+/// A stopped run leaves this file. The next run with the same request removes an incomplete last block and continues. A run locks the file.
 #[derive(Debug)]
 pub struct Partial {
     out: PathBuf,
@@ -98,7 +98,7 @@ impl Partial {
         let mut sources: Vec<(&Path, &mut dyn Read)> = vec![(&self.out, &mut self.file)];
         sources.extend(beside.iter().zip(&mut texts).map(|((path, _), text)| (path.as_path(), text as &mut dyn Read)));
         write_from(sources)?;
-        // If removal fails, the next run finds all rows in the file.
+        // If removal fails, the next run finds all rows here and computes none again.
         std::fs::remove_file(&self.path).map_err(|reason| FileError::Unwritable { path: self.path.clone(), reason })
     }
 }

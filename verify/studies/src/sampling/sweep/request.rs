@@ -17,7 +17,7 @@ pub struct Request {
     pub truths: Vec<TruthId>,
     /// The estimators.
     pub estimators: Vec<EstimatorId>,
-    /// SHA-256 of the user's network file, hexadecimal.
+    /// SHA-256 of the user's network file, hexadecimal; `None` without such a file.
     pub network: Option<String>,
     /// Text of the scene file.
     pub scene: String,
@@ -89,7 +89,7 @@ impl Head {
     }
 }
 
-/// Lines of a file that may be a head: the lines that begin with a mark. The reader then stands at the first line without a mark.
+/// Leading lines of a file that begin with `#`, which may be a head. Leaves the reader at the first other line.
 pub(super) fn lines_of_head(reader: &mut impl BufRead) -> std::io::Result<String> {
     let mut lines = String::new();
     while reader.fill_buf()?.starts_with(&MARK.as_bytes()[..1]) {

@@ -16,7 +16,7 @@ pub(super) struct NoiseSamples {
     /// Number of coordinates of a sample: two for each marker.
     pub(super) coordinates: usize,
     samples: usize,
-    /// Coordinates of the first samples.
+    /// Noise of the first samples, one sample after the other.
     kept: Vec<f64>,
 }
 
@@ -29,12 +29,12 @@ impl NoiseSamples {
         noise
     }
 
-    /// Number of samples at a noise level (mm): one without noise, because all are equal.
+    /// Number of samples at a noise level (mm). Without noise all samples are equal, so one suffices.
     pub(super) fn samples(&self, noise_mm: f64) -> usize {
         if noise_mm == 0.0 { 1 } else { self.samples }
     }
 
-    /// Passes all samples to `look` in groups: the number of the first sample, and the coordinates of the group in sequence.
+    /// Passes all samples to `look` in groups: the index of the group's first sample, and the noise of its samples in sequence.
     pub(super) fn each(&self, mut look: impl FnMut(usize, &[f64])) {
         for first in (0..self.samples).step_by(AT_ONCE) {
             let numbers = first..self.samples.min(first + AT_ONCE);

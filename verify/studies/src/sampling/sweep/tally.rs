@@ -24,7 +24,7 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Adds an answer to a sample with true force `force_n` (N).
+    /// Adds the estimator's answer for one sample; `force_n` is the true force, N.
     pub(super) fn answer(&mut self, sensed: &Sensed, force_n: f64) {
         let error = sensed.forces_n[0] / force_n - 1.0;
         self.answered += 1;
@@ -49,7 +49,7 @@ impl Tally {
         self.refusal.get_or_insert_with(|| error.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
     }
 
-    /// The cell with the results over its `samples` samples.
+    /// Returns the cell, filled with the results over its `samples` samples.
     pub(super) fn fill(&self, cell: Cell, samples: usize) -> Cell {
         let count = self.answered as f64;
         let is_stated = self.answered > 0 && self.stated == self.answered;

@@ -1,4 +1,4 @@
-//! Closing of a finger on caps: steps of the motor, and forces that make caps and rods compatible.
+//! Closing of a finger on caps: steps of the motor, and the contact forces at which no rod penetrates its cap.
 
 use super::ExperimentError;
 use crate::experiments::contact_scene::angle_deg;
@@ -94,8 +94,8 @@ struct Caps<'m> {
 }
 
 impl Caps<'_> {
-    /// Finds forces at which no rod penetrates its cap, and only rods on their cap carry a force, by Newton's method on the gaps. `None` without
-    /// equilibrium.
+    /// Newton's method on the gaps: finds forces at which no rod penetrates its cap, and only rods on their caps carry a force. `None` if the finger has no
+    /// equilibrium or the method does not converge.
     fn press(&mut self, placement: &Placement) -> Result<Option<Pressed>, LoadError> {
         let across = across(placement);
         let angle_deg = angle_deg(self.finger, across);
