@@ -237,7 +237,7 @@ impl<'s> Sensor<'s> {
     }
 
     /// Estimates the forces of one observation as [`sense`](Sensor::sense). The search starts from `near`, the forces of an earlier observation, if they are
-    /// given. If a minimum near them explains the observation, no other is sought.
+    /// given and the observation has so many markers that the minimum near them is unique. If this minimum explains the observation, no other is sought.
     ///
     /// # Errors
     /// [`Refusal`] as for `sense`.

@@ -6,7 +6,7 @@ use finray_model::finger::{
     BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, Strip,
 };
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactQuestion, Pad, SensingError, sense_refining};
+use finray_model::sensing::{Contact, ContactQuestion, NearForces, Pad, SensingError, sense_refining};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use finray_tests::{STANDARD_ERRORS, TWO_SIDED_95, at_position, case_count, noisy, random_stream, seen, share_error};
 use rand::RngExt;
@@ -159,7 +159,8 @@ fn a_small_change_of_the_mesh_is_not_taken_for_convergence() {
 }
 
 /// A V without ribs whose tip is the only marker: 0.5 N were sensed as -0.085 +- 0.055 N, and 1 N denied. A small negative force moves the tip as
-/// 0.5 N do, which may be refused; nothing does as 1 or -0.5 N do, of which 8 and 9 draws are answered and half must be.
+/// 0.5 N do, which may be refused; nothing does as 1 or -0.5 N do, of which 8 and 9 draws are answered and half must be. A search that starts at the
+/// wrong minimum does not end there.
 #[test]
 fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
     let strip = |thickness_mm| Strip { thickness_mm, tip_thickness_mm: None, youngs_modulus_mpa: 18.5 };
@@ -201,6 +202,21 @@ fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
                 continue;
             };
             *answered += 1;
+            if truth_n == 1.0 {
+                let near = NearForces { contacts: &[contact], forces_n: &[-0.359] };
+                let of_near = sense_refining(
+                    &finger,
+                    &[contact.into()],
+                    Pad::default(),
+                    None,
+                    &measurement,
+                    Some(noise_mm),
+                    Some(near),
+                );
+                let of_near = of_near.expect("the answer of a search from rest").forces;
+                let off = (of_near.forces_n[0] - found.forces_n[0]) / found.sigmas_n[0];
+                assert!(off.abs() < 1e-3, "{off} sigma");
+            }
             let error = (found.forces_n[0] - truth_n) / found.sigmas_n[0];
             assert!(error.abs() <= WRONG_SIGMAS || found.warning.is_some(), "{truth_n} N: {found:?}");
         }

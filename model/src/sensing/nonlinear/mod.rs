@@ -39,7 +39,7 @@ use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
 use leaning::FoundLean;
 use linearised::{Linearised, Posed};
-use minima::Minima;
+use minima::{MANY_COORDINATES, Minima};
 use nalgebra::DMatrix;
 use nuisances::{Nuisances, Priors};
 use scan::Scan;
@@ -240,8 +240,8 @@ impl<'m> NonlinearEstimator<'m> {
     }
 
     /// Estimates the forces as [`estimate`](NonlinearEstimator::estimate), with a search that starts from forces at contacts near the result. If no minimum that
-    /// explains the measurement is near, the search is that of `estimate`. Of a result that was chosen among all minima on a coarser mesh (`is_chosen`), only
-    /// the minimum nearby is sought.
+    /// explains the measurement is near, or the measurement has so few markers that another minimum may explain it as well, the search is that of `estimate`.
+    /// Of a result that was chosen among all minima on a coarser mesh (`is_chosen`), only the minimum nearby is sought.
     ///
     /// # Errors
     /// [`SensingError`] as for `estimate`.
@@ -254,7 +254,9 @@ impl<'m> NonlinearEstimator<'m> {
     ) -> Result<NonlinearEstimate, SensingError> {
         self.expect(measurement, noise_mm)?;
         self.forget();
-        if self.object.is_none() && near.contacts.len() == self.questions.len() {
+        let many = MANY_COORDINATES[usize::from(self.questions.len() > 1)];
+        let is_unique = is_chosen || measurement.coordinate_count() >= many;
+        if is_unique && self.object.is_none() && near.contacts.len() == self.questions.len() {
             self.last = self.state_under(near.contacts, near.forces_n, None);
         }
         self.is_chosen = is_chosen && self.last.is_some();
